@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import factorial
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +30,6 @@ from bench.typing import Floats
 SPLITS = 10  # divisions of the trials into halves, each used both ways
 SEED = 1
 MOST_EXACT = 12  # optimizers all of whose sets are compared: 4,096 of them
-PERMUTATIONS = 200  # of more optimizers, for their Shapley values
 NEAR = 0.95  # of the score of the virtual best
 ROUNDING = 12  # decimals of scores: sums of equal numbers in another order differ by rounding
 
@@ -41,14 +40,13 @@ class Portfolio(NamedTuple):
     Attributes:
         gap: one row: ``single``, the label of the single best; ``problems``, ``functions``; ``single_score`` and
             ``virtual_score``; ``gap``, their difference, with its interval ``low`` and ``high`` over functions
-            (Student's, missing with one function); ``shown``, whether that lies above 0; and ``same_trials``, the gap
-            where the same trials choose and score, which is too large.
+            (Student's, missing with one function); and ``shown``, whether that lies above 0.
         sets: size, optimizers (a tuple), ``score`` and ``ratio``, over the score of the virtual best, of the best set
-            of each size; ``near``, whether the ratio is at least 0.95; ``exact``, whether all sets of the size were
-            compared or an optimizer was added to the set before.
+            of each size, up to the first whose ratio is at least 0.95. All sets of a size were compared, or with more
+            than 12 optimizers those with one more than the set before.
         members: optimizer, ``score`` (it alone), ``chosen`` (the share of problems for which the virtual best takes
-            it; a tie is divided), ``shapley``, its standard error ``se`` (0 where exact), and ``adds``: how much lower
-            the score of the virtual best is without this optimizer.
+            it; a tie is divided), ``shapley``, and ``adds``: how much lower the score of the virtual best is without
+            this optimizer.
     """
 
     gap: pd.DataFrame
@@ -81,14 +79,13 @@ def portfolio_of(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SE
     Args:
         scores: those of :func:`target_shares`, or others of which larger is better and 0 is nothing.
         blocks: the function of each problem; functions are what the interval treats as independent.
-        seed: repeats the halves, and the permutations of more than 12 optimizers.
+        seed: repeats the halves.
 
     Raises:
         BenchError: where no problem is left.
     """
     halves = Halves.of(scores, blocks, seed)
-    sets, values = _exact_sets(halves) if len(halves.optimizers) <= MOST_EXACT else (_greedy_sets(halves), None)
-    return Portfolio(best_gap(halves), sets, _members(halves, values, seed))
+    return Portfolio(best_gap(halves), _best_sets(halves), _members(halves))
 
 
 def student(values: Sequence[float] | Floats, alpha: float = ALPHA) -> tuple[float, float, float]:
@@ -173,10 +170,7 @@ def _halves(values: Floats) -> tuple[Floats, Floats]:
     """Return the mean of the first half of each column's values, and that of the others; missing ones are no trial."""
     held = ~np.isnan(values)
     first = held & (held.cumsum(axis=0) <= held.sum(axis=0) // 2)
-    filled = np.where(held, values, 0.0)
-    sums = (filled * first).sum(axis=0)
-    second = held & ~first
-    return sums / first.sum(axis=0), (filled * second).sum(axis=0) / second.sum(axis=0)
+    return values.mean(axis=0, where=first), values.mean(axis=0, where=held & ~first)
 
 
 def best_gap(halves: Halves) -> pd.DataFrame:
@@ -196,110 +190,58 @@ def best_gap(halves: Halves) -> pd.DataFrame:
         "single_score": float(single @ halves.weights),
         "virtual_score": float(virtual @ halves.weights),
         "gap": gap, "low": low, "high": high, "shown": bool(low > 0),
-        "same_trials": float(halves.whole.max(axis=1) @ halves.weights - means.max()),
     }  # fmt: skip
     return pd.DataFrame([row])
 
 
-def _exact_sets(halves: Halves) -> tuple[pd.DataFrame, Floats]:
-    """Return the best set of each size, and the score of every set by the bits of its members.
-
-    The sets with one more optimizer follow from those without it: it is better, equal or worse than their best.
-    """
-    count, size = len(halves.optimizers), len(halves.problems)
-    values = np.zeros(2**count)
-    for choose, score in zip(halves.choose, halves.score, strict=True):
-        best, total, tied = np.full((1, size), -np.inf), np.zeros((1, size)), np.ones((1, size))
-        for own, scored in zip(choose.T, score.T, strict=True):
-            better, equal = own > best, own == best
-            best, total, tied = (
-                np.concatenate(each)
-                for each in (
-                    (best, np.where(better, own, best)),
-                    (total, np.where(better, scored, total + np.where(equal, scored, 0.0))),
-                    (tied, np.where(better, 1.0, tied + equal)),
-                )
-            )
-        values += (total / tied) @ halves.weights / len(halves.choose)
-    values[0] = 0.0
-    values = values.round(ROUNDING)
-    sizes = np.bitwise_count(np.arange(2**count))
-    places = [int(np.flatnonzero(sizes == each)[values[sizes == each].argmax()]) for each in range(1, count + 1)]
-    chosen = [[member for member in range(count) if place >> member & 1] for place in places]
-    return _sets(halves, chosen, exact=True), values
+def _best_sets(halves: Halves) -> pd.DataFrame:
+    """Return the best set of each size, of all sets or, for many optimizers, by adding one, until a set is near."""
+    everyone = range(len(halves.optimizers))
+    virtual = halves.value(everyone)
+    members: tuple[int, ...] = ()
+    rows: list[tuple[Any, ...]] = []
+    while not rows or halves.value(members) < NEAR * virtual:
+        adding = [(*members, each) for each in everyone if each not in members]
+        few = len(everyone) <= MOST_EXACT
+        members = max(combinations(everyone, len(members) + 1) if few else adding, key=halves.value)
+        score = halves.value(members)
+        names = tuple(halves.optimizers[each] for each in members)
+        rows.append((len(members), names, score, score / virtual if virtual > 0 else 1.0))
+    return pd.DataFrame(rows, columns=["size", "optimizers", "score", "ratio"])
 
 
-def _greedy_sets(halves: Halves) -> pd.DataFrame:
-    """Return sets to each of which the optimizer was added that raises the score most, until one is near."""
-    chosen: list[list[int]] = [[]]
-    limit = NEAR * halves.value(range(len(halves.optimizers)))
-    while len(chosen) == 1 or halves.value(chosen[-1]) < limit:
-        others = [member for member in range(len(halves.optimizers)) if member not in chosen[-1]]
-        chosen.append(max(([*chosen[-1], member] for member in others), key=halves.value))
-    return _sets(halves, chosen[1:], exact=False)
-
-
-def _sets(halves: Halves, chosen: Sequence[Sequence[int]], *, exact: bool) -> pd.DataFrame:
-    virtual = halves.value(range(len(halves.optimizers)))
-    scores = np.array([halves.value(members) for members in chosen])
-    return pd.DataFrame(
-        {
-            "size": [len(members) for members in chosen],
-            "optimizers": [tuple(halves.optimizers[each] for each in members) for members in chosen],
-            "score": scores,
-            "ratio": scores / virtual if virtual > 0 else 1.0,
-            "near": scores >= NEAR * virtual,
-            "exact": exact or np.array([len(members) == 1 for members in chosen]),
-        }
-    )
-
-
-def _members(halves: Halves, values: Floats | None, seed: int) -> pd.DataFrame:
+def _members(halves: Halves) -> pd.DataFrame:
     everyone = list(range(len(halves.optimizers)))
     virtual = halves.value(everyone)
-    worth, error = _sampled_shapley(halves, seed) if values is None else (shapley(values), np.zeros(len(everyone)))
+    worth = [shapley(choose, score) for choose, score in zip(halves.choose, halves.score, strict=True)]
     without = [halves.value([each for each in everyone if each != member]) for member in everyone]
     return pd.DataFrame(
         {
             "optimizer": halves.optimizers,
             "score": [halves.value([member]) for member in everyone],
             "chosen": (halves.chosen(everyone).mean(axis=0) * halves.weights[:, np.newaxis]).sum(axis=0),
-            "shapley": worth,
-            "se": error,
+            "shapley": (halves.weights @ np.mean(worth, axis=0)).round(ROUNDING),
             "adds": np.subtract(virtual, without).round(ROUNDING),
         }
     )
 
 
-def shapley(worth: Floats) -> Floats:
-    """Return the Shapley value of each player (Shapley 1953), (K,), from the worth of all 2^K sets by their bits.
+def shapley(choose: Floats, score: Floats) -> Floats:
+    """Return the Shapley values of optimizers on each problem, (P, K): what one adds, averaged over all orders.
 
-    It is what a player adds to those before it, averaged over all orders; that of optimizers in a portfolio is by
-    Fréchette, Kotthoff, Michalak, Rahwan, Hoos and Leyton-Brown (2016, AAAI).
+    A set of optimizers takes the one with the highest ``choose`` and is worth its ``score``, the mean of those that
+    tie; both are (P, K). That of a portfolio is by Fréchette, Kotthoff, Michalak, Rahwan, Hoos and Leyton-Brown (2016,
+    AAAI). Here no sets are needed. With t better ones and g that tie, itself among them, an optimizer comes before all
+    better and tied ones in 1 of t + g orders, and then adds the mean score of those that tie. Its own score differs
+    from that mean, and counts more where it comes before some of them: by the mean of 1/(t + 1) to 1/(t + g - 1).
+    It takes the place of a worse one, whose t and g count here, in 1 of t (t + g) orders.
     """
-    count = int(np.log2(len(worth)))
-    sets = np.arange(len(worth))
-    sizes = np.bitwise_count(sets)
-    weights = np.array([factorial(size) * factorial(count - size - 1) for size in range(count)]) / factorial(count)
-    found = np.zeros(count)
-    for player in range(count):
-        before = sets[(sets >> player & 1) == 0]
-        found[player] = (weights[sizes[before]] * (worth[before | 1 << player] - worth[before])).sum()
-    return found
-
-
-def _sampled_shapley(halves: Halves, seed: int) -> tuple[Floats, Floats]:
-    """Return Shapley values from random orders, and their standard errors."""
-    rng, size = np.random.default_rng(seed), halves.choose.shape[:2]
-    added = np.empty((PERMUTATIONS, len(halves.optimizers)))
-    for row in added:
-        best, total, tied = np.full(size, -np.inf), np.zeros(size), np.ones(size)
-        before = 0.0
-        for player in rng.permutation(len(row)):
-            own, scored = halves.choose[..., player], halves.score[..., player]
-            better, equal = own > best, own == best
-            total = np.where(better, scored, total + np.where(equal, scored, 0.0))
-            tied, best = np.where(better, 1.0, tied + equal), np.where(better, own, best)
-            after = float((total / tied).mean(axis=0) @ halves.weights)
-            row[player], before = after - before, after
-    return added.mean(axis=0), added.std(axis=0, ddof=1) / np.sqrt(PERMUTATIONS)
+    better = choose[:, np.newaxis] > choose[..., np.newaxis]  # (P, K, K): the third is better than the second
+    equal = choose[:, np.newaxis] == choose[..., np.newaxis]
+    above, tied = better.sum(axis=-1), equal.sum(axis=-1)
+    inverse = np.concatenate(([0.0], (1 / np.arange(1, choose.shape[-1] + 1)).cumsum()))
+    mean = (equal * score[:, np.newaxis]).sum(axis=-1) / tied
+    apart = (inverse[above + tied - 1] - inverse[above]) / np.maximum(tied - 1, 1)
+    replaced = (better * (score / (np.maximum(above, 1) * (above + tied)))[..., np.newaxis]).sum(axis=1)
+    values: Floats = mean / (above + tied) + (score - mean) * apart - replaced
+    return values

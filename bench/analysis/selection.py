@@ -8,7 +8,7 @@ nearly the same problem (Bischl, Mersmann, Trautmann and Preuss 2012, GECCO).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -85,9 +85,9 @@ def validated_selection(
 ) -> pd.DataFrame:
     """Return what the choice by features would have been for each problem, without any problem of its function.
 
-    Columns: problem, function, nearest (the neighbour), distance, chosen, ``score`` (charged), ``single`` (the single
-    best of all these problems), ``single_score``, ``gain`` (the difference, positive where the choice is better).
-    Empty with fewer than 6 functions.
+    Columns: problem, function, nearest (the neighbour), chosen, ``score`` (charged), ``single_score`` (of the single
+    best of all these problems), ``gain`` (the difference, positive where the choice is better). Empty with fewer than
+    6 functions.
 
     The single best is chosen on the trials that score it, so the gain of useless features is below 0. One that is
     chosen anew without each function would be unbiased, but then gains depend on each other, and their interval lies
@@ -103,20 +103,20 @@ def validated_selection(
     known = [problem for problem in plain.index if problem in features.index and problem in paid.index]
     functions = np.array([blocks.get(problem, problem) for problem in known], dtype=object)
     plain, paid, own = plain.loc[known], paid.loc[known], features.loc[known]
-    values, tables = paid.to_numpy(dtype=float), []
-    for function in dict.fromkeys(functions) if len(set(functions)) >= LEAST_FUNCTIONS else ():
-        test, train = np.flatnonzero(functions == function), np.flatnonzero(functions != function)
-        apart = Space.of(own.iloc[train]).distances(own.iloc[test]).to_numpy()
-        near = apart.argsort(axis=1, kind="stable")[:, :NEIGHBOURS]
-        chosen = values[train[near]].mean(axis=1).round(12).argmax(axis=1)
-        table = {"problem": plain.index[test], "function": function, "nearest": plain.index[train[near[:, 0]]]}
-        table |= {"distance": np.take_along_axis(apart, near, axis=1)[:, 0], "chosen": paid.columns[chosen]}
-        tables.append(pd.DataFrame(table | {"score": values[test, chosen]}))
-    columns = ["problem", "function", "nearest", "distance", "chosen", "score"]
-    found = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
-    single = single_best(plain, blocks) if known else ""
-    beside = plain[single].reindex(found["problem"]).to_numpy(dtype=float) if single else np.empty(0)
-    return found.assign(single=single, single_score=beside, gain=found["score"].astype(float) - beside)
+    rows: list[tuple[Any, ...]] = []
+    if len(set(functions)) >= LEAST_FUNCTIONS:
+        values, single = paid.to_numpy(dtype=float), plain[single_best(plain, blocks)].to_numpy(dtype=float)
+        for function in dict.fromkeys(functions):
+            test, train = np.flatnonzero(functions == function), np.flatnonzero(functions != function)
+            apart = Space.of(own.iloc[train]).distances(own.iloc[test]).to_numpy()
+            near = train[apart.argsort(axis=1, kind="stable")[:, :NEIGHBOURS]]
+            for place, others in zip(test, near, strict=True):
+                chosen = values[others].mean(axis=0).round(12).argmax()
+                score = values[place, chosen]
+                names = (known[place], function, known[others[0]], paid.columns[chosen])
+                rows.append((*names, score, single[place], score - single[place]))
+    columns = ["problem", "function", "nearest", "chosen", "score", "single_score", "gain"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def selection_gain(validated: pd.DataFrame) -> tuple[float, float, float]:
@@ -139,10 +139,9 @@ def best_on(
 ) -> pd.DataFrame:
     """Return the best three optimizers on some problems, beside the single best of all.
 
-    Columns: optimizer, ``best_on`` (the number of these problems on which no other one has a higher score), ``score``,
-    the mean over them, and ``gain``, ``low`` and ``high``: how much that is above the score of the single best, with
-    the interval over the functions of these problems. As the same problems choose, gains are too large rather than
-    too small.
+    Columns: optimizer, ``score``, the mean over these problems, and ``gain``, ``low`` and ``high``: how much that is
+    above the score of the single best, with the interval over the functions of these problems. As the same problems
+    choose, gains are too large rather than too small.
 
     Args:
         problems: such as those with the most similar features.
@@ -151,11 +150,8 @@ def best_on(
         blocks: likewise.
     """
     plain, paid = (cell_scores(each) for each in (scores, charged))
-    near = [problem for problem in problems if problem in plain.index]
-    single, own = plain.loc[near, single_best(plain, blocks)], paid.loc[near]
-    highest = own.eq(own.max(axis=1), axis=0).sum()
-    rows = []
-    for optimizer in own.mean().round(12).sort_values(ascending=False, kind="stable").index[:SHOWN]:
-        gain = student(over_functions(own[optimizer] - single, blocks).to_list())
-        rows.append((optimizer, int(highest[optimizer]), own[optimizer].mean(), *gain))
-    return pd.DataFrame(rows, columns=["optimizer", "best_on", "score", "gain", "low", "high"])
+    own = paid.loc[[problem for problem in problems if problem in plain.index]]
+    gains = own.sub(plain.loc[own.index, single_best(plain, blocks)], axis=0)
+    best = own.mean().round(12).sort_values(ascending=False, kind="stable").index[:SHOWN]
+    rows = [(each, own[each].mean(), *student(over_functions(gains[each], blocks).to_list())) for each in best]
+    return pd.DataFrame(rows, columns=["optimizer", "score", "gain", "low", "high"])

@@ -56,12 +56,12 @@ def recommend(
             near.add_row(Text(str(row["problem"])), f"{row['distance']:.2f}", Text(str(row["best"])))
         console.print(near, "")
     where, reached = ("these", "targets after the sample") if len(found.nearest) else ("all", "targets")
-    heads = (f"best on {where}", reached, "best on", "points above the single best, without a sample")
+    heads = (f"best on {where}", reached, "points above the single best, without a sample")
     best = Table(*heads, box=None, pad_edge=False)
     for row in found.best.to_dict("records"):
         gain, low, high = (100 * float(row[name]) for name in ("gain", "low", "high"))
         interval = "" if isnan(low) else f" ({low:+.1f} to {high:+.1f})"
-        best.add_row(Text(str(row["optimizer"])), f"{row['score']:.1%}", str(row["best_on"]), f"{gain:+.1f}{interval}")
+        best.add_row(Text(str(row["optimizer"])), f"{row['score']:.1%}", f"{gain:+.1f}{interval}")
     console.print(best, "")
     for note in found.notes:
         print_line(note, console=console)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from bench.analysis.portfolio import Portfolio, portfolio_of, target_shares
+from bench.analysis.portfolio import target_shares
 from bench.analysis.selection import LEAST_FUNCTIONS, NEIGHBOURS, selection_gain, validated_selection
 from bench.report.findings import Findings
 from bench.report.landscapes import sample
@@ -47,11 +47,6 @@ class Choice:
         """The function of each problem: all its dimensions, or the sweep that the problem is a step of."""
         return self.findings.trials.blocks
 
-    @property
-    def reached(self) -> bool:
-        """Whether any trial reached any target, so that scores can be compared."""
-        return bool((self.scores["score"] > 0).any())
-
     @cached_property
     def scores(self) -> pd.DataFrame:
         """The score of each trial."""
@@ -63,11 +58,6 @@ class Choice:
         dimensions = self.findings.trials.dimensions
         cost = {problem: sample(dimensions.get(problem, 0)) for problem in self.budgets}
         return target_shares(self.findings.anytime.hits, self.budgets, cost)
-
-    @cached_property
-    def portfolio(self) -> Portfolio:
-        """The gap, sets and contributions; raises BenchError where no problem has two trials of each optimizer."""
-        return portfolio_of(self.scores, self.blocks)
 
     @cached_property
     def features(self) -> pd.DataFrame:
@@ -100,7 +90,7 @@ def points(difference: float, low: float, high: float) -> str:
 
 
 def gap_sentence(found: pd.DataFrame) -> str:
-    """Return whether the virtual best is shown to be above the single best, of :class:`Portfolio`'s gap."""
+    """Return whether the virtual best is shown to be above the single best, from the gap of a portfolio."""
     row = found.iloc[0]
     by = points(*(float(row[name]) for name in ("gap", "low", "high")))
     over = f"percentage points over {count(int(row['functions']), 'function')}"

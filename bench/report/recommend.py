@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from bench.analysis.landscape import describe
+from bench.analysis.portfolio import Halves, best_gap
 from bench.analysis.selection import NEIGHBOURS, Space, best_on, cell_scores, single_best, usual_reach
 from bench.errors import BenchError
 from bench.plugins.loading import is_imported, load_problem
@@ -75,30 +76,27 @@ def recommend(
     notes = _budget_notes(choice, described(asked))
     if len(findings.trials.optimizers) < 2:
         raise BenchError("the folders hold one optimizer, so there is nothing to choose; give others with --from")
-    notes.append(gap_sentence(choice.portfolio.gap))
+    notes.append(gap_sentence(best_gap(Halves.of(choice.scores, choice.blocks))))
     plain = cell_scores(choice.scores)
-    single = single_best(plain, choice.blocks)
-    obstacle = _obstacle(choice, spent, cost)
-    if obstacle:
-        best = best_on(list(plain.index), choice.scores, choice.scores, choice.blocks)
+    single = advised = single_best(plain, choice.blocks)
+    nearest, where, charged = pd.DataFrame(), list(plain.index), choice.scores
+    if obstacle := _obstacle(choice, spent, cost):
         notes.append(f"{obstacle} The advice is the single best on all problems of the folders, {single}.")
-        study = _study(name, problem, options or {}, asked, findings, [single, *best["optimizer"]])
-        return Recommendation(single, pd.DataFrame(), best, tuple(notes), study)
-    described_own = choice.features[choice.features.index.isin(plain.index)]
-    own = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
-    distances = Space.of(described_own).distances(own).iloc[0]
-    near = distances.nsmallest(NEIGHBOURS)
-    best = best_on(list(near.index), choice.scores, choice.charged, choice.blocks)
-    notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), described_own, choice.blocks)
-    first = str(best["optimizer"].iloc[0])
-    notes.append(selection_sentence(choice))
-    notes.append(_advice(first, single, pays=choice.pays))
-    winners = [listing(list(row.index[row == row.max()]), 3) for _, row in plain.loc[near.index].iterrows()]
-    nearest = pd.DataFrame({"problem": near.index, "distance": near.to_numpy(dtype=float), "best": winners})
-    study = _study(
-        name, problem, options or {}, asked, findings, [first if choice.pays else single, *best["optimizer"], single]
-    )
-    return Recommendation(first if choice.pays else single, nearest, best, tuple(notes), study)
+    else:
+        known = choice.features[choice.features.index.isin(where)]
+        own = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
+        near = Space.of(known).distances(own).iloc[0].nsmallest(NEIGHBOURS)
+        winners = [listing(list(row.index[row == row.max()]), 3) for _, row in plain.loc[near.index].iterrows()]
+        nearest = pd.DataFrame({"problem": near.index, "distance": near.to_numpy(dtype=float), "best": winners})
+        where, charged = list(near.index), choice.charged
+        notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), known, choice.blocks)
+    best = best_on(where, choice.scores, charged, choice.blocks)
+    if not obstacle:
+        first = str(best["optimizer"].iloc[0])
+        advised = first if choice.pays else single
+        notes += [selection_sentence(choice), _advice(first, single, pays=choice.pays)]
+    study = _study(name, problem, options or {}, asked, findings, [advised, *best["optimizer"], single])
+    return Recommendation(advised, nearest, best, tuple(notes), study)
 
 
 def _budget_notes(choice: Choice, words: str) -> list[str]:

@@ -42,10 +42,9 @@ def test_complementary_optimizers_make_a_gap_of_their_difference(complementary, 
 
 def test_the_smallest_set_holds_the_complementary_ones(complementary):
     sets = portfolio_of(complementary, apart(complementary)).sets
-    smallest = sets[sets["near"]].iloc[0]
-    assert smallest["optimizers"] == ("a", "b")
-    assert smallest["ratio"] == pytest.approx(1, abs=0.01)
-    assert sets["exact"].all()
+    assert sets["size"].to_list() == [1, 2]
+    assert sets["optimizers"].to_list()[-1] == ("a", "b")
+    assert sets["ratio"].to_list()[-1] == pytest.approx(1, abs=0.01)
 
 
 def test_what_each_adds_and_how_often_it_is_taken_show_the_useless_one(complementary):
@@ -58,7 +57,8 @@ def test_what_each_adds_and_how_often_it_is_taken_show_the_useless_one(complemen
 def test_equal_optimizers_have_a_gap_by_chance_on_the_same_trials_alone(one):
     scores = scores_of(np.random.default_rng(3).normal(0.5, 0.1, (24, 6, 10)))
     gap = one(portfolio_of(scores, apart(scores)).gap)
-    assert gap["same_trials"] > 0.03
+    whole = Halves.of(scores, apart(scores)).whole
+    assert whole.max(axis=1).mean() - whole.mean(axis=0).max() > 0.03
     assert abs(gap["gap"]) < 0.01
     assert gap["low"] < 0 < gap["high"]
     assert not gap["shown"]
@@ -84,8 +84,7 @@ def test_ties_are_shared_and_make_no_gap(one):
 def test_trials_that_reach_nothing_have_no_ratio_but_1(one):
     scores = scores_of(np.zeros((4, 3, 4)))
     found = portfolio_of(scores, apart(scores))
-    assert found.sets["ratio"].to_list() == [1, 1, 1]
-    assert found.sets["near"].all()
+    assert found.sets["ratio"].to_list() == [1]
     assert (found.members["shapley"] == 0).all()
     assert not one(found.gap)["shown"]
 
@@ -132,36 +131,31 @@ def test_problems_with_a_single_trial_are_left_out(complementary, one):
 # Shapley values
 
 
-def brute_force(worth, count):
-    """Return Shapley values as the mean over all orders of what each player adds."""
-    added = np.zeros(count)
-    orders = list(permutations(range(count)))
-    for order in orders:
-        held = 0
-        for player in order:
-            added[player] += worth[held | 1 << player] - worth[held]
-            held |= 1 << player
-    return added / len(orders)
+def by_orders(choose, score):
+    """Return the Shapley values on one problem as the mean over all orders of what each optimizer adds."""
+    added, count = np.zeros(len(choose)), 0
+    for order in permutations(range(len(choose))):
+        before, count = 0.0, count + 1
+        for place in range(1, len(order) + 1):
+            held = list(order[:place])
+            after = score[held][choose[held] == choose[held].max()].mean()
+            added[order[place - 1]] += after - before
+            before = after
+    return added / count
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 5])
-def test_values_are_those_over_all_orders(count):
-    worth = np.random.default_rng(count).random(2**count)
-    worth[0] = 0
-    assert shapley(worth) == pytest.approx(brute_force(worth, count))
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("levels", [1, 2, 3, 1000])
+def test_values_are_those_over_all_orders_also_with_ties(count, levels):
+    rng = np.random.default_rng(count)
+    choose, score = rng.integers(levels, size=count).astype(float), rng.random(count)
+    assert shapley(choose[np.newaxis], score[np.newaxis])[0] == pytest.approx(by_orders(choose, score))
 
 
-def test_values_sum_to_the_worth_of_all_and_ignore_a_dummy():
-    worth = np.array([0, 1, 2, 4, 0, 1, 2, 4.0])  # the third player adds nothing
-    assert shapley(worth) == pytest.approx([1.5, 2.5, 0])
-
-
-def test_equal_players_have_equal_values_and_games_add_up():
-    rng = np.random.default_rng(1)
-    first, second = rng.random((2, 8))
-    assert shapley(first + second) == pytest.approx(shapley(first) + shapley(second))
-    alike = np.array([0, 1, 1, 5.0])
-    assert shapley(alike) == pytest.approx([2.5, 2.5])
+def test_values_of_each_problem_stand_alone():
+    choose, score = np.random.default_rng(0).integers(3, size=(2, 4, 5)).astype(float)
+    each = [shapley(choose[[problem]], score[[problem]])[0] for problem in range(4)]
+    assert shapley(choose, score) == pytest.approx(np.array(each))
 
 
 def test_the_values_of_optimizers_sum_to_the_score_of_the_virtual_best(one):
@@ -170,29 +164,32 @@ def test_the_values_of_optimizers_sum_to_the_score_of_the_virtual_best(one):
     assert found.members["shapley"].sum() == pytest.approx(one(found.gap)["virtual_score"])
 
 
-def test_exact_values_are_those_of_the_sets_one_by_one():
-    scores = scores_of(np.random.default_rng(4).random((5, 4, 4)).round(1))  # with ties
-    halves = Halves.of(scores, {})
-    worth = np.array([halves.value([each for each in range(4) if held >> each & 1]) for held in range(16)])
-    assert portfolio_of(scores, {}).members["shapley"].to_numpy() == pytest.approx(brute_force(worth, 4), abs=1e-9)
-
-
-def test_sampled_values_lie_within_their_errors_of_exact_ones(monkeypatch):
-    scores = scores_of(np.random.default_rng(6).random((5, 6, 4)))
-    exact = portfolio_of(scores, {}).members
-    monkeypatch.setattr("bench.analysis.portfolio.MOST_EXACT", 5)
+def test_the_values_of_many_optimizers_sum_to_the_score_of_the_virtual_best_too(one):
+    scores = scores_of(np.random.default_rng(6).random((5, 16, 4)).round(1))  # with ties
     found = portfolio_of(scores, {})
-    assert (found.members["se"] > 0).all()
-    assert (abs(found.members["shapley"] - exact["shapley"]) < 4 * found.members["se"]).all()
-    assert found.members["shapley"].sum() == pytest.approx(exact["shapley"].sum())
+    assert found.members["shapley"].sum() == pytest.approx(one(found.gap)["virtual_score"])
 
 
-def test_greedy_sets_grow_by_one_until_one_is_near(monkeypatch, complementary):
+def test_adding_one_at_a_time_finds_the_sets_of_all_where_optimizers_are_complementary(monkeypatch):
+    values = np.full((9, 4, 6), 0.2) + 0.01 * np.random.default_rng(0).standard_normal((9, 4, 6))
+    for member, problems in enumerate((slice(0, 4), slice(4, 7), slice(7, 9))):
+        values[problems, member] += 0.6
+    scores = scores_of(values)
+    exact = portfolio_of(scores, {}).sets
     monkeypatch.setattr("bench.analysis.portfolio.MOST_EXACT", 2)
-    sets = portfolio_of(complementary, apart(complementary)).sets
-    assert [set(each) for each in sets["optimizers"]][-1] == {"a", "b"}
-    assert sets["near"].to_list() == [False, True]
-    assert sets["exact"].to_list() == [True, False]
+    added = portfolio_of(scores, {}).sets
+    assert [set(each) for each in added["optimizers"]] == [{"a"}, {"a", "b"}, {"a", "b", "c"}]
+    assert added["score"].to_list() == exact["score"].to_list()
+
+
+def test_all_sets_of_a_size_are_compared_where_adding_one_misses_the_best(monkeypatch):
+    values = np.full((8, 3, 4), 0.2)
+    values[:4, 0] = values[4:, 1] = 0.8  # together the best on each problem
+    values[:, 2] = 0.6  # alone the best
+    scores = scores_of(values)
+    assert portfolio_of(scores, {}).sets["optimizers"].to_list() == [("c",), ("a", "b")]
+    monkeypatch.setattr("bench.analysis.portfolio.MOST_EXACT", 2)
+    assert portfolio_of(scores, {}).sets["optimizers"].to_list() == [("c",), ("c", "a"), ("c", "a", "b")]
 
 
 # Scores and intervals

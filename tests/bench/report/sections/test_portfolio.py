@@ -25,11 +25,10 @@ def test_one_that_is_best_on_all_problems_is_enough(sections):
     assert "These data show no gap between the virtual best and the single best" in section.text[1]
     assert "a on all trials" in section.text[1]
     assert "has 1 optimizer, a, with" in section.text[2]
-    assert "all 7 sets were compared" in section.text[2]
+    assert "all sets of its size and smaller ones were compared" in section.text[2]
     assert "here 0 can be described" in section.text[3]
-    table, figure = section.items
+    (table,) = section.items
     assert table.frame["taken for, %"].to_dict() == pytest.approx({"a": 100, "b": 0, "c": 0})
-    assert list(figure.data["size"]) == [1, 2, 3]
 
 
 def test_few_optimizers_problems_or_trials_have_no_section(sections):
@@ -51,8 +50,6 @@ def test_equal_trials_are_ties(sections):
     assert "no gap" in section.text[1] or "0.0" in section.text[1]
 
 
-def test_many_optimizers_are_sampled_and_the_table_says_so(sections):
+def test_sets_of_many_optimizers_are_not_all_compared_and_the_section_says_so(sections):
     section = sections(optimizers=tuple(f"o{number}" for number in range(14)), trials=2)
     assert "one after the other, so a smaller set may exist" in section.text[2]
-    assert "200 random ones" in section.items[0].note
-    assert "±" in section.items[0].texts.iloc[0, 0]
