@@ -18,6 +18,7 @@ import numpy as np
 from bench.analysis.similarity import LEAST, STAGES, TRAITS, behaviour
 from bench.atlas.table import Implementation, Method
 from bench.check.answers import NO_RECORD, answers, submit
+from bench.check.behaviour import Progress
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.check.verdict import LONGEST
@@ -44,8 +45,6 @@ MEASURES = ("start", "next", "course", "final")
 """What is tested of a trial: log10 of the median value of its first generation and of the two after it; the mean over
 eighths of the budget of log10 of the best value so far; and the final best value. A method with a first generation of G
 evaluations has G of them in ``start`` and the 2 G after these in ``next``."""
-
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
