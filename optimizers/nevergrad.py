@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import inspect
 import threading
 import types
@@ -68,7 +67,7 @@ class NevergradOptimizer(Adapter):
         import nevergrad
 
         with (
-            global_random_state(rng), settings_restored(objective.dimension), threads_ended(),
+            global_random_state(rng), settings_restored(), threads_ended(),
             redirect_stdout(StringIO()), warnings.catch_warnings(),
         ):  # fmt: skip
             warnings.simplefilter("ignore")
@@ -137,16 +136,23 @@ def threads_ended() -> Iterator[None]:
 
 
 @contextmanager
-def settings_restored(dimension: int) -> Iterator[None]:
-    """Restore the settings that all runs of CMA-ES share, into which nevergrad writes in one dimension."""
+def settings_restored() -> Iterator[None]:
+    """Restore the setting that all runs of CMA-ES share, into which nevergrad writes in one dimension."""
     from nevergrad.optimization.optimizerlib import ParametrizedCMA
 
-    shared = [family for family in gc.get_objects() if type(family) is ParametrizedCMA] if dimension == 1 else []
-    before = [family.fcmaes for family in shared]
+    before: list[tuple[Any, bool]] = []
+
+    def remember(family: Any, name: str, value: Any) -> None:
+        if name == "fcmaes" and hasattr(family, name):
+            before.append((family, family.fcmaes))
+        object.__setattr__(family, name, value)
+
+    ParametrizedCMA.__setattr__ = remember
     try:
         yield
     finally:
-        for family, value in zip(shared, before, strict=True):
+        del ParametrizedCMA.__setattr__
+        for family, value in reversed(before):
             family.fcmaes = value
 
 
