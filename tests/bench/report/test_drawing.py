@@ -48,6 +48,7 @@ def drawn_here(monkeypatch):
     return drawn
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same_bytes(elsewhere, drawn_here):
     figures, plain = [figure("one"), figure("two")], [draw(figure("one")), draw(figure("two"))]
     elsewhere.begin(figures)

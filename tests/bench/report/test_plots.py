@@ -100,6 +100,7 @@ class TestEveryFigure:
             assert box.x1 <= size[0] + 0.01, each.name
             assert box.y1 <= size[1] + 0.01, each.name
 
+    @pytest.mark.slow
     def test_the_same_data_give_the_same_bytes(self):
         first, second = ([svg(each.figure) for each in every_figure(["a", "b"])] for _ in range(2))
         assert first == second
