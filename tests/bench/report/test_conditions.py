@@ -58,6 +58,7 @@ def test_the_equal_study_differs_in_its_populations_alone():
         assert alike == [f"{name} {agents}" for name in ("cma-es", "alo", "goa", "gwo", "da")]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("optimizers", "expected"),
     [

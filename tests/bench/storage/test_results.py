@@ -76,6 +76,7 @@ def test_what_cannot_be_compared_is_refused(ran):
         Results(one, other)
 
 
+@pytest.mark.slow
 def test_a_problem_whose_options_differ_is_refused(ran):
     one, two = ran("one"), ran("two")
     text = (two / "study.toml").read_text()
