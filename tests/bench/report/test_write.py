@@ -84,7 +84,6 @@ def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
     assert {"tables/comparison.csv", "tables/comparison.tex", "figures/convergence.pdf", "tables/trials.csv"} <= written
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("draws")
 def test_the_same_results_give_the_same_bytes(folder, tmp_path):
     write_report(folder, output=tmp_path)
