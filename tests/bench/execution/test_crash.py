@@ -263,6 +263,7 @@ def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, benc
     assert "running:" not in bench_here("status", folder).stdout
 
 
+@pytest.mark.slow
 def test_one_of_two_first_runs_at_the_same_moment_wins(start, tmp_path):
     folder = tmp_path / "out"
     runs = [start(folder, trials=2, slow=0, gate=tmp_path / "gate") for _ in range(2)]

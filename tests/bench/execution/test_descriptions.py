@@ -1,6 +1,7 @@
 """How optimizers describe themselves: read where a study is checked, noted by the run, used by the report alone."""
 
 import os
+import shutil
 
 import pytest
 
@@ -88,15 +89,23 @@ def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins
 WORK = "@misc{mine2020,\n  author = {Doe, Jane},\n  title = {Mine},\n  year = {2020},\n}"
 
 
-@pytest.fixture
-def made(file, tmp_path, testing_plugins):
-    """Return the folder of a run of a stranger's optimizer beside a built-in one."""
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory, testing_plugins):
+    """Return the folder of a run of a stranger's optimizer beside a built-in one; no test changes it."""
+    place = tmp_path_factory.mktemp("described")
+    (place / "mine.py").write_text(CODE.format(bibtex=repr(WORK)))
     study = Study.from_dict({
         "name": "s", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
-        "optimizers": [{"name": file("mine", repr(WORK)), "label": "mine"}, {"name": "gwo", "agents": 9}],
+        "optimizers": [{"name": f"{place}/mine.py:Mine", "label": "mine"}, {"name": "gwo", "agents": 9}],
     })  # fmt: skip
-    run(study, tmp_path / "out", n_jobs=1)
-    return tmp_path / "out"
+    run(study, place / "out", n_jobs=1)
+    return place / "out"
+
+
+@pytest.fixture
+def made(ran, tmp_path):
+    """Return a copy of that folder."""
+    return shutil.copytree(ran, tmp_path / "out")
 
 
 def refuse(*args, **more):

@@ -66,6 +66,7 @@ def test_a_user_s_own_settings_change_no_drawing():
         assert draw(figure()) == usual
 
 
+@pytest.mark.slow
 def test_the_rest_is_drawn_here_and_only_once(elsewhere, drawn_here):
     figures = [figure(str(number)) for number in range(6)]
     elsewhere.begin(figures)
