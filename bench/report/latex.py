@@ -9,6 +9,8 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
+from math import ceil
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, Template
 
@@ -21,6 +23,8 @@ WRAP = 40  # characters beyond which a column is set in paragraphs
 WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
+WIDEST = 126  # characters of a table whose type is still readable when it shrinks to a line, 5 points and more
+LONGEST_LINE = 96  # characters that a line holds in the type of a long table, which does not shrink
 
 
 def _symbols() -> dict[str, str]:
@@ -51,7 +55,8 @@ def to_latex(table: Table, label: str) -> str:
 
     A table that may be wider than a column shrinks to the line width. A table that may be wider than a page is a
     ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
-    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text.
+    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. The
+    columns of a table that would be too wide to read are set in blocks, one below the other, each beside the index.
 
     References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
@@ -62,6 +67,10 @@ def to_latex(table: Table, label: str) -> str:
     wrapped = [width > WRAP for width in widths]
     width, long = sum(widths) + 2 * len(widths), len(rows) > PAGE
     needed = {"array": any(wrapped), "longtable": long, "graphicx": width > COLUMN and not long}
+    heads = len(table.frame.index.names) if table.has_index else 0
+    blocks = _blocks(widths, heads, LONGEST_LINE if long else WIDEST) if width > WIDEST and not any(wrapped) else []
+    if not blocks or (not long and len(blocks) * len(rows) > PAGE):
+        blocks = [list(range(len(widths)))]
     caption = escape(table.caption)
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
@@ -71,12 +80,38 @@ def to_latex(table: Table, label: str) -> str:
         long=long,
         wide=width > COLUMN,
         float="table*" if width > LINE else "table",
-        columns=_columns(widths, numeric, wrapped) or "l",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
-        header=_row(map(_text, titles, wrapped)),
-        body=[_row(map(_cell, row, numeric, wrapped)) for row in rows],
+        blocks=[_block(columns, titles, rows, widths, numeric, wrapped) for columns in blocks],
         note=escape(table.note),
     )
+
+
+def _blocks(widths: Sequence[int], heads: int, most: int) -> list[list[int]]:
+    """Return the columns of each block: those of the index, and about equally many others, at most so wide together."""
+    index, others = list(range(heads)), list(range(heads, len(widths)))
+    for number in range(1, len(others) + 1):
+        size = ceil(len(others) / number)
+        parts = [[*index, *others[start : start + size]] for start in range(0, len(others), size)]
+        if max(sum(widths[i] + 2 for i in part) for part in parts) <= most:
+            return parts
+    return [[*index, i] for i in others]
+
+
+def _block(
+    columns: Sequence[int],
+    titles: Sequence[str],
+    rows: Sequence[Sequence[TableCell]],
+    widths: Sequence[int],
+    numeric: Sequence[bool],
+    wrapped: Sequence[bool],
+) -> dict[str, Any]:
+    """Return what the template needs of some columns: their types, header and rows."""
+    numbers, wraps = [numeric[i] for i in columns], [wrapped[i] for i in columns]
+    return {
+        "columns": _columns([widths[i] for i in columns], numbers, wraps) or "l",
+        "header": _row(map(_text, (titles[i] for i in columns), wraps)),
+        "body": [_row(map(_cell, (row[i] for i in columns), numbers, wraps)) for row in rows],
+    }
 
 
 @cache
