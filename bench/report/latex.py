@@ -9,6 +9,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
+from itertools import groupby
 
 from jinja2 import Environment, PackageLoader, Template
 
@@ -21,6 +22,8 @@ WRAP = 40  # characters beyond which a column is set in paragraphs
 WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
+BLOCK = 10  # rows of a block that is named once, and that no page break divides
+TURNED = 1.5  # lines beyond whose width a long table is turned by 90 degrees, as its type would be too small to read
 
 
 def _symbols() -> dict[str, str]:
@@ -51,7 +54,10 @@ def to_latex(table: Table, label: str) -> str:
 
     A table that may be wider than a column shrinks to the line width. A table that may be wider than a page is a
     ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
-    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text.
+    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. As such a
+    table cannot shrink, one without paragraphs that may be wider than a page, too, comes in several of the other kind
+    with one number, and a very wide one is turned. Rows whose first value is that of the row before are a block, which
+    shows it once.
 
     References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
@@ -61,22 +67,55 @@ def to_latex(table: Table, label: str) -> str:
     widths = [min(max(map(len, column)), 2 * LINE) for column in zip(*texts, strict=True)]
     wrapped = [width > WRAP for width in widths]
     width, long = sum(widths) + 2 * len(widths), len(rows) > PAGE
-    needed = {"array": any(wrapped), "longtable": long, "graphicx": width > COLUMN and not long}
+    breaks = long and (width <= LINE or any(wrapped))  # paragraphs fit, and their height is not known
+    turned = long and not breaks and width > TURNED * LINE
+    needed = {"array": any(wrapped), "longtable": breaks, "graphicx": width > COLUMN and not breaks}
     caption = escape(table.caption)
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
+    blocks = [
+        [_row(map(_cell, row, numeric, wrapped), skip=number > 0) for number, row in enumerate(block)]
+        for block in _blocks(table, rows)
+    ]
+    # A wider one shrinks more, so that more of its rows fit on a page, at most those of a page in its type.
+    most = int(0.28 * width) if turned else min(int(0.73 * width), 75) if long and not breaks else len(rows)
     return _template().render(
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         long=long,
+        breaks=breaks,
+        small=long and width > 0.75 * LINE,
         wide=width > COLUMN,
+        turned=turned,
         float="table*" if width > LINE else "table",
         columns=_columns(widths, numeric, wrapped) or "l",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
         header=_row(map(_text, titles, wrapped)),
-        body=[_row(map(_cell, row, numeric, wrapped)) for row in rows],
+        parts=_parts(blocks, most),
+        totals=table.totals,
         note=escape(table.note),
     )
+
+
+def _blocks(table: Table, rows: list[list[TableCell]]) -> list[list[list[TableCell]]]:
+    """Return the rows in blocks of the same first value where the index names them by more; else each alone."""
+    alone = [[row] for row in rows]
+    if table.frame.index.nlevels < 2:
+        return alone
+    blocks = [list(block) for _, block in groupby(rows, lambda row: row[0].text)]
+    return blocks if max(map(len, blocks), default=0) <= BLOCK else alone
+
+
+def _parts(blocks: list[list[str]], most: int) -> list[list[list[str]]]:
+    """Return the blocks in as few parts of about the same size as have at most so many rows each, if blocks allow."""
+    total = sum(map(len, blocks))
+    number = max(-(-total // max(most, 1)), 1)
+    parts: list[list[list[str]]] = [[] for _ in range(number)]
+    passed = 0
+    for block in blocks:
+        parts[passed * number // max(total, 1)].append(block)
+        passed += len(block)
+    return [part for part in parts if part] or [[]]
 
 
 @cache
@@ -103,10 +142,14 @@ def _columns(widths: Sequence[int], numeric: Sequence[bool], wrapped: Sequence[b
     return "".join(types)
 
 
-def _row(cells: Iterable[str]) -> str:
-    r"""Return a row of the table that does not start like an optional argument of ``\\`` or a rule."""
-    text = " & ".join(cells)
-    return ("{}" if text[:1] in ("[", "*") else "") + text + r" \\"
+def _row(cells: Iterable[str], *, skip: bool = False) -> str:
+    r"""Return a row of the table, without its end, that does not start like an optional argument of ``\\`` or a rule.
+
+    The first cell is left empty on request.
+    """
+    own = list(cells)
+    text = " & ".join(["", *own[1:]] if skip else own)
+    return ("{}" if text[:1] in ("[", "*") else "") + text
 
 
 def _cell(cell: TableCell, number: bool, wrap: bool) -> str:
