@@ -148,6 +148,7 @@ def test_similar_problems_without_a_target_leave_the_single_best(bench_here, pla
         (("mine.py:Bowl", "--budget", "200", "--from", "far"), "no trial of the folders reached any target within 200"),
         (("mine.py:flat", "--budget", "200", "--from", "kinds"), "the same value at all 100 points"),
         (("mine.py:Bowls", "--budget", "200", "--from", "kinds"), "no problem called 'Bowls'; did you mean 'Bowl'?"),
+        (("mine.py", "--budget", "200", "--from", "kinds"), "add the class or function: mine.py:Bowl; it holds Bowl"),
         (("mine.py:number", "--budget", "200", "--from", "kinds"), "'number' of mine.py is neither a Problem nor"),
         (("mine.py:broken", "--budget", "200", "--from", "kinds"), "cannot be made: ValueError: no data"),
         (("none.py:Bowl", "--budget", "200", "--from", "kinds"), "the problem file none.py cannot be read"),

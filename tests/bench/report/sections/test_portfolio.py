@@ -7,6 +7,7 @@ from bench import Results
 from bench.analysis.portfolio import portfolio_of
 from bench.report.findings import Findings
 from bench.report.plots import portfolio_figure
+from bench.report.portfolio import points
 from bench.report.sections import portfolio
 
 PROBLEMS = ("p", "q", "r", "s")
@@ -86,3 +87,8 @@ def test_of_many_optimizers_the_best_are_drawn(sections):
     figure = sections(optimizers=tuple(f"o{number:02}" for number in range(45)), trials=2).items[0]
     assert len(figure.data) == 45
     assert "each of the 40 best of 45 optimizers" in figure.caption
+
+
+def test_a_difference_that_rounds_to_nothing_has_no_sign():
+    assert points(-0.0001, -0.0004, 0.01) == "0.0 (95% interval 0.0 to 1.0)"
+    assert points(-0.0001, float("nan"), float("nan")) == "0.0 (no interval, as this is one function)"
