@@ -17,6 +17,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError, nearest
+from bench.helpers.console import OnStep
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
@@ -51,9 +52,6 @@ WHOLE = {
 }
 """The tables of a whole study, by name, with their descriptions; no other part has these names."""
 
-Progress = Callable[[str, int, int], None]
-"""Called with the title of the current part, the number of steps done and the number of all steps."""
-
 
 def write_report(
     path: str | PathLike[str],
@@ -64,7 +62,7 @@ def write_report(
     rope: Any = None,
     beside_best: bool = False,
     reference: str | None = None,
-    on_progress: Progress | None = None,
+    on_progress: OnStep | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
 
@@ -138,7 +136,7 @@ def _folder(results: Results, output: Path | None) -> Path:
 class _Report:
     """A report in progress: the views so far, the files written and the names taken."""
 
-    def __init__(self, findings: Findings, folder: Path, drawer: Drawer, on_progress: Progress) -> None:
+    def __init__(self, findings: Findings, folder: Path, drawer: Drawer, on_progress: OnStep) -> None:
         self.results = findings.results
         self.findings = findings
         self.folder = folder

@@ -246,6 +246,7 @@ class TestCompiled:
         text = to_latex(Table("t", "Łódź ≤ α", pd.DataFrame({"x": HOSTILE})), "t")
         assert "Missing character" not in compiled(tmp_path, text, engine="lualatex")
 
+    @pytest.mark.slow
     def test_all_tables_and_the_methods_of_a_report(self, small_study, tmp_path):
         folder = tmp_path / "small"
         run(small_study, output=folder, n_jobs=1)

@@ -44,6 +44,7 @@ class TestFigures:
             ax.bar([1], [1], hatch="///")
         return Figure("f", "c", figure, pd.DataFrame({"x": [1]}))
 
+    @pytest.mark.sampled(3)
     @pytest.mark.parametrize("label", [*HOSTILE, "$\\frac{", "a$b$c", "bell\x07", "x" * 500])
     def test_any_label_can_be_drawn_and_warns_nobody(self, label, tmp_path):
         with warnings.catch_warnings(), style.context():

@@ -199,6 +199,7 @@ def test_dimensions_are_in_order_beside_the_scatter(findings):
     assert list(figure.data["kind"].unique()) == ["d = 5", "d = 20"]
 
 
+@pytest.mark.slow
 def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, monkeypatch):
     monkeypatch.setattr("bench.report.findings.trials.MANY_PROBLEMS", 3)
     tables = write_report(findings.results.paths[0], output=tmp_path / "out", n_jobs=1).parent / "tables"
