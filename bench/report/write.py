@@ -276,7 +276,7 @@ class _Report:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, latex=latex)
+            files = save_table(part, self.folder, name, latex=latex, study=self.results.study.name)
             item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure))
@@ -309,8 +309,11 @@ class _Report:
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
 
-def save_table(table: Table, folder: Path, name: str, *, latex: bool = True) -> list[str]:
-    """Write a table as CSV (full precision) and, on request, LaTeX; return the paths relative to ``folder``."""
+def save_table(table: Table, folder: Path, name: str, *, latex: bool = True, study: str = "") -> list[str]:
+    """Write a table as CSV (full precision) and, on request, LaTeX; return the paths relative to ``folder``.
+
+    The label of the LaTeX begins with the name of the study, as a paper may have the same table of several.
+    """
     (folder / TABLES).mkdir(exist_ok=True)
     paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if latex else ("csv",))]
     if table.data is None:
@@ -318,7 +321,8 @@ def save_table(table: Table, folder: Path, name: str, *, latex: bool = True) -> 
     else:
         save_csv(table.data, folder / paths[0], index=False)
     if latex:
-        (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
+        text = to_latex(table, f"{study}-{name}" if study else name)
+        (folder / paths[1]).write_text(text, encoding="utf-8", newline="\n")
     return paths
 
 

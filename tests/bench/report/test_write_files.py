@@ -1,5 +1,6 @@
 """Tables and figures as files: full precision, the same bytes for the same results, any label."""
 
+import re
 import warnings
 
 import matplotlib.figure
@@ -22,6 +23,14 @@ def test_csv_has_full_precision(tmp_path):
 
 def test_an_empty_table(tmp_path):
     save_table(Table("t", "c", pd.DataFrame({"x": []})), tmp_path, "t")
+
+
+def test_tables_of_one_name_have_other_labels_in_other_studies(tmp_path):
+    labels = set()
+    for study in ("one", "other"):
+        save_table(Table("t", "c", pd.DataFrame({"x": [1]})), tmp_path, "t", study=study)
+        labels |= set(re.findall(r"\\label\{([^}]*)\}", (tmp_path / "tables" / "t.tex").read_text()))
+    assert labels == {"tab:one-t", "tab:other-t"}
 
 
 class TestFigures:
