@@ -18,12 +18,12 @@ import numpy as np
 from bench.analysis.similarity import LEAST, STAGES, TRAITS, behaviour
 from bench.atlas.table import Implementation, Method
 from bench.check.answers import NO_RECORD, answers, submit
-from bench.check.behaviour import Progress
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.check.verdict import LONGEST
 from bench.errors import BenchError
 from bench.execution.solve import make_run
+from bench.helpers.console import OnStep
 from bench.helpers.text import printable
 from bench.optimizer import CONDITIONS, Optimizer
 from bench.plugins.loading import load_optimizer
@@ -94,7 +94,7 @@ def survey(
     budget: int,
     seed: int = 0,
     n_jobs: int = -1,
-    on_progress: Progress = lambda *_: None,
+    on_progress: OnStep = lambda *_: None,
 ) -> list[Surveyed]:
     """Run all implementations and return what was seen of each, in order.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,11 +15,10 @@ from bench.board.archive import Archive, read, refuse_twins
 from bench.board.ranks import Standing, standings
 from bench.errors import BenchError
 from bench.helpers.atomic import names_in, replacing
+from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
 
 PAGE, TABLE, STUDIES = "index.html", "board.csv", "studies"
-
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ def write_board(
     *,
     verify: int = 0,
     keep_going: bool = False,
-    on_progress: Progress = lambda *_: None,
+    on_progress: OnStep = lambda *_: None,
 ) -> Board:
     """Write a static site over archives that :func:`bench.packing.pack` wrote.
 

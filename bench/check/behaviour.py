@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 from bench.analysis.similarity import behaviour
 from bench.check.problems import FUNCTIONS, RecordingProblem, classic
 from bench.errors import BenchError
+from bench.helpers.console import OnStep
 from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.seeds import trial_seed
@@ -17,9 +18,6 @@ from bench.trial import search
 from bench.typing import Floats
 
 DIMENSION = 5
-
-Progress = Callable[[str, int, int], None]
-"""Called with the current step, the steps done and all steps."""
 
 
 def common_problems() -> dict[str, Callable[[], RecordingProblem]]:
@@ -41,7 +39,7 @@ def behaviours(
     trials: int,
     budgets: Mapping[str, int],
     seed: int = 0,
-    on_progress: Progress = lambda *_: None,
+    on_progress: OnStep = lambda *_: None,
 ) -> dict[str, Sequence[Floats]]:
     """Run every optimizer on every problem; return, by optimizer, (trials, numbers) for each problem.
 

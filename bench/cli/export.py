@@ -15,7 +15,7 @@ def export(
     output: Output,
     kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (needs the extra 'parquet').")],
     folder: Annotated[
-        Path | None, typer.Option("--output", help="Folder to write; default: OUTPUT/export/FORMAT.")
+        Path | None, typer.Option("--output", "-o", help="Folder to write; default: OUTPUT/export/FORMAT.")
     ] = None,
 ) -> None:
     """Write a study's results for IOHanalyzer (ioh) or cocopp (coco), or as plain tables (csv, parquet)."""

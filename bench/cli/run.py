@@ -49,7 +49,9 @@ def run(
             autocompletion=completion.studies,
         ),
     ] = None,
-    output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder to write; default: results/runs/STUDY.")
+    ] = None,
     jobs: Jobs = -1,
     trials: Annotated[
         int | None, _study(help="Trials of each optimizer on each problem, instead of the study's number.")

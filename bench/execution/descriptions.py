@@ -1,27 +1,22 @@
-"""Read the BibTeX and the parameters of a study's optimizers, strangers' in processes that can be lost.
+"""What a study's optimizers print of themselves: BibTeX, parameters, and the conditions of others that they accept.
 
-A run notes them in its folder, so that a report starts no process and loads no stranger's code.
+A run reads them where it checks the study, in processes that can be lost, and notes them in its folder, so that a
+report starts no process and loads no stranger's code.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
-from bench.errors import BenchError
 from bench.execution import trial_process
-from bench.execution.job import root
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import option, printable
 from bench.optimizer import CONDITIONS
 from bench.plugins import loading
-from bench.sandbox.process import FAILURES, LostError
 from bench.study import Entry, Study
 
-LOADING = 60.0  # seconds for loading the optimizers of one package
 LONGEST = 200  # characters of a value
 AUTOMATIC = option(None)
 """The text of a condition that the optimizer chooses by itself, so that others cannot share it."""
@@ -64,29 +59,17 @@ class Description:
 Descriptions = dict[str, Description]  # by label
 
 
-def describe(study: Study, sandbox: str | None = None) -> Descriptions:
-    """Return the description of each optimizer and control by label.
-
-    Only the optimizers that come with the harness are imported in this process.
-
-    Args:
-        study: whose optimizers are meant.
-        sandbox: in which the study was run; where it cannot be used here, strangers' optimizers are not read.
-    """
-    return _accepting(study, partial(_everywhere, sandbox=sandbox))
-
-
 def noted(study: Study, note: Mapping[str, Any]) -> Descriptions:
     """Return the descriptions in the note of a folder; built-in optimizers that it lacks are read in this process."""
     labels = [entry.label for entry in study.with_controls]
-    known = _read(note, labels)
+    known = read(note, labels)
     lacking = any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label not in known)
-    return {label: Description() for label in labels} | (_accepting(study, _here) if lacking else {}) | known
+    return {label: Description() for label in labels} | (accepting(study, _here) if lacking else {}) | known
 
 
-def _accepting(study: Study, read: Callable[[Study], Descriptions]) -> Descriptions:
-    """Return what ``read`` returns of a study, with the conditions that each optimizer accepts of the others."""
-    described = read(study)
+def accepting(study: Study, describe: Callable[[Study], Descriptions]) -> Descriptions:
+    """Return what ``describe`` returns of a study, with the conditions that each optimizer accepts of the others."""
+    described = describe(study)
     shared = {pair for entry in study.optimizers for pair in described[entry.label].shareable}
     asked = [
         (entry, name, value)
@@ -100,7 +83,7 @@ def _accepting(study: Study, read: Callable[[Study], Descriptions]) -> Descripti
         Entry(entry.name, f"{number}", entry.options | {name: value_of(value)})
         for number, (entry, name, value) in enumerate(asked)
     )
-    answers = read(replace(study, optimizers=tried, controls=(), looks=()))
+    answers = describe(replace(study, optimizers=tried, controls=(), looks=()))
     for (entry, name, value), each in zip(asked, tried, strict=True):
         if answers[each.label].conditions.get(name) == value:
             described[entry.label].accepts.setdefault(name, []).append(value)
@@ -108,27 +91,10 @@ def _accepting(study: Study, read: Callable[[Study], Descriptions]) -> Descripti
 
 
 def _here(study: Study) -> Descriptions:
-    """Return the descriptions of the optimizers that come with the harness."""
+    """Return the descriptions of the optimizers that come with the harness, and empty ones of the others."""
     built_in = [entry.label for entry in study.with_controls if loading.is_built_in(entry.name)]
     found = {entry.label: Description() for entry in study.with_controls}
-    return found | _read(trial_process.descriptions_of(study, built_in), built_in)
-
-
-def _everywhere(study: Study, sandbox: str | None) -> Descriptions:
-    """Return the descriptions of all optimizers, strangers' from processes that hold one package each."""
-    found = _here(study)
-    strange = [
-        labels
-        for labels in study.packages().values()
-        if not any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label in labels)
-    ]
-    if strange:
-        with suppress(BenchError, LostError, *FAILURES), root(study, sandbox) as server:
-            server.call(trial_process.begin, study, seconds=LOADING)
-            for labels in strange:
-                with suppress(LostError, *FAILURES), server.process() as process:
-                    found |= _read(process.call(trial_process.descriptions, labels, seconds=LOADING), labels)
-    return found
+    return found | read(trial_process.descriptions_of(study, built_in), built_in)
 
 
 def value_of(text: str) -> Any:
@@ -139,7 +105,7 @@ def value_of(text: str) -> Any:
         return text
 
 
-def _read(answer: Any, labels: Iterable[str]) -> Descriptions:
+def read(answer: Any, labels: Iterable[str]) -> Descriptions:
     """Return the descriptions in an answer or a note, which may hold anything."""
     given = answer if isinstance(answer, dict) else {}
     return {

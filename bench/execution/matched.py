@@ -6,7 +6,8 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from bench.execution.descriptions import Description, Values, describe, value_of
+from bench.execution.descriptions import Description, Values, value_of
+from bench.execution.supervisor import Task, check
 from bench.helpers.text import free
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study
@@ -31,9 +32,13 @@ class Matched:
 def with_controls(study: Study, sandbox: str | None = None) -> Study:
     """Return the study with each of its optimizers under the conditions of the others, as controls.
 
-    Only optimizers that come with the harness are loaded in this process.
+    No plug-in is loaded in this process.
+
+    Raises:
+        BenchError: for a study whose plug-ins cannot be loaded, as :func:`bench.execution.supervisor.check` does.
     """
-    return replace(study, controls=(*study.controls, *missing(study, matched(study, describe(study, sandbox)))))
+    descriptions = check(Task(study, sandbox=sandbox)).descriptions
+    return replace(study, controls=(*study.controls, *missing(study, matched(study, descriptions))))
 
 
 def missing(study: Study, found: list[Matched]) -> list[Entry]:
@@ -54,7 +59,7 @@ def matched(study: Study, descriptions: Mapping[str, Description]) -> list[Match
 
     Args:
         study: with the controls that it has already.
-        descriptions: of its optimizers and controls (:func:`bench.execution.descriptions.describe`); those whose
+        descriptions: of its optimizers and controls (:class:`bench.execution.descriptions.Description`); those whose
             parameters are not known take no part.
     """
     own = {label: each.conditions for label, each in descriptions.items() if each.values is not None}

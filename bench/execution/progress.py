@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from time import monotonic
 from types import TracebackType
@@ -20,7 +20,7 @@ from rich.progress import (
 )
 
 from bench.execution.plan import Plan
-from bench.helpers.console import duration, print_line
+from bench.helpers.console import OnStep, duration, print_line
 from bench.helpers.text import count
 from bench.trial import Trial
 
@@ -130,7 +130,7 @@ def _decided(now: Sequence[tuple[str, str]], plan: Plan, look: int = 0) -> str:
 
 
 @contextmanager
-def steps(console: Console, name: str) -> Iterator[Callable[[str, int, int], None]]:
+def steps(console: Console, name: str) -> Iterator[OnStep]:
     """Display a progress bar; yield a function to call before each step: its title, steps done, steps in total."""
     title = TextColumn("{task.description}", markup=False)
     with _bars(console, "{task.fields[name]}", title, transient=True) as progress:

@@ -13,7 +13,6 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
-from bench.execution.descriptions import describe
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer
@@ -137,7 +136,7 @@ def run(
         made = _make(plan, folder, answers, about, interrupts, listeners)
         if not (counted := folder.store.count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
-        folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in describe(study, sandbox).items()})
+        folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
         failed = sum(cell.failed for cell in folder.store.cells())
         return Outcome(folder.path, made, failed, folder.store.undeclared())
 

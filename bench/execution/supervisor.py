@@ -13,6 +13,7 @@ from typing import Any
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import Box, RefusedError
+from bench.execution.descriptions import Description, Descriptions, accepting, read
 from bench.execution.job import LOADING, PRINTED, Job, root
 from bench.helpers.text import printable
 from bench.plugins import from_file
@@ -31,6 +32,7 @@ from bench.storage import provenance
 from bench.study import Fingerprints, Study
 from bench.trial import Result, Row, Trial, as_row
 
+DESCRIBING = 60.0  # seconds for what the optimizers of one package print of themselves
 CHECKS = 4  # attempts at it, where its process is killed from outside
 ATTEMPTS = 2  # at a trial whose process, or the one it was forked from, is killed from outside
 _SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
@@ -53,10 +55,11 @@ class Task:
 
 @dataclass(frozen=True)
 class Checked:
-    """A study whose plug-ins can be loaded: its fingerprints, and the machine's record as JSON."""
+    """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers."""
 
     fingerprints: Fingerprints
     machine: str
+    descriptions: Descriptions
 
 
 class KilledError(RuntimeError):
@@ -106,11 +109,23 @@ def _checked(first: ForkServer, study: Study) -> Checked:
     data, found = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
     code: dict[str, str] = {}
     machine, least = dict(found["machine"]), int(found["least"])
-    for labels in study.packages().values():
-        hashes, found = ask(problems.branch(), labels, trial_process.check_optimizers, labels, least)
+    packages: dict[str, ForkServer] = {}
+    for package, labels in study.packages().items():
+        packages[package] = problems.branch()
+        hashes, found = ask(packages[package], labels, trial_process.check_optimizers, labels, least)
         code, machine = code | hashes, provenance.united(machine, dict(found["machine"]))
+
+    def describe(study: Study) -> Descriptions:
+        described = {entry.label: Description() for entry in study.with_controls}
+        for package, labels in study.packages().items():
+            with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
+                packages[package].call(trial_process.begin, study, seconds=DESCRIBING)
+                answer = packages[package].call(trial_process.descriptions, labels, seconds=DESCRIBING)
+                described |= read(answer, labels)
+        return described
+
     named = {each.label: from_file.fingerprint(each.name) for each in study.with_controls if from_file.split(each.name)}
-    return Checked(Fingerprints(data, code | named), json.dumps(machine))
+    return Checked(Fingerprints(data, code | named), json.dumps(machine), accepting(study, describe))
 
 
 def failed(reason: str) -> Row:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from os import PathLike
 
@@ -13,6 +13,7 @@ from bench.errors import BenchError
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.execution.supervisor import Task
+from bench.helpers.console import OnStep
 from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import VERIFICATION, Folder
@@ -22,8 +23,6 @@ from bench.storage.store import Store
 from bench.trial import Row, Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
-
-OnProgress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def verify(
     n_jobs: int | None = None,
     strict: bool = False,
     sandbox: str | None = None,
-    on_progress: OnProgress | None = None,
+    on_progress: OnStep | None = None,
 ) -> Verification:
     """Make some finished trials of every cell again and note in the folder whether they are identical.
 

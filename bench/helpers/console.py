@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 
 LONGEST = 2000
 """Characters of an error message."""
+
+OnStep = Callable[[str, int, int], None]
+"""Called before each step of what takes long, with its title, the steps done and all steps."""
 
 
 def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:

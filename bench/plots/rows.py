@@ -1,4 +1,4 @@
-"""Plots with a row per optimizer: box plots that also show every trial, and bars of the mean wall time."""
+"""Plots with a row per optimizer: box plots that also show every trial, bars of the mean wall time, and of shares."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.cbook import boxplot_stats
+from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
 from bench.analysis.cells import labels, scores
@@ -98,6 +99,27 @@ def timing(table: pd.DataFrame, *, legend: bool = True, ax: Axes | None = None) 
     ax.set_xlabel("mean wall time in s")
     if legend:
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
+    return ax
+
+
+def shares(names: Sequence[str], values: Sequence[float], kinds: Sequence[int], best: float, *, ax: Axes) -> Axes:
+    """Draw a bar a row with a share from 0 to 1, beside that of the best, a line.
+
+    Args:
+        names: of the rows.
+        values: the shares, a row each.
+        kinds: 0 or 1, a row each, which differ in colour and hatch.
+        best: the share that the others are compared with.
+        ax: where to draw.
+    """
+    for row, (value, kind) in enumerate(zip(values, kinds, strict=True)):
+        ax.barh(row, value, height=0.62, color=style.PALETTE[kind], hatch=style.HATCHES[kind], edgecolor="white")
+    for row in style.name_rows(ax, names):
+        ax.annotate(f"{values[row]:.1%}", (1.02, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
+    ax.axvline(best, color="black", linewidth=1.0)
+    ax.set_xlim(0.0, max(*values, best, 0.01) * 1.02)
+    ax.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    ax.set_xlabel("targets reached")
     return ax
 
 

@@ -31,15 +31,15 @@ def split(name: str) -> tuple[Path, str] | None:
     return (Path(path), attribute) if colon and path.endswith(".py") else None
 
 
-def require_class(name: str) -> None:
+def require_class(name: str, kind: str = "optimizer") -> None:
     """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
     if not name.endswith(".py"):
         return
-    code = _content(Path(name), "optimizer")
+    code = _content(Path(name), kind)
     try:
         parts = ast.parse(code).body
     except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
-        raise BenchError(f"the optimizer file {name} cannot be read as Python: {error}") from error
+        raise BenchError(f"the {kind} file {name} cannot be read as Python: {error}") from error
     kinds = (ast.ClassDef, ast.FunctionDef)
     found = [each.name for each in parts if isinstance(each, kinds) and not each.name.startswith("_")]
     holds = f"; it holds {listed(found)}" if found else ""

@@ -91,6 +91,7 @@ def load_problem(name: str, /, **options: Any) -> Problem:
         if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
         known += names
+    from_file.require_class(name, "problem")
     otherwise = f"; the families are {', '.join(sorted(families))}: 'bench list problems' shows them"
     raise BenchError(f"unknown problem {name!r}{nearest(name, known, otherwise)}")
 

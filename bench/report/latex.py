@@ -9,6 +9,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
+from itertools import groupby
 from math import ceil
 from typing import Any
 
@@ -23,8 +24,8 @@ WRAP = 40  # characters beyond which a column is set in paragraphs
 WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
-WIDEST = 126  # characters of a table whose type is still readable when it shrinks to a line, 5 points and more
-LONGEST_LINE = 96  # characters that a line holds in the type of a long table, which does not shrink
+BLOCK = 10  # rows of a block that is named once, and that no page break divides
+WIDEST = 1.5  # lines; the type of a wider table would be too small to read where it shrinks to a line
 
 
 def _symbols() -> dict[str, str]:
@@ -55,8 +56,11 @@ def to_latex(table: Table, label: str) -> str:
 
     A table that may be wider than a column shrinks to the line width. A table that may be wider than a page is a
     ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
-    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. The
-    columns of a table that would be too wide to read are set in blocks, one below the other, each beside the index.
+    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. As such a
+    table cannot shrink, one without paragraphs that may be wider than a page, too, comes in several of the other kind
+    with one number. Of a very wide one the columns are set in sets, one below the other, each beside the index, or, if
+    these need more than a page, it is turned. Rows whose first value is that of the row before are a block, which shows
+    it once.
 
     References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
@@ -66,52 +70,88 @@ def to_latex(table: Table, label: str) -> str:
     widths = [min(max(map(len, column)), 2 * LINE) for column in zip(*texts, strict=True)]
     wrapped = [width > WRAP for width in widths]
     width, long = sum(widths) + 2 * len(widths), len(rows) > PAGE
-    needed = {"array": any(wrapped), "longtable": long, "graphicx": width > COLUMN and not long}
-    heads = len(table.frame.index.names) if table.has_index else 0
-    blocks = _blocks(widths, heads, LONGEST_LINE if long else WIDEST) if width > WIDEST and not any(wrapped) else []
-    if not blocks or (not long and len(blocks) * len(rows) > PAGE):
-        blocks = [list(range(len(widths)))]
+    breaks = long and (width <= LINE or any(wrapped))  # paragraphs fit, and their height is not known
+    sets = [[*range(len(widths))]]
+    turned = width > WIDEST * LINE and not any(wrapped)
+    if turned and len(apart := _sets(widths, table.frame.index.nlevels * table.has_index)) * len(rows) <= PAGE:
+        sets, turned = apart, False
+    needed = {"array": any(wrapped), "longtable": breaks, "graphicx": width > COLUMN and not breaks}
     caption = escape(table.caption)
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
+    # A wider one shrinks more, so that more of its rows fit on a page, at most those of a page in its type.
+    most = int(0.28 * width) if turned else min(int(0.73 * width), 75) if long and not breaks else len(rows)
     return _template().render(
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         long=long,
+        breaks=breaks,
+        small=long and width > 0.75 * LINE,
         wide=width > COLUMN,
+        turned=turned,
         float="table*" if width > LINE else "table",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
-        blocks=[_block(columns, titles, rows, widths, numeric, wrapped) for columns in blocks],
+        tabulars=[_tabular(columns, titles, _blocks(table, rows), widths, numeric, wrapped, most) for columns in sets],
+        totals=table.totals,
         note=escape(table.note),
     )
 
 
-def _blocks(widths: Sequence[int], heads: int, most: int) -> list[list[int]]:
-    """Return the columns of each block: those of the index, and about equally many others, at most so wide together."""
+def _sets(widths: Sequence[int], heads: int) -> list[list[int]]:
+    """Return the columns in sets of about the same size, each after those of the index, that are not very wide."""
     index, others = list(range(heads)), list(range(heads, len(widths)))
     for number in range(1, len(others) + 1):
         size = ceil(len(others) / number)
-        parts = [[*index, *others[start : start + size]] for start in range(0, len(others), size)]
-        if max(sum(widths[i] + 2 for i in part) for part in parts) <= most:
-            return parts
+        sets = [[*index, *others[start : start + size]] for start in range(0, len(others), size)]
+        if max(sum(widths[i] + 2 for i in columns) for columns in sets) <= WIDEST * LINE:
+            return sets
     return [[*index, i] for i in others]
 
 
-def _block(
+def _tabular(
     columns: Sequence[int],
     titles: Sequence[str],
-    rows: Sequence[Sequence[TableCell]],
+    blocks: list[list[list[TableCell]]],
     widths: Sequence[int],
     numeric: Sequence[bool],
     wrapped: Sequence[bool],
+    most: int,
 ) -> dict[str, Any]:
-    """Return what the template needs of some columns: their types, header and rows."""
+    """Return what the template needs of some columns: their types, their header, and their rows by part and block."""
     numbers, wraps = [numeric[i] for i in columns], [wrapped[i] for i in columns]
+    lines = [
+        [
+            _row(map(_cell, (row[i] for i in columns), numbers, wraps), skip=number > 0)
+            for number, row in enumerate(block)
+        ]
+        for block in blocks
+    ]
     return {
         "columns": _columns([widths[i] for i in columns], numbers, wraps) or "l",
         "header": _row(map(_text, (titles[i] for i in columns), wraps)),
-        "body": [_row(map(_cell, (row[i] for i in columns), numbers, wraps)) for row in rows],
+        "parts": _parts(lines, most),
     }
+
+
+def _blocks(table: Table, rows: list[list[TableCell]]) -> list[list[list[TableCell]]]:
+    """Return the rows in blocks of the same first value where the index names them by more; else each alone."""
+    alone = [[row] for row in rows]
+    if table.frame.index.nlevels < 2:
+        return alone
+    blocks = [list(block) for _, block in groupby(rows, lambda row: row[0].text)]
+    return blocks if max(map(len, blocks), default=0) <= BLOCK else alone
+
+
+def _parts(blocks: list[list[str]], most: int) -> list[list[list[str]]]:
+    """Return the blocks in as few parts of about the same size as have at most so many rows each, if blocks allow."""
+    total = sum(map(len, blocks))
+    number = max(-(-total // max(most, 1)), 1)
+    parts: list[list[list[str]]] = [[] for _ in range(number)]
+    passed = 0
+    for block in blocks:
+        parts[passed * number // max(total, 1)].append(block)
+        passed += len(block)
+    return [part for part in parts if part] or [[]]
 
 
 @cache
@@ -138,10 +178,14 @@ def _columns(widths: Sequence[int], numeric: Sequence[bool], wrapped: Sequence[b
     return "".join(types)
 
 
-def _row(cells: Iterable[str]) -> str:
-    r"""Return a row of the table that does not start like an optional argument of ``\\`` or a rule."""
-    text = " & ".join(cells)
-    return ("{}" if text[:1] in ("[", "*") else "") + text + r" \\"
+def _row(cells: Iterable[str], *, skip: bool = False) -> str:
+    r"""Return a row of the table, without its end, that does not start like an optional argument of ``\\`` or a rule.
+
+    The first cell is left empty on request.
+    """
+    own = list(cells)
+    text = " & ".join(["", *own[1:]] if skip else own)
+    return ("{}" if text[:1] in ("[", "*") else "") + text
 
 
 def _cell(cell: TableCell, number: bool, wrap: bool) -> str:

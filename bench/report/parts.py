@@ -57,6 +57,7 @@ class Table:
         cells: the cell of the study, (problem, optimizer), that a value belongs to, by (row, column): the page marks it
             with the names of both.
         most_rows: rows that the page shows, the first ones; the files have all.
+        totals: rows at the end that sum up the others; LaTeX has a rule above them.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Table:
     links: pd.DataFrame | None = None
     cells: Mapping[tuple[Any, Any], tuple[str, str]] | None = None
     most_rows: int = MOST_ROWS
+    totals: int = 0
 
     @property
     def has_index(self) -> bool:

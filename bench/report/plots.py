@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 
 from bench.analysis import SOLVED
 from bench.analysis.cells import NEAR, labels, scores
+from bench.analysis.portfolio import Portfolio
 from bench.plots import (
     a12_forest,
     box_plot,
@@ -34,6 +35,7 @@ from bench.plots import (
 )
 from bench.plots.curves import MOST_BANDS
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
+from bench.plots.rows import shares
 from bench.report.findings import BEST
 from bench.report.parts import Figure
 from bench.report.target_words import TargetWords, target_words
@@ -375,6 +377,31 @@ def timing_figure(table: pd.DataFrame) -> Figure:
     some = f" The {len(shown)} fastest of {len(table)} are drawn." if len(shown) < len(table) else ""
     caption = f"Mean wall time of one trial of each optimizer over all problems.{some}"
     return Figure("mean-time", caption, figure, data)
+
+
+def portfolio_figure(found: Portfolio) -> Figure:
+    """Return the score of each optimizer alone and of the best larger sets, beside that of the virtual best."""
+    alone = found.members.sort_values("score", ascending=False, kind="stable")[["optimizer", "score"]]
+    sets = found.sets[found.sets["size"] > 1]
+    drawn = alone[:MOST_ROWS]
+    names = [*style.names(drawn["optimizer"]).values(), *(f"best set of {size}" for size in sets["size"])]
+    best, left = float(found.gap["virtual_score"].iloc[0]), _left(names)
+    figure, (ax,) = style.grid(
+        1, width=_width(left), height=style.rows_height(len(names)), left=left, right=0.5, bottom=0.45, top=0.08
+    )
+    shares(names, [*drawn["score"], *sets["score"]], [0] * len(drawn) + [1] * len(sets), best, ax=ax)
+    which = (
+        "each optimizer" if len(drawn) == len(alone) else f"each of the {len(drawn)} best of {len(alone)} optimizers"
+    )
+    larger = (
+        ", and that of the best set found of each size up to the first within 5% of the virtual best"
+        if len(sets)
+        else ""
+    )
+    caption = f"The share of the targets that {which} reaches alone{larger}. Line: the virtual best, {best:.1%}."
+    rows = [(each, 1, score) for each, score in alone.itertuples(index=False)]
+    rows += [(" + ".join(own), size, score) for size, own, score, _ in sets.itertuples(index=False)]
+    return Figure("portfolio-sets", caption, figure, pd.DataFrame(rows, columns=["optimizers", "size", "score"]))
 
 
 def _multiples(

@@ -84,9 +84,10 @@ class Choice:
 
 def points(difference: float, low: float, high: float) -> str:
     """Return a difference of shares in points of a percentage with its interval: "3.1 (95% interval 1.0 to 5.2)"."""
+    shown, lowest, highest = (f"{round(100 * each, 1) + 0.0:.1f}" for each in (difference, low, high))  # no "-0.0"
     if np.isnan(low):
-        return f"{100 * difference:.1f} (no interval, as this is one function)"
-    return f"{100 * difference:.1f} (95% interval {100 * low:.1f} to {100 * high:.1f})"
+        return f"{shown} (no interval, as this is one function)"
+    return f"{shown} (95% interval {lowest} to {highest})"
 
 
 def gap_sentence(found: pd.DataFrame) -> str:

@@ -76,6 +76,11 @@ def recommend(
     notes = _budget_notes(choice, described(asked))
     if len(findings.trials.optimizers) < 2:
         raise BenchError("the folders hold one optimizer, so there is nothing to choose; give others with --from")
+    if not (choice.scores["score"] > 0).any():
+        raise BenchError(
+            f"no trial of the folders reached any target within {described(asked)}, so there is nothing to choose by; "
+            "give a larger --budget, or others with --from"
+        )
     notes.append(gap_sentence(best_gap(Halves.of(choice.scores, choice.blocks))))
     plain = cell_scores(choice.scores)
     single = advised = single_best(plain, choice.blocks)
@@ -92,9 +97,9 @@ def recommend(
         notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), known, choice.blocks)
     best = best_on(where, choice.scores, charged, choice.blocks)
     if not obstacle:
-        first = str(best["optimizer"].iloc[0])
-        advised = first if choice.pays else single
-        notes += [selection_sentence(choice), _advice(first, single, pays=choice.pays)]
+        first, reached = str(best["optimizer"].iloc[0]), bool(best["score"].iloc[0] > 0)
+        advised = first if choice.pays and reached else single
+        notes += [selection_sentence(choice), _advice(first, single, pays=choice.pays, reached=reached)]
     study = _study(name, problem, options or {}, asked, findings, [advised, *best["optimizer"], single])
     return Recommendation(advised, nearest, best, tuple(notes), study)
 
@@ -156,7 +161,9 @@ def _features(problem: Problem, points: int) -> dict[str, float]:
         raise BenchError(f"{problem.name} cannot be evaluated: {type(error).__name__}: {error}") from error
 
 
-def _advice(first: str, single: str, *, pays: bool) -> str:
+def _advice(first: str, single: str, *, pays: bool, reached: bool) -> str:
+    if not reached:
+        return f"No trial on the most similar problems reached a target, so the advice is {single}, the single best."
     if pays:
         return f"The advice is {first}, the best on the most similar problems."
     if first == single:

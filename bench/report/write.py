@@ -17,6 +17,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError, nearest
+from bench.helpers.console import OnStep
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
@@ -51,9 +52,6 @@ WHOLE = {
 }
 """The tables of a whole study, by name, with their descriptions; no other part has these names."""
 
-Progress = Callable[[str, int, int], None]
-"""Called with the title of the current part, the number of steps done and the number of all steps."""
-
 
 def write_report(
     path: str | PathLike[str],
@@ -64,7 +62,7 @@ def write_report(
     rope: Any = None,
     beside_best: bool = False,
     reference: str | None = None,
-    on_progress: Progress | None = None,
+    on_progress: OnStep | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
 
@@ -138,7 +136,7 @@ def _folder(results: Results, output: Path | None) -> Path:
 class _Report:
     """A report in progress: the views so far, the files written and the names taken."""
 
-    def __init__(self, findings: Findings, folder: Path, drawer: Drawer, on_progress: Progress) -> None:
+    def __init__(self, findings: Findings, folder: Path, drawer: Drawer, on_progress: OnStep) -> None:
         self.results = findings.results
         self.findings = findings
         self.folder = folder
@@ -278,7 +276,7 @@ class _Report:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, latex=latex)
+            files = save_table(part, self.folder, name, latex=latex, study=self.results.study.name)
             item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure))
@@ -311,8 +309,11 @@ class _Report:
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
 
-def save_table(table: Table, folder: Path, name: str, *, latex: bool = True) -> list[str]:
-    """Write a table as CSV (full precision) and, on request, LaTeX; return the paths relative to ``folder``."""
+def save_table(table: Table, folder: Path, name: str, *, latex: bool = True, study: str = "") -> list[str]:
+    """Write a table as CSV (full precision) and, on request, LaTeX; return the paths relative to ``folder``.
+
+    The label of the LaTeX begins with the name of the study, as a paper may have the same table of several.
+    """
     (folder / TABLES).mkdir(exist_ok=True)
     paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if latex else ("csv",))]
     if table.data is None:
@@ -320,7 +321,8 @@ def save_table(table: Table, folder: Path, name: str, *, latex: bool = True) -> 
     else:
         save_csv(table.data, folder / paths[0], index=False)
     if latex:
-        (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
+        text = to_latex(table, f"{study}-{name}" if study else name)
+        (folder / paths[1]).write_text(text, encoding="utf-8", newline="\n")
     return paths
 
 

@@ -36,17 +36,17 @@ class Entry:
 
 
 def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
-    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list.
+    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list, in which a text is a table with that name.
 
     ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
     problem that is selected from the suite. Lists in the table ``options`` of optimizers give one entry for each
     combination of their values; everywhere else a list is a value.
     """
-    if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
-        raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
+    if not isinstance(items, list) or not items or not all(isinstance(item, dict | str) for item in items):
+        raise BenchError(f"study {where} needs at least one [[{key}]] table with a name, or a list of names as {key}")
     entries: list[Entry] = []
     for item in items:
-        options = dict(item)
+        options = {"name": item} if isinstance(item, str) else dict(item)
         if sum(each in options for each in ("name", "names", "suite")) > 1:
             raise BenchError(f"study {where}: a [[{key}]] table has one of name, names and suite")
         if key == "problems" and "suite" in options:

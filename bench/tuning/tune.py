@@ -8,7 +8,7 @@ seeded for each configuration from its number, so a tuning that was killed goes 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -22,6 +22,7 @@ from filelock import FileLock, Timeout
 from bench.analysis.finished_trials import NO_TRACE
 from bench.analysis.target_sets import aocc
 from bench.errors import BenchError, require
+from bench.helpers.console import OnStep
 from bench.helpers.text import option, printable
 from bench.objective import Trace
 from bench.optimizer import CONDITIONS
@@ -48,9 +49,6 @@ OBJECTIVES = {"aocc": "1 - AOCC", "regret": "log10 of the median regret"}
 
 LEAST, MOST = 1e-8, 1e100  # regrets: COCO's smallest precision, and that of a failed run
 PRINTED = 10_000_000  # bytes that a run may print
-
-Progress = Callable[[str, int, int], None]
-"""Called with the current step, the steps done and all steps."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ def tune(
     setting: Setting,
     journal: Path,
     n_jobs: int = -1,
-    on_progress: Progress = lambda *_: None,
+    on_progress: OnStep = lambda *_: None,
 ) -> list[Best]:
     """Tune the optimizers, one after the other; what the journal holds already is not run again.
 

@@ -92,6 +92,7 @@ def test_each_rule_and_optimizer_has_an_id(author):
     assert outcomes == all_but("Sound") | all_but("hill-climber") | all_but("Sound(step=0.3)")
 
 
+@pytest.mark.slow
 def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_fix_it(author):
     outcomes, printed = author("@parametrize_with_checks([Chatty, Quitting])")
     assert outcomes == all_but("Chatty", silence="FAILED") | all_but("Quitting", values="FAILED")

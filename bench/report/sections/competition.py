@@ -87,7 +87,8 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     texts = pd.DataFrame(cells, index=mean.index)
     sign = tests.pivot(index="problem", columns="optimizer", values="sign").reindex_like(mean)
     marks = sign.replace(SIGNS).where(sign.notna(), "").astype(object)
-    lowest = mean.eq(mean.min(axis=1), axis=0) & np.isfinite(mean)
+    best = mean.min(axis=1)
+    lowest = mean.sub(best, axis=0).le(analysis.NEAR * best.abs(), axis=0) & np.isfinite(mean)
     ends: dict[str, list[str]] = {}
     if reference:
         counts = [" / ".join(str(int((sign[each] == one).sum())) for one in SIGNS) for each in optimizers]
@@ -115,6 +116,7 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
         + (" U-score: over the problems where all have as many trials." if len(scores) else "")
         + " The CSV file has every statistic and p.",
         data=merged,
+        totals=len(ends),
     )
 
 

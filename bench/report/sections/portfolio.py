@@ -6,6 +6,7 @@ from bench.analysis.portfolio import MOST_EXACT, Portfolio, portfolio_of
 from bench.errors import BenchError
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
+from bench.report.plots import portfolio_figure
 from bench.report.portfolio import Choice, gap_sentence, selection_sentence
 from bench.report.wording import count, listing
 
@@ -35,7 +36,7 @@ def section(findings: Findings) -> Section | None:
         text.append(f"Left out: {count(left_out, 'problem')} on which an optimizer has fewer than two trials.")
     if findings.trials.decisions.stopped:
         text.append("Looks stopped cells whose difference looked large, which makes differences too large.")
-    return Section(TITLE, tuple(text), (_members(found),))
+    return Section(TITLE, tuple(text), (portfolio_figure(found), _members(found)))
 
 
 def _smallest(found: Portfolio) -> str:

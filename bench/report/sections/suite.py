@@ -97,8 +97,9 @@ def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
     if not np.isfinite(wide).any(axis=None):
         return []
     table = wide.reset_index().rename_axis(columns=None)
-    kind = "d = " + table["problem"].map(members.set_index("problem")["dimension"]).astype(str)
-    return [scatter_figure(findings.anytime.words.in_unit(table.assign(kind=kind), unit), first, second)]
+    dimension = table["problem"].map(members.set_index("problem")["dimension"])
+    table = table.assign(kind="d = " + dimension.astype(str)).iloc[dimension.argsort(kind="stable")]
+    return [scatter_figure(findings.anytime.words.in_unit(table, unit), first, second)]
 
 
 def _members(trials: Trials) -> pd.DataFrame:

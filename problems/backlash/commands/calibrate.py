@@ -31,7 +31,9 @@ def calibrate(
         typer.Option("--fits", help="Also compute how strong the fits to each gap are; takes some seconds a gap."),
     ] = False,
     jobs: Annotated[int, typer.Option(help="Worker processes for the fits; -1 takes every core.")] = -1,
-    output: Annotated[Path | None, typer.Option(help="The .toml file to write the calibration to.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The .toml file to write the calibration to.")
+    ] = None,
     plot: Annotated[
         Path | None, typer.Option(help="A folder for the thesis's Figs. 4.7, 4.8 and 7.3 of this joint, as svg.")
     ] = None,

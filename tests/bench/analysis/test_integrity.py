@@ -322,6 +322,7 @@ def trials_that_used_two_cores(s):
     s.put(s.frame["optimizer"] == "b", cpu_s=1.2)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", TRAPS)
 def test_a_trap_is_found_by_its_own_check_only(sound, name):
     spoil, check, verdict, fragments, cells = TRAPS[name]

@@ -64,6 +64,7 @@ def walks(rng, trials, problems=2, numbers=8):
     return [rng.standard_normal((trials, numbers)).cumsum(axis=1).round() for _ in range(problems)]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("optimizers", "trials", "repeats"), [(2, 10, 200), (4, 14, 60)])
 def test_false_separations_are_rare(optimizers, trials, repeats):
     rng = np.random.default_rng(1)

@@ -326,6 +326,7 @@ def test_a_trial_that_differs_is_marked(bench_here, tmp_path):
     assert '<span class="lost">0 of 1; 1 differ</span>' in (tmp_path / "board" / "index.html").read_text()
 
 
+@pytest.mark.slow
 @sandboxed
 def test_seeds_that_were_chosen_are_found_out(tmp_path):
     study = Study.from_dict({
@@ -339,6 +340,7 @@ def test_seeds_that_were_chosen_are_found_out(tmp_path):
     assert board.archives[0].again[0].different
 
 
+@pytest.mark.slow
 @sandboxed
 def test_a_trial_that_cannot_be_made_is_marked_with_the_reason(bench_here, tmp_path):
     missing = {"optimizers": [{"name": "not-installed-here", "label": "x"}]}

@@ -106,6 +106,7 @@ def test_gwo_is_biased():
     assert [verdict.check for verdict in verdicts if not verdict.passed] == CHECKS[:3]
 
 
+@pytest.mark.slow
 def test_the_seed_alone_repeats_the_figures_whatever_the_number_of_processes(monkeypatch):
     gwo, sizes = load_optimizer("gwo", agents=30), {"runs": 1, "noise_runs": 5}
     first = diagnose(gwo, n_jobs=1, **sizes)

@@ -49,6 +49,7 @@ def test_a_failed_report_says_how_to_mend_it_and_what_could_not_be_checked():
     )
 
 
+@pytest.mark.slow
 def test_classes_of_a_script_and_of_a_function_can_be_checked(tmp_path):
     script = tmp_path / "mine.py"
     script.write_text(
@@ -146,6 +147,7 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(mon
     assert not check_optimizer(faulty.Idle)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("optimizer", "check", "finding", "remedy"),
     [

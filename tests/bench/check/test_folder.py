@@ -58,6 +58,7 @@ def test_a_folder_keeps_the_verdicts_on_its_optimizers(made, asked):
         ]
 
 
+@pytest.mark.slow
 def test_an_unchanged_optimizer_is_not_diagnosed_again_when_trials_are_added(made, asked):
     first = list(diagnose_folder(made({"name": "scatter"}, {"name": "early"}), n_jobs=1))
     again = list(diagnose_folder(made({"name": "scatter"}, {"name": "early"}, trials=2), n_jobs=1))
@@ -88,6 +89,7 @@ def test_a_changed_optimizer_alone_is_diagnosed_again(made, asked, tmp_path, mon
     assert [(each.label, each.kept) for each in diagnose_folder(folder, n_jobs=1)] == [("one", True), ("two", False)]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("damage", [{"code": "0" * 16}, {"kind": "praise"}, {"passed": 1}, {"finding": None}])
 def test_noted_verdicts_of_other_code_and_damaged_ones_are_not_kept(damage, made, asked):
     folder = made({"name": "scatter"})

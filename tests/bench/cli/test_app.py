@@ -61,6 +61,7 @@ def test_failed_trials_are_said_and_end_with_one(bench_here, tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_a_new_name_helps_in_the_default_folder(bench_here, tiny, tmp_path):
     bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path)
     done = bench_here("run", tiny, "--seed", 3, "--optimizer", "early", cwd=tmp_path)

@@ -122,6 +122,7 @@ def edit(objective, rng):
 """
 
 
+@pytest.mark.slow
 def test_an_optimizer_that_edits_the_rows_of_another_is_noticed(bench_here, tmp_path):
     out = tmp_path / "out"
     (tmp_path / "hostile.py").write_text(HOSTILE.format(path=str(out / "trials.sqlite")))

@@ -50,6 +50,7 @@ def test_status_prints_counts_reasons_and_provenance(bench_here, made):
     assert "running" not in done.stdout
 
 
+@pytest.mark.slow
 def test_status_of_a_run_under_way(bench_here, tmp_path):
     (tmp_path / "slow.toml").write_text(
         'name = "slow"\ntrials = 10000\nbudget = 40\n[[problems]]\nname = "slow-2"\n'
@@ -172,6 +173,7 @@ def test_wrong_limits_are_one_sentence(bench_here, made, arguments, said):
     assert not (made / "no").exists()
 
 
+@pytest.mark.slow
 def test_a_run_with_another_handling_of_constraints(bench_here, tmp_path):
     (tmp_path / "ring.toml").write_text(
         'name = "ring"\ntrials = 2\nbudget = 30\n[[problems]]\nname = "ring-2"\n[[optimizers]]\nname = "scatter"\n'

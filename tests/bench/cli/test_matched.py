@@ -42,6 +42,7 @@ def test_the_plan_has_the_controls(bench_here, made):
         assert "  gwo (box): 0 to run" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_study_of_equal_conditions_needs_none(bench_here, tmp_path):
     (tmp_path / "mine.toml").write_text(STUDY.replace('handling = "box"', ""))
     done = bench_here("run", "mine.toml", "--dry-run", "--matched", cwd=tmp_path)

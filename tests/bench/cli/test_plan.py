@@ -23,6 +23,7 @@ def place(tmp_path_factory):
     return place
 
 
+@pytest.mark.slow
 def test_a_run_prints_what_each_look_decided_and_the_others_know_it(bench_here, place):
     done = bench_here("run", "looked.toml", "--output", "out", "--jobs", 1, "--no-report", cwd=place)
     assert done.returncode == 0, done.stderr

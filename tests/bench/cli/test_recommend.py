@@ -44,6 +44,7 @@ def write(place, name, functions, good, **changes):
     """Write a folder whose optimizers reach the optimum at evaluation 60 where ``good(function, optimizer)``."""
     problems = tuple(Entry(label, label) for label in (f"classical-{each}-d2-i1" for each in functions))
     optimizers = tuple(Entry(label, label) for label in changes.pop("optimizers", OPTIMIZERS))
+    first, last = changes.pop("values", (9.0, 2.0))
     study = Study(name, problems, optimizers, **{"trials": 4, "budget": "100 * d"} | changes)
     folder = Folder(place / name)
     folder.path.mkdir()
@@ -52,7 +53,7 @@ def write(place, name, functions, good, **changes):
         for trial in study.plan():
             function = trial.problem.removeprefix("classical-").removesuffix("-d2-i1")
             optimum = load_problem(trial.problem).optimum
-            values = optimum + np.array([9.0, 0.0 if good(function, trial.optimizer) else 2.0])
+            values = optimum + np.array([first, 0.0 if good(function, trial.optimizer) else last])
             row = {
                 "status": "ok", "fun": values[-1], "nfev": 200, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.01,
                 "stop": "budget", "outside_box": 0, "x": {"x1": 0.0, "x2": 0.0}, "metrics": {},
@@ -72,6 +73,8 @@ def place(tmp_path_factory, testing_plugins):
     write(place, "equal", BOWLS + RUGGED, lambda function, optimizer: True)
     write(place, "one", BOWLS, kinds, optimizers=("gwo",))
     write(place, "single", BOWLS, kinds, trials=1)
+    write(place, "far", BOWLS, lambda function, optimizer: False, values=(1e9, 1e8))
+    write(place, "hard", BOWLS + RUGGED, lambda function, optimizer: function == "katsuura", values=(1e9, 1e8))
     (place / "mine.py").write_text(FILE, encoding="utf-8")
     return place
 
@@ -128,6 +131,12 @@ def test_folders_of_problems_that_do_not_load_leave_the_single_best(bench_here, 
     assert "The advice is the single best on all problems" in said(done)
 
 
+def test_similar_problems_without_a_target_leave_the_single_best(bench_here, place):
+    done = bench_here("recommend", "mine.py:Bowl", "--budget", "200", "--from", "hard", cwd=place)
+    assert done.returncode == 0, done.stderr
+    assert "No trial on the most similar problems reached a target, so the advice is cma-es" in said(done)
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
@@ -136,8 +145,10 @@ def test_folders_of_problems_that_do_not_load_leave_the_single_best(bench_here, 
         (("mine.py:Bowl", "--budget", "1000", "--from", "kinds"), "had at most 100 d evaluations, fewer than 1,000"),
         (("mine.py:Bowl", "--budget", "200", "--from", "one"), "the folders hold one optimizer"),
         (("mine.py:Bowl", "--budget", "200", "--from", "single"), "every optimizer has two trials"),
+        (("mine.py:Bowl", "--budget", "200", "--from", "far"), "no trial of the folders reached any target within 200"),
         (("mine.py:flat", "--budget", "200", "--from", "kinds"), "the same value at all 100 points"),
         (("mine.py:Bowls", "--budget", "200", "--from", "kinds"), "no problem called 'Bowls'; did you mean 'Bowl'?"),
+        (("mine.py", "--budget", "200", "--from", "kinds"), "add the class or function: mine.py:Bowl; it holds Bowl"),
         (("mine.py:number", "--budget", "200", "--from", "kinds"), "'number' of mine.py is neither a Problem nor"),
         (("mine.py:broken", "--budget", "200", "--from", "kinds"), "cannot be made: ValueError: no data"),
         (("none.py:Bowl", "--budget", "200", "--from", "kinds"), "the problem file none.py cannot be read"),

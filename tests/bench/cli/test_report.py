@@ -83,6 +83,7 @@ def test_what_cannot_be_compared_ends_in_one_sentence(bench_here, folders, tmp_p
         write_report(folders / "old", folders / "new", output=folders / "short")
 
 
+@pytest.mark.slow
 def test_a_report_that_is_written_again_leaves_no_stale_file_and_touches_no_foreign_one(folders, tmp_path):
     out = tmp_path / "out"
     write_report(folders / "old", output=out)
@@ -133,6 +134,7 @@ def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders,
     assert here.stdout or here.stderr
 
 
+@pytest.mark.slow
 def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
     sizes = {"dimension": 2, "runs": 1, "noise_runs": 3}

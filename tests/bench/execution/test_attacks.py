@@ -191,5 +191,5 @@ def test_no_file_is_imported_by_the_command_or_its_report(bench_here, tmp_path):
     bench_here("run", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", 1)
     assert "Reference fit" in (tmp_path / "out" / "report.html").read_text()
     imported = {int(pid) for pid in (tmp_path / "mine.py.pids").read_text().split()}
-    assert len(imported) > 2
+    assert len(imported) > 1  # of the check, and of the trials
     assert os.getpid() not in imported

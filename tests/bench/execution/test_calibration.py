@@ -24,6 +24,7 @@ def test_a_short_trial_has_a_part_of_a_large_budget(budget, short):
     assert shortened(study(budget).budget, SHARE, LEAST) == short
 
 
+@pytest.mark.slow
 def test_it_counts_every_missing_trial_by_its_evaluations(tmp_path, testing_plugins):
     few = calibrated_seconds(plan(study(60), tmp_path / "a"), 1)
     many = calibrated_seconds(plan(study(60, trials=2000), tmp_path / "b"), 1)

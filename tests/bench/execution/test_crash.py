@@ -263,6 +263,7 @@ def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, benc
     assert "running:" not in bench_here("status", folder).stdout
 
 
+@pytest.mark.slow
 def test_one_of_two_first_runs_at_the_same_moment_wins(start, tmp_path):
     folder = tmp_path / "out"
     runs = [start(folder, trials=2, slow=0, gate=tmp_path / "gate") for _ in range(2)]
@@ -378,6 +379,7 @@ bench.run(bench.Study.load(sys.argv[1]).override(trials=3), sys.argv[2], n_jobs=
 """
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("index", [True, False], ids=["as it was left", "copied without its index"])
 def test_a_killed_run_s_folder_is_read_where_nothing_can_be_written(bench_here, study, disk, index, tmp_path):
     folder = disk.path / "out"

@@ -231,6 +231,7 @@ def test_short_trials_are_sent_in_batches_and_nothing_is_left_at_the_end(machine
     until(lambda: not worker.children(), "the idle processes to end", patience=dask_worker.IDLE / 2)
 
 
+@pytest.mark.slow
 def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
     monkeypatch.setattr(dask_worker, "LOOK", 0.1)
     monkeypatch.setattr(dask_worker, "IDLE", 0.5)

@@ -1,12 +1,14 @@
-"""How optimizers describe themselves: every one that can be loaded, noted by the run, and read by the report alone."""
+"""How optimizers describe themselves: read where a study is checked, noted by the run, used by the report alone."""
 
 import os
+import shutil
 
 import pytest
 
 from bench import Results, Study, load_optimizer, run, write_report
-from bench.execution import descriptions
-from bench.execution.descriptions import Description, describe, noted
+from bench.execution.descriptions import Description, noted
+from bench.execution.supervisor import Task, check
+from bench.sandbox.process import Process
 from bench.storage.folder import Folder
 from bench.storage.merge import merge
 
@@ -20,14 +22,15 @@ Path(__file__).with_suffix(".pid").write_text(str(os.getpid()))
 
 @dataclass(frozen=True)
 class Mine(bench.Optimizer):
-    bibtex = {bibtex}
     agents: int = 7
     handling = "mirror"
 
-    def minimize(self, objective, rng):
-        {deed}
+    @property
+    def bibtex(self):
+        return {bibtex}
 
-{deed}
+    def minimize(self, objective, rng):
+        pass
 """
 
 
@@ -35,49 +38,43 @@ class Mine(bench.Optimizer):
 def file(tmp_path):
     """Return a function that writes an optimizer's file and returns its name."""
 
-    def write(name, bibtex, deed="pass"):
+    def write(name, bibtex):
         path = tmp_path / f"{name}.py"
-        path.write_text(CODE.format(bibtex=repr(bibtex), deed=deed))
+        path.write_text(CODE.format(bibtex=bibtex))
         return f"{path}:Mine"
 
     return write
 
 
-def described(*names, sandbox=None, **options):
+def described(*names, **options):
     optimizers = [{"name": name, "label": str(number), **options} for number, name in enumerate(names)]
     study = Study.from_dict({"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": optimizers})
-    return [*describe(study, sandbox).values()]
+    return [*check(Task(study)).descriptions.values()]
 
 
-def cited(*names, sandbox=None):
-    return [each.bibtex for each in described(*names, sandbox=sandbox)]
+def cited(*names):
+    return [each.bibtex for each in described(*names)]
 
 
 def test_each_optimizer_s_own_text_is_read(file, testing_plugins):
-    expected = [load_optimizer("gwo").bibtex, "@misc{mine}", "", "", ""]
+    expected = [load_optimizer("gwo").bibtex, "@misc{mine}", ""]
     assert expected[0].startswith("@")
-    assert cited("gwo", file("mine", "@misc{mine}"), "hill-climber", "gone.py:Mine", "broken") == expected
+    assert cited("gwo", file("mine", "'@misc{mine}'"), "hill-climber") == expected
 
 
 def test_what_is_no_text_or_ends_its_process_costs_only_itself(file, testing_plugins):
-    names = [file("odd", 5), file("deadly", "@misc{b}", "os._exit(0)"), file("sound", "@misc{c}")]
-    assert cited(*names) == ["", "", "@misc{c}"]
+    names = [file("odd", "5"), file("deadly", "os._exit(0)"), file("broken", "1 / 0"), file("sound", "'@misc{c}'")]
+    assert cited(*names) == ["", "", "", "@misc{c}"]
 
 
 def test_no_file_is_imported_here(file, tmp_path, testing_plugins):
-    assert cited(file("mine", "@misc{mine}")) == ["@misc{mine}"]
+    assert cited(file("mine", "'@misc{mine}'")) == ["@misc{mine}"]
     assert int((tmp_path / "mine.pid").read_text()) != os.getpid()
 
 
-def test_a_stranger_s_is_not_read_without_the_sandbox_that_the_run_had(file, tmp_path, testing_plugins):
-    assert cited("gwo", file("mine", "@misc{mine}"), sandbox="none")[1] == ""
-    assert not (tmp_path / "mine.pid").exists()
-
-
 def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins):
-    mine, gone = described(file("mine", ""), "gone.py:Mine", agents=9)
+    [mine] = described(file("mine", "''"), agents=9)
     assert mine == Description("", {"agents": "9", "handling": "mirror"}, {"agents": "7", "handling": "mirror"})
-    assert gone == Description()
     gwo, cma = described("gwo", "cma-es", agents=9)
     assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
     assert cma.defaults == {
@@ -92,15 +89,23 @@ def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins
 WORK = "@misc{mine2020,\n  author = {Doe, Jane},\n  title = {Mine},\n  year = {2020},\n}"
 
 
-@pytest.fixture
-def made(file, tmp_path, testing_plugins):
-    """Return the folder of a run of a stranger's optimizer beside a built-in one."""
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory, testing_plugins):
+    """Return the folder of a run of a stranger's optimizer beside a built-in one; no test changes it."""
+    place = tmp_path_factory.mktemp("described")
+    (place / "mine.py").write_text(CODE.format(bibtex=repr(WORK)))
     study = Study.from_dict({
         "name": "s", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
-        "optimizers": [{"name": file("mine", WORK), "label": "mine"}, {"name": "gwo", "agents": 9}],
+        "optimizers": [{"name": f"{place}/mine.py:Mine", "label": "mine"}, {"name": "gwo", "agents": 9}],
     })  # fmt: skip
-    run(study, tmp_path / "out", n_jobs=1)
-    return tmp_path / "out"
+    run(study, place / "out", n_jobs=1)
+    return place / "out"
+
+
+@pytest.fixture
+def made(ran, tmp_path):
+    """Return a copy of that folder."""
+    return shutil.copytree(ran, tmp_path / "out")
 
 
 def refuse(*args, **more):
@@ -108,7 +113,7 @@ def refuse(*args, **more):
 
 
 def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, monkeypatch):
-    monkeypatch.setattr(descriptions, "root", refuse)
+    monkeypatch.setattr(Process, "__init__", refuse)
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(
@@ -120,7 +125,7 @@ def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, 
 
 @pytest.mark.slow
 def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, monkeypatch):
-    monkeypatch.setattr(descriptions, "root", refuse)
+    monkeypatch.setattr(Process, "__init__", refuse)
     (made / "optimizers.json").unlink()
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()

@@ -58,7 +58,7 @@ def test_decided_cells_get_no_more_trials_and_all_others_are_as_without_looks(lo
     assert [(each["trials"], each["extends"]) for each in record] == [(16, None)]  # one run, whatever its looks
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [75])  # between the looks
 def test_an_interrupted_run_continues_in_the_same_state(looked, whole, tmp_path, after):
     made = []

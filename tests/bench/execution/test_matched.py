@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, run
-from bench.execution.descriptions import describe
+from bench.execution.descriptions import noted
 from bench.execution.matched import algorithms, matched, with_controls
 from bench.execution.runner import plan
 from bench.storage.folder import Folder
@@ -17,7 +17,7 @@ def study(*optimizers, **changes):
 
 
 def found(own):
-    return matched(own, describe(own))
+    return matched(own, noted(own, {}))
 
 
 BOX = {"name": "cma-es", "agents": 9, "handling": "box", "start": "midpoint"}
@@ -71,7 +71,8 @@ def test_a_stranger_takes_part_with_the_options_that_it_has(tmp_path):
     path.write_text("def mine(objective, rng, handling='repair', step=0.1):\n    objective(objective.initial(1))\n")
     own = study({"name": f"{path}:mine", "label": "mine"}, {"name": "gwo", "handling": "box"})
     assert [entry.label for entry in with_controls(own).controls] == ["gwo (repair)", "mine (box)"]
-    assert with_controls(study({"name": "gone"}, BOX)).controls == ()
+    with pytest.raises(BenchError, match="unknown optimizer 'gone'"):
+        with_controls(study({"name": "gone"}, BOX))
 
 
 def test_controls_are_of_a_study_s_text_and_not_of_its_identity(tmp_path):

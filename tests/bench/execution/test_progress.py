@@ -6,6 +6,7 @@ from bench import run
 from bench.execution import progress
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("asked", "notebook", "shown"), [(None, False, 0), (None, True, 1), (True, False, 1), (False, True, 0)]
 )

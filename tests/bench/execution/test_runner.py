@@ -135,6 +135,7 @@ def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
         run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
 
 
+@pytest.mark.slow
 def test_data_that_changed_under_a_study_is_refused(tmp_path):
     t = np.arange(1000) * 0.002
     for frequency in (5.0, 7.0):

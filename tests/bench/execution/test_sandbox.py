@@ -228,6 +228,7 @@ def test_the_scratch_folder_is_all_that_can_be_written():
         ]
 
 
+@pytest.mark.slow
 @needed
 def test_a_process_that_starts_another_finds_no_problem_in_strict_trials_either(tmp_path):
     code = """
@@ -253,6 +254,7 @@ def test_one_that_is_unknown_or_missing_is_one_sentence(monkeypatch):
         bubblewrap.find("bwrap")
 
 
+@pytest.mark.slow
 @needed
 def test_a_plan_loads_no_optimizer_outside_it(bench_here, tmp_path):
     mark = tmp_path / "mark"

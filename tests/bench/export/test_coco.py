@@ -152,6 +152,7 @@ class TestSuites:
         assert len(bbob_read[1]["sets"]) == len(found)
         assert all(data["instances"] == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5] for data in bbob_read[1]["sets"])
 
+    @pytest.mark.slow
     def test_expected_running_times_are_those_of_the_analysis(self, bbob_read):
         results, found = bbob_read
         labels = [entry.label for entry in results.study.problems]

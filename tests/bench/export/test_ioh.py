@@ -121,6 +121,7 @@ print("\\n" + found.to_json(orient="records"))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("iohinspector") is None, reason="compares with iohinspector")
 def test_the_area_over_the_convergence_curve_is_iohinspector_s(tmp_path):
     results = make(tmp_path / "s", {"sphere-2": 2, "p": 3})

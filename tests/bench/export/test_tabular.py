@@ -72,6 +72,7 @@ class TestTables:
             "string", "string", "int64", "int64", "double",
         ]  # fmt: skip
 
+    @pytest.mark.slow
     def test_a_real_run(self, small_study, tmp_path):
         bench.run(replace(small_study, trials=1), tmp_path / "s", n_jobs=1)
         results = Results(tmp_path / "s")

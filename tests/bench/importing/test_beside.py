@@ -80,6 +80,7 @@ class TestUnited:
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
         assert analysis.budgets(frame, both.trials.allowed).tolist() == [120.0, 801.0]
 
+    @pytest.mark.slow
     def test_values_are_compared_at_the_largest_budget_that_all_had(self, mine, archive):
         both = Findings(Results(mine, archive))
         assert both.trials.common == {"box-f01-d2-i1": 120, "box-f01-d2-i2": 120}

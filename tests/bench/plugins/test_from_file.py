@@ -145,6 +145,7 @@ def test_a_run_takes_them_beside_the_study_s_own(bench, bench_here, mine):
     assert "did you mean 'hill-climber'?" in unknown.stderr
 
 
+@pytest.mark.slow
 def test_a_folder_does_not_mix_two_versions_of_a_file(mine, monkeypatch):
     monkeypatch.chdir(mine.parent)
     study = Study.load("tiny.toml").beside(["mine.py:Mine"])

@@ -102,6 +102,7 @@ class TestSorting:
         assert column("value") == [[*rising[-2::-1], "–"], ["descending"]]
         assert column("value") == original
 
+    @pytest.mark.slow
     def test_bounds_and_exponents_sort_too(self, column):
         ps = ["1.2e-05", "<1e-4", "0.0002", "0.03", "0.5", "0.6", "0.7", "0.8", "0.9", "0.99", "1", "–"]
         assert column("p") == [ps, ["ascending"]]
@@ -114,10 +115,12 @@ class TestSorting:
         assert column("name")[0] == [f"problem-{i}" for i in range(1, 13)]
         assert column("name")[0] == [f"problem-{i}" for i in range(12, 0, -1)]
 
+    @pytest.mark.slow
     def test_one_column_is_sorted_at_a_time(self, column):
         column("value")
         assert column("p")[1] == ["ascending"]
 
+    @pytest.mark.slow
     def test_letters_after_a_value_do_not_count(self, browser, file):
         browser.open(file)
         head = "document.querySelector('#matrix thead th:last-child button')"
@@ -143,6 +146,7 @@ class TestFilter:
         browser.page.keyboard.insert_text(" ")
         assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (12, "")
 
+    @pytest.mark.slow
     def test_only_long_tables_have_one_and_each_says_whose(self, browser, file):
         browser.open(file)
         names = browser.run("[...document.querySelectorAll('input')].map((input) => input.ariaLabel)")
@@ -167,6 +171,7 @@ class TestKeyboard:
         assert browser.run("document.querySelector('#wide tbody td').textContent") == "problem-12"
         assert browser.run("document.activeElement.closest('th').cellIndex") == 0
 
+    @pytest.mark.slow
     def test_everything_is_reached_by_tab_and_the_titles_of_a_table_by_one(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
@@ -179,6 +184,7 @@ class TestKeyboard:
             browser.press("Tab")
         assert browser.run("reached.size") == wanted
 
+    @pytest.mark.slow
     def test_arrows_move_along_the_titles_of_a_table(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
@@ -188,6 +194,7 @@ class TestKeyboard:
         stops = "[...document.querySelectorAll('#wide th button')].map((button) => button.tabIndex)"
         assert browser.run(stops) == [-1, 0, *[-1] * 12]
 
+    @pytest.mark.slow
     def test_arrows_scroll_a_wide_table(self, browser, file):
         browser.open(file, width=400)
         browser.run(OPEN_ALL)
@@ -205,6 +212,7 @@ def test_without_scripts_all_is_shown_and_nothing_is_dead(browser, file):
     assert browser.run("document.querySelectorAll('#wide tbody tr').length") == 12
 
 
+@pytest.mark.slow
 def test_a_text_is_copied_or_selected(browser, file):
     browser.open(file)
     browser.run(OPEN_ALL)
@@ -250,6 +258,7 @@ class TestOffline:
 class TestPrint:
     A4 = 688  # CSS pixels between the margins
 
+    @pytest.mark.slow
     def test_nothing_is_wider_than_the_paper(self, browser, file):
         browser.open(file, width=self.A4, media="print")
         browser.run(OPEN_ALL)
@@ -258,6 +267,7 @@ class TestPrint:
         )
         assert max(browser.run(edges)) <= self.A4
 
+    @pytest.mark.slow
     def test_what_the_script_adds_stays_off_paper(self, browser, file):
         browser.open(file, media="print")
         shown = (
@@ -265,6 +275,7 @@ class TestPrint:
         )
         assert browser.run(shown) == 0
 
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize("scripts", [True, False])
     def test_closed_sections_are_printed_and_data_tables_are_not(self, browser, file, scripts):
         browser.open(file, media="print", scripts=scripts)
@@ -288,6 +299,7 @@ class TestFolded:
         path.write_text(render("t", "", views), encoding="utf-8")
         return path
 
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize("scripts", [True, False])
     def test_a_link_opens_the_section(self, browser, folded, scripts):
         browser.open(folded, scripts=scripts)

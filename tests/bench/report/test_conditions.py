@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from bench import Results, Study
-from bench.execution.descriptions import Description, describe
+from bench.execution.descriptions import Description, noted
+from bench.execution.supervisor import Task, check
 from bench.report.conditions import conditions_table, sentences
 from bench.report.findings import Findings
 from bench.report.sections import methods, verdict
@@ -19,7 +20,7 @@ def study(*optimizers):
 
 def said(*optimizers):
     own = study(*optimizers)
-    return [each for kind in sentences(own, describe(own)) for each in kind]
+    return [each for kind in sentences(own, noted(own, {})) for each in kind]
 
 
 THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint"}
@@ -27,7 +28,7 @@ THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint
 
 def test_the_thesis_s_study_differs_in_handling_and_start():
     own = Study.load("thesis")
-    differing, changed = sentences(own, describe(own)).limits
+    differing, changed = sentences(own, noted(own, {})).limits
     assert "handling is box for cma-es and repair for the 4 others" in differing
     assert "start is midpoint for cma-es and random for the 4 others" in differing
     assert "agents" not in differing
@@ -41,14 +42,14 @@ def test_a_study_that_was_tuned_points_to_its_tuning():
     unknown = ((each, "on these problems is not recorded") for each in (None, edited, trained))
     for tuning, words in ((record, "on other problems, is stated below"), *unknown):
         (changed,) = [
-            each for each in sentences(replace(own, tuning=tuning), describe(own)).limits if "agents = 9" in each
+            each for each in sentences(replace(own, tuning=tuning), noted(own, {})).limits if "agents = 9" in each
         ]
         assert words in changed
 
 
 def test_the_equal_study_differs_in_its_populations_alone():
     own = Study.load("thesis-equal")
-    differing, _ = sentences(own, describe(own)).limits
+    differing, _ = sentences(own, noted(own, {})).limits
     assert "agents is 30 for" in differing
     assert not re.search("handling|start", differing)
     labels = [entry.label for entry in own.optimizers]
@@ -57,6 +58,7 @@ def test_the_equal_study_differs_in_its_populations_alone():
         assert alike == [f"{name} {agents}" for name in ("cma-es", "alo", "goa", "gwo", "da")]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("optimizers", "expected"),
     [
@@ -82,17 +84,18 @@ def test_each_kind_of_study_has_its_sentences(optimizers, expected):
 def test_a_plug_in_of_a_stranger_without_such_options_is_described(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("def mine(objective, rng, step=0.1):\n    objective(objective.initial(1))\n")
-    differing, changed = said({"name": f"{path}:mine", "label": "mine", "step": 0.5}, {"name": "gwo"})
+    own = study({"name": f"{path}:mine", "label": "mine", "step": 0.5}, {"name": "gwo"})
+    differing, changed = sentences(own, check(Task(own)).descriptions).limits
     assert "handling is no option for mine and repair for gwo" in differing
     assert "step = 0.5 for mine" in changed
 
 
 def test_many_ways_are_counted_and_the_table_has_each():
     own = study(*({"name": "gwo", "label": f"g{agents}", "agents": agents} for agents in range(3, 12)))
-    differing, changed = sentences(own, describe(own)).limits
+    differing, changed = sentences(own, noted(own, {})).limits
     assert "agents is set in 9 ways" in differing
     assert "9 options of 9 of 9 optimizers" in changed
-    table = conditions_table(own, describe(own)).frame
+    table = conditions_table(own, noted(own, {})).frame
     assert table.loc["g5"].tolist() == ["5", "repair", "random", "agents = 5 (30)"]
 
 
@@ -119,7 +122,7 @@ def test_what_is_usual_or_the_same_limits_no_claim(make, tmp_path, monkeypatch):
 
 def both(own):
     """Return a study with the descriptions of its optimizers."""
-    return own, describe(own)
+    return own, noted(own, {})
 
 
 def test_verdict_and_methods_have_them(make, tmp_path):

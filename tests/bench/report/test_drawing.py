@@ -48,6 +48,7 @@ def drawn_here(monkeypatch):
     return drawn
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same_bytes(elsewhere, drawn_here):
     figures, plain = [figure("one"), figure("two")], [draw(figure("one")), draw(figure("two"))]
     elsewhere.begin(figures)
@@ -65,6 +66,7 @@ def test_a_user_s_own_settings_change_no_drawing():
         assert draw(figure()) == usual
 
 
+@pytest.mark.slow
 def test_the_rest_is_drawn_here_and_only_once(elsewhere, drawn_here):
     figures = [figure(str(number)) for number in range(6)]
     elsewhere.begin(figures)

@@ -18,6 +18,7 @@ def strictly():
         yield
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("problems", "optimizers", "picture"),
     [(1, 3, "every-trial"), (6, 3, "every-trial"), (7, 3, "ranks-over-budget"), (12, 2, "every-trial"),

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from bench import run
 from bench.report import write_report
-from bench.report.latex import ACCENTS, PAGE, SYMBOLS, escape, to_latex
+from bench.report.latex import ACCENTS, BLOCK, PAGE, SYMBOLS, escape, to_latex
 from bench.report.parts import Table
 
 HOSTILE = [
@@ -129,26 +129,61 @@ class TestToLatex:
         assert r"a\_1" in text
         assert r"x\_y" in text
 
-    def test_a_table_that_is_long_and_wide_has_smaller_type(self):
-        assert "\\footnotesize" in to_latex(comparison(PAGE + 1, 2), "t")
-        assert "\\scriptsize" in to_latex(comparison(PAGE + 1, 12), "t")
+    def test_a_long_table_as_wide_as_the_page_has_smaller_type(self):
+        assert r"{\footnotesize" in to_latex(comparison(PAGE + 1, 2), "t")
+        assert r"{\scriptsize" in to_latex(comparison(PAGE + 1, 7), "t")
 
-    @pytest.mark.parametrize(("rows", "kind"), [(PAGE + 1, "longtable"), (4, "tabular")])
-    def test_columns_too_many_to_read_are_set_in_blocks_beside_the_index(self, rows, kind):
-        text = to_latex(checkpoints(rows), "t")
-        blocks = text.split(f"\\begin{{{kind}}}")[1:]
+    def test_a_long_table_wider_than_the_page_comes_in_parts_of_one_number(self):
+        text = to_latex(comparison(100, 9), "t")
+        assert packages_of(text) == ["booktabs", "graphicx"]
+        assert text.count(r"\begin{table*}[p]") == 2
+        assert text.count(r"\label{") == 1
+        assert text.count(r"\addtocounter{table}{-1}\caption[]{(continued)}") == 1
+        assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 100
+        assert text.count("Italics: an exact test") == 1
+        assert "rotatebox" not in text
+
+    def test_a_long_and_very_wide_table_is_turned(self):
+        text = to_latex(comparison(PAGE + 1, 16), "t")
+        assert r"\rotatebox{90}" in text
+        assert text.count("{") == text.count("}")
+
+    def test_paragraphs_break_across_pages_however_wide(self):
+        words = pd.DataFrame({"finding": ["A sentence of more than forty characters about seeds."] * (PAGE + 1)})
+        assert r"\begin{longtable}" in to_latex(Table("t", "c", words), "t")
+
+    def test_a_block_of_rows_is_named_once_and_kept_on_a_page(self):
+        index = pd.MultiIndex.from_product([["f1", "f2"], ["a", "b"]], names=["function", "optimizer"])
+        text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 2, 3, 4]}, index)), "t")
+        assert "f1 & a & 1 \\\\*\n & b & 2 \\\\\n\\addlinespace[1pt]\nf2 & a & 3 \\\\*\n & b & 4 \\\\\n" in text
+
+    def test_every_row_of_a_long_block_has_its_name(self):
+        index = pd.MultiIndex.from_product([["f1"], range(BLOCK + 1)], names=["function", "number"])
+        text = to_latex(Table("t", "c", pd.DataFrame({"x": 1}, index)), "t")
+        assert len(re.findall(r"^f1 &", text, re.MULTILINE)) == BLOCK + 1
+
+    def test_a_rule_is_above_the_sums_alone(self):
+        frame = pd.DataFrame({"x": [1, 2, 3]}, pd.Index(["p", "q", "sum"], name="problem"))
+        assert "q & 2 \\\\\n\\midrule\nsum & 3" in to_latex(Table("t", "c", frame, totals=1), "t")
+        assert to_latex(Table("t", "c", frame), "t").count(r"\midrule") == 1
+        assert to_latex(Table("t", "c", frame.iloc[2:], totals=1), "t").count(r"\midrule") == 1
+
+    def test_columns_too_many_to_read_are_set_in_sets_beside_the_index(self):
+        text = to_latex(checkpoints(4), "t")
+        blocks = text.split("\\begin{tabular}")[1:]
         header = re.compile(r"^problem & optimizer & (.*) \\\\$", re.MULTILINE)
         heads = [header.search(block)[1].split(" & ") for block in blocks]
         assert [title for head in heads for title in head] == [f"{0.01 * (i + 1):.2f}" for i in range(16)]
         assert len(heads) > 1
         assert max(map(len, heads)) <= 8
         values = [re.findall(r"^cec2022-f\d+-d10 & .* & ([\d.]+)\$", block, re.MULTILINE) for block in blocks]
-        assert [len(each) for each in values] == [rows] * len(blocks)
+        assert [len(each) for each in values] == [4] * len(blocks)
         assert text.count(r"\label{") == 1
 
-    def test_a_table_whose_blocks_would_fill_more_than_a_page_stays_in_one_float(self):
+    def test_a_table_whose_sets_would_fill_more_than_a_page_is_turned(self):
         text = to_latex(checkpoints(PAGE), "t")
         assert text.count(r"\begin{tabular}") == 1
+        assert r"\rotatebox{90}" in text
 
     def test_packages_follow_the_shape(self):
         words = pd.DataFrame({"check": ["seeds"], "finding": ["A sentence of more than forty characters about seeds."]})
@@ -226,11 +261,19 @@ class TestCompiled:
                 log = compiled(tmp_path, text, text.partition("\n")[0].removeprefix("% needs "), options)
                 assert max(overfull(log), default=0) < 2
 
+    @pytest.mark.parametrize("options", ["", "twocolumn"])
+    def test_long_tables_wider_than_the_page_fit(self, options, tmp_path):
+        tables = [to_latex(comparison(*shape), f"t{shape[0]}") for shape in ((120, 9), (90, 20))]
+        log = compiled(tmp_path, "\n".join(tables), r"\usepackage{booktabs,graphicx}", options)
+        assert max(overfull(log), default=0) < 2
+        assert "Float too large" not in log
+
     @pytest.mark.skipif(shutil.which("lualatex") is None, reason="lualatex is not installed")
     def test_lualatex_takes_them_too(self, tmp_path):
         text = to_latex(Table("t", "Łódź ≤ α", pd.DataFrame({"x": HOSTILE})), "t")
         assert "Missing character" not in compiled(tmp_path, text, engine="lualatex")
 
+    @pytest.mark.slow
     def test_all_tables_and_the_methods_of_a_report(self, small_study, tmp_path):
         folder = tmp_path / "small"
         run(small_study, output=folder, n_jobs=1)

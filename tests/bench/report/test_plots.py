@@ -70,6 +70,7 @@ def every_figure(optimizers, problems=("p", "q")):
 
 
 class TestEveryFigure:
+    @pytest.mark.sampled(3)
     @pytest.mark.parametrize("optimizers", [["one"], ["a", "b", "c"], HOSTILE], ids=["one", "three", "hostile"])
     def test_is_drawn_in_a_width_of_the_page(self, optimizers):
         figures = every_figure(optimizers, ("p", "$q$ 日本" * 20))
@@ -91,6 +92,7 @@ class TestEveryFigure:
             assert min(sizes) >= 6.5
             assert max(sizes) <= 8.0
 
+    @pytest.mark.slow
     def test_nothing_is_cut_off(self):
         optimizers = ["mealpy:AugmentedAEO", "W" * 24, "日本語" * 8]
         for each in every_figure(optimizers):
@@ -100,6 +102,7 @@ class TestEveryFigure:
             assert box.x1 <= size[0] + 0.01, each.name
             assert box.y1 <= size[1] + 0.01, each.name
 
+    @pytest.mark.slow
     def test_the_same_data_give_the_same_bytes(self):
         first, second = ([svg(each.figure) for each in every_figure(["a", "b"])] for _ in range(2))
         assert first == second

@@ -1,5 +1,6 @@
 """Tables and figures as files: full precision, the same bytes for the same results, any label."""
 
+import re
 import warnings
 
 import matplotlib.figure
@@ -24,6 +25,14 @@ def test_an_empty_table(tmp_path):
     save_table(Table("t", "c", pd.DataFrame({"x": []})), tmp_path, "t")
 
 
+def test_tables_of_one_name_have_other_labels_in_other_studies(tmp_path):
+    labels = set()
+    for study in ("one", "other"):
+        save_table(Table("t", "c", pd.DataFrame({"x": [1]})), tmp_path, "t", study=study)
+        labels |= set(re.findall(r"\\label\{([^}]*)\}", (tmp_path / "tables" / "t.tex").read_text()))
+    assert labels == {"tab:one-t", "tab:other-t"}
+
+
 class TestFigures:
     @staticmethod
     def figure(title):
@@ -35,6 +44,7 @@ class TestFigures:
             ax.bar([1], [1], hatch="///")
         return Figure("f", "c", figure, pd.DataFrame({"x": [1]}))
 
+    @pytest.mark.sampled(3)
     @pytest.mark.parametrize("label", [*HOSTILE, "$\\frac{", "a$b$c", "bell\x07", "x" * 500])
     def test_any_label_can_be_drawn_and_warns_nobody(self, label, tmp_path):
         with warnings.catch_warnings(), style.context():

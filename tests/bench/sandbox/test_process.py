@@ -125,6 +125,7 @@ def test_a_fork_that_comes_back_from_its_call_answers_nobody(calls, shared):
 # Messages that plug-in code sends itself
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "payload",
     [

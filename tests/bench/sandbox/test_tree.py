@@ -63,6 +63,7 @@ def test_one_that_has_ended_holds_none():
     assert tree.look(ended.pid) is None
 
 
+@pytest.mark.slow
 def test_a_killed_tree_leaves_nothing(parent):
     parent, child = parent
     tree.kill(parent.pid)

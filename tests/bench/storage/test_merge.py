@@ -149,6 +149,7 @@ def test_verify_compares_whole_courses(copied):
     assert list(found.different.values()) == ["another course, the same end"]
 
 
+@pytest.mark.slow
 def test_verify_meets_an_optimizer_that_depends_on_the_order_of_sets(tmp_path):
     (tmp_path / "sets.py").write_text(
         "def fickle(objective, rng):\n"
@@ -165,6 +166,7 @@ def test_verify_meets_an_optimizer_that_depends_on_the_order_of_sets(tmp_path):
     assert {trial.optimizer for trial in found.different} == {"fickle"}
 
 
+@pytest.mark.slow
 def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
     _, place = copied
     with pytest.raises(BenchError, match="at least 1"):

@@ -57,6 +57,7 @@ def test_two_versions_of_an_optimizer_are_distinguished_by_folder(ran):
     pd.testing.assert_frame_equal(load_results(old, new), results.frame)
 
 
+@pytest.mark.slow
 def test_folders_of_one_name_are_distinguished_by_their_parents(ran):
     results = Results(ran("a/out"), ran("b/out"))
     assert [entry.label for entry in results.study.optimizers][::3] == ["hill-climber (a/out)", "hill-climber (b/out)"]
@@ -75,6 +76,7 @@ def test_what_cannot_be_compared_is_refused(ran):
         Results(one, other)
 
 
+@pytest.mark.slow
 def test_a_problem_whose_options_differ_is_refused(ran):
     one, two = ran("one"), ran("two")
     text = (two / "study.toml").read_text()
@@ -91,6 +93,7 @@ def test_a_problem_whose_data_changed_is_not_loaded(ran):
         Results(folder).problem("sphere-2")
 
 
+@pytest.mark.slow
 def test_labels_that_look_alike_with_their_folder_stay_apart(ran):
     old = ran("old", optimizers=[{"name": "early"}, {"name": "scatter", "label": "early (old)"}])
     labels = [entry.label for entry in Results(old, ran("new", optimizers=[{"name": "early"}])).study.optimizers]

@@ -67,6 +67,7 @@ def test_a_store_as_it_was_written_is_sound(filled):
         assert len(list(reader.sound())) == 120
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     "statement",
     [

@@ -268,6 +268,7 @@ def _newer(path):
     outside(path, "PRAGMA user_version = 99")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("damage", "said"),
     [

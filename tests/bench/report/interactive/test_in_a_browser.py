@@ -67,6 +67,7 @@ class TestState:
         assert look("view=values&problem=p").run(ABOUT).startswith("p: every point is a run")
         assert look("view=ranks").run(ABOUT).startswith("Ranks")
 
+    @pytest.mark.slow
     def test_optimizers_problems_and_budget_come_from_the_address(self, look, hostile):
         browser = look(f"view=ranks&optimizer=a&optimizer=b&without={quote(hostile)}&budget=10")
         browser.run("document.querySelector('.further-body > details').open = true")
@@ -76,6 +77,7 @@ class TestState:
             "document.querySelector('[role=status]').textContent"
         )
 
+    @pytest.mark.slow
     def test_a_choice_goes_into_the_address_and_back(self, look):
         browser = look("problem=p")
         browser.run("document.querySelector('input[value=values]').click()")
@@ -84,12 +86,14 @@ class TestState:
         browser.run("location.hash = '#look-further?view=ranks'")
         assert browser.wait(f"{ABOUT}.startsWith('Ranks')")
 
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize(
         "nonsense", ["view=constructor&problem=none&budget=-1&zoom=1,x&run=9,a&target=7&only=a=b", "%"]
     )
     def test_nonsense_in_the_address_shows_the_usual_view(self, look, nonsense):
         assert "targets of 2 problems" in look(nonsense).run(ABOUT)
 
+    @pytest.mark.slow
     def test_little_or_nothing_chosen_is_no_error(self, look, hostile):
         browser = look()
         nothing = f"without=p&without={quote(hostile)}"
@@ -120,6 +124,7 @@ class TestClicks:
         assert "stopped by\nbudget" in words
         assert "&run=0,a" in state(browser)
 
+    @pytest.mark.slow
     def test_a_cell_of_the_pages_own_map_leads_to_its_problem(self, look):
         browser = look()
         browser.run("document.querySelector('[data-problem=p][data-optimizer=b]').click()")
@@ -130,11 +135,13 @@ class TestClicks:
         assert browser.run("document.querySelectorAll('.chart.trace svg, .chart.fit svg').length") == 2
         assert "height (m)" in browser.run("document.querySelector('.chart.fit').textContent")
 
+    @pytest.mark.slow
     def test_a_failed_run_is_shown_with_its_error(self, look):
         browser = look("view=values&problem=p&run=1,b")
         assert "failed: ValueError: <b>boom</b> & more" in browser.run("document.querySelector('.run').innerText")
         assert "b (1 without a value)" in browser.run("document.querySelector('.chart').textContent")
 
+    @pytest.mark.slow
     def test_values_are_shown_under_the_pointer(self, look):
         browser = look("problem=p")
         box = "document.querySelector('.chart svg').getBoundingClientRect()"
@@ -145,6 +152,7 @@ class TestClicks:
         assert "evaluations" in shown
         assert "<i>c" in shown
 
+    @pytest.mark.slow
     def test_a_drawn_rectangle_zooms(self, look):
         browser = look("problem=p")
         box = "document.querySelector('.chart svg').getBoundingClientRect()"
@@ -167,6 +175,7 @@ class TestKeyboard:
         browser.press("0")
         assert "zoom" not in state(browser)
 
+    @pytest.mark.slow
     def test_a_run_is_chosen_from_a_list(self, look):
         browser = look("view=values&problem=p")
         browser.run("document.querySelector('.further-body > label select').focus()")
@@ -191,6 +200,7 @@ def test_axe_finds_nothing_and_nothing_is_wider_than_the_page(look, width, dark)
         assert browser.run("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
 
 
+@pytest.mark.slow
 def test_without_scripts_and_on_paper_nothing_is_dead(browser, file):
     browser.open(file, scripts=False)
     assert "This part needs scripts" in browser.run("document.querySelector('#look-further').innerText")

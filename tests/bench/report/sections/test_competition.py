@@ -37,6 +37,13 @@ def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
     latex = to_latex(table, "competition")
     assert r"\textsuperscript{+}" in latex
     assert "0 / 0 / 2 & " in latex
+    assert "\\midrule\n+ / = / " in latex
+
+
+def test_means_that_differ_by_rounding_alone_are_both_bold(make, tmp_path):
+    changes = {"a": {"fun": 229.0}, "b": {"fun": 229.0 * (1 + 1e-14)}, "c": {"fun": 229.1}}
+    table = tables(section(make(tmp_path / "s", trials=2, changes=changes), p=0.0))["competition"]
+    assert table.bold.loc["p"].to_dict() == {"a": True, "b": True, "c": False}
 
 
 def test_the_text_says_that_nothing_is_corrected_and_what_that_means(make, tmp_path):

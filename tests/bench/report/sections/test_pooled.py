@@ -95,6 +95,7 @@ def test_the_suite_says_which_values_are_precisions(pooled, mixed):
     assert "The values of the others are objective values." in text
 
 
+@pytest.mark.slow
 def test_regret_is_from_the_optimum_of_an_instance(pooled, mixed):
     def caption(findings):
         (each,) = anytime.section(findings).sections

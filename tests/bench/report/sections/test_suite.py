@@ -193,6 +193,13 @@ def test_the_running_times_of_two_are_scattered(findings, items):
     ].caption.startswith("Expected running time / d of cma-es-fast over that of random-search")
 
 
+def test_dimensions_are_in_order_beside_the_scatter(findings):
+    members = suite._members(findings.trials)
+    (figure,) = suite._scatter(findings, members.assign(dimension=members["dimension"].replace(2, 20)))
+    assert list(figure.data["kind"].unique()) == ["d = 5", "d = 20"]
+
+
+@pytest.mark.slow
 def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, monkeypatch):
     monkeypatch.setattr("bench.report.findings.trials.MANY_PROBLEMS", 3)
     tables = write_report(findings.results.paths[0], output=tmp_path / "out", n_jobs=1).parent / "tables"

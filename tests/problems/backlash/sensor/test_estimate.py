@@ -58,6 +58,7 @@ def test_the_ripple_of_a_joint_without_backlash_is_none():
         assert "slower than one oscillation" in " ".join(found.notes)
 
 
+@pytest.mark.slow
 def test_what_could_have_been_told_can_be_told():
     quiet = Recording(0.0, 0.002, 100 + noise(5))
     problem = signature_problem(quiet, Settings(), 0.4)
@@ -191,7 +192,7 @@ def test_a_calibration_that_ends_below_the_limit_cannot_say_progressed():
     assert estimate(noisy(12), Settings(resamples=0, calibration=short, limit_rad=0.001)).verdict == "progressed"
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("joint", "settings", "differs"),
     [
@@ -220,6 +221,7 @@ def test_a_calibration_of_another_joint_or_speed_gives_no_half_gap_and_no_verdic
     assert "bench calibrate --joint" in note
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("settings", "source", "period"),
     [

@@ -95,6 +95,7 @@ def test_ticks_of_months_divide_years(trends):
         assert ax.xaxis.get_major_formatter()(24289, 0) == "2024-02"
 
 
+@pytest.mark.slow
 def test_files_and_folders_are_written_and_the_same_estimate_gives_the_same_file(make_estimate, trends, tmp_path):
     outcomes = [Estimated(Path("x/a.csv"), make_estimate()), Estimated(Path("y/a.csv"), make_estimate())]
     grown = [trends("", [0.001, 0.002])]
