@@ -148,6 +148,11 @@ class TestToLatex:
         text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 2, 3, 4]}, index)), "t")
         assert "f1 & a & 1 \\\\*\n & b & 2 \\\\\n\\addlinespace[1pt]\nf2 & a & 3 \\\\*\n & b & 4 \\\\\n" in text
 
+    def test_equal_values_of_an_index_that_is_not_shown_are_no_block(self):
+        index = pd.MultiIndex.from_product([["f1"], ["a", "b"]])
+        text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 1], "y": [2, 3]}, index)), "t")
+        assert "1 & 2 \\\\\n1 & 3 \\\\\n" in text
+
     def test_every_row_of_a_long_block_has_its_name(self):
         index = pd.MultiIndex.from_product([["f1"], range(BLOCK + 1)], names=["function", "number"])
         text = to_latex(Table("t", "c", pd.DataFrame({"x": 1}, index)), "t")
