@@ -10,6 +10,8 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
 from itertools import groupby
+from math import ceil
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, Template
 
@@ -23,7 +25,7 @@ WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
 BLOCK = 10  # rows of a block that is named once, and that no page break divides
-TURNED = 1.5  # lines beyond whose width a long table is turned by 90 degrees, as its type would be too small to read
+WIDEST = 1.5  # lines; the type of a wider table would be too small to read where it shrinks to a line
 
 
 def _symbols() -> dict[str, str]:
@@ -56,8 +58,9 @@ def to_latex(table: Table, label: str) -> str:
     ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
     longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. As such a
     table cannot shrink, one without paragraphs that may be wider than a page, too, comes in several of the other kind
-    with one number, and a very wide one is turned. Rows whose first value is that of the row before are a block, which
-    shows it once.
+    with one number. Of a very wide one the columns are set in sets, one below the other, each beside the index, or, if
+    these need more than a page, it is turned. Rows whose first value is that of the row before are a block, which shows
+    it once.
 
     References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
@@ -68,17 +71,16 @@ def to_latex(table: Table, label: str) -> str:
     wrapped = [width > WRAP for width in widths]
     width, long = sum(widths) + 2 * len(widths), len(rows) > PAGE
     breaks = long and (width <= LINE or any(wrapped))  # paragraphs fit, and their height is not known
-    turned = long and not breaks and width > TURNED * LINE
+    sets = [[*range(len(widths))]]
+    turned = width > WIDEST * LINE and not any(wrapped)
+    if turned and len(apart := _sets(widths, table.frame.index.nlevels * table.has_index)) * len(rows) <= PAGE:
+        sets, turned = apart, False
     needed = {"array": any(wrapped), "longtable": breaks, "graphicx": width > COLUMN and not breaks}
     caption = escape(table.caption)
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
-    blocks = [
-        [_row(map(_cell, row, numeric, wrapped), skip=number > 0) for number, row in enumerate(block)]
-        for block in _blocks(table, rows)
-    ]
-    most = _most_rows(width, turned=turned) if long and not breaks else len(rows)
+    most = _most_rows(width, turned=turned) if turned or (long and not breaks) else len(rows)
     return _template().render(
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         breaks=breaks,
@@ -86,10 +88,8 @@ def to_latex(table: Table, label: str) -> str:
         wide=width > COLUMN,
         turned=turned,
         float="table*" if width > LINE else "table",
-        columns=_columns(widths, numeric, wrapped) or "l",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
-        header=_row(map(_text, titles, wrapped)),
-        parts=_parts(blocks, most),
+        tabulars=[_tabular(columns, titles, _blocks(table, rows), widths, numeric, wrapped, most) for columns in sets],
         totals=table.totals,
         note=escape(table.note),
     )
@@ -102,6 +102,42 @@ def _most_rows(width: int, *, turned: bool) -> int:
     text for its rows, and one that shrinks little has as many as the page holds in its type.
     """
     return int(0.28 * width) if turned else min(int(0.73 * width), 75)
+
+
+def _sets(widths: Sequence[int], heads: int) -> list[list[int]]:
+    """Return the columns in sets of about the same size, each after those of the index, that are not very wide."""
+    index, others = list(range(heads)), list(range(heads, len(widths)))
+    for number in range(1, len(others) + 1):
+        size = ceil(len(others) / number)
+        sets = [[*index, *others[start : start + size]] for start in range(0, len(others), size)]
+        if max(sum(widths[i] + 2 for i in columns) for columns in sets) <= WIDEST * LINE:
+            return sets
+    return [[*index, i] for i in others]
+
+
+def _tabular(
+    columns: Sequence[int],
+    titles: Sequence[str],
+    blocks: list[list[list[TableCell]]],
+    widths: Sequence[int],
+    numeric: Sequence[bool],
+    wrapped: Sequence[bool],
+    most: int,
+) -> dict[str, Any]:
+    """Return what the template needs of some columns: their types, their header, and their rows by part and block."""
+    numbers, wraps = [numeric[i] for i in columns], [wrapped[i] for i in columns]
+    lines = [
+        [
+            _row(map(_cell, (row[i] for i in columns), numbers, wraps), skip=number > 0)
+            for number, row in enumerate(block)
+        ]
+        for block in blocks
+    ]
+    return {
+        "columns": _columns([widths[i] for i in columns], numbers, wraps) or "l",
+        "header": _row(map(_text, (titles[i] for i in columns), wraps)),
+        "parts": _parts(lines, most),
+    }
 
 
 def _blocks(table: Table, rows: list[list[TableCell]]) -> list[list[list[TableCell]]]:

@@ -5,10 +5,11 @@ import json
 import os
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from bench.report.page import render
-from bench.report.parts import Section
+from bench.report.parts import Section, Table
 
 OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open = true"
 
@@ -58,6 +59,18 @@ def test_dark_is_dark_and_figures_follow(browser, file):
 def test_the_page_never_scrolls_sideways(browser, file, width):
     browser.open(file, width=width)
     browser.run(OPEN_ALL)
+    assert browser.run("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+
+
+def test_marks_of_a_table_that_scrolls_do_not_widen_the_page(browser, view, tmp_path):
+    ranks = pd.DataFrame(1.0, pd.Index(["f01", "f02"], name="function"), [f"optimizer {i}, d = 10" for i in range(30)])
+    marks = pd.DataFrame("≈", ranks.index, ranks.columns)
+    table = Table("ranks", "Ranks.", ranks, shades=0 * ranks, marks=marks)
+    path = tmp_path / "report.html"
+    path.write_text(render("t", "", [view("first", Section("Ranks", items=(table,)))]), encoding="utf-8")
+    browser.open(path, width=400)
+    browser.run(OPEN_ALL)
+    assert browser.run("document.querySelector('.upright sup').textContent") == "≈"
     assert browser.run("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
 
 

@@ -59,6 +59,15 @@ def comparison(problems=18, optimizers=5, **options):
     )
 
 
+def checkpoints(rows):
+    index = pd.MultiIndex.from_product(
+        [[f"cec2022-f{i:02}-d10" for i in range(rows)], ["scipy:differential_evolution"]],
+        names=["problem", "optimizer"],
+    )
+    frame = pd.DataFrame(4.7e9, index, [f"{0.01 * (i + 1):.2f}" for i in range(16)])
+    return Table("checkpoints", "Median error.", frame, texts=frame.map("{:.1e}".format))
+
+
 def packages_of(text):
     return re.match(r"% needs \\usepackage\{([a-z,]+)\}\n", text)[1].split(",")
 
@@ -164,6 +173,23 @@ class TestToLatex:
         assert to_latex(Table("t", "c", frame), "t").count(r"\midrule") == 1
         assert to_latex(Table("t", "c", frame.iloc[2:], totals=1), "t").count(r"\midrule") == 1
 
+    def test_columns_too_many_to_read_are_set_in_sets_beside_the_index(self):
+        text = to_latex(checkpoints(4), "t")
+        blocks = text.split("\\begin{tabular}")[1:]
+        header = re.compile(r"^problem & optimizer & (.*) \\\\$", re.MULTILINE)
+        heads = [header.search(block)[1].split(" & ") for block in blocks]
+        assert [title for head in heads for title in head] == [f"{0.01 * (i + 1):.2f}" for i in range(16)]
+        assert len(heads) > 1
+        assert max(map(len, heads)) <= 8
+        values = [re.findall(r"^cec2022-f\d+-d10 & .* & ([\d.]+)\$", block, re.MULTILINE) for block in blocks]
+        assert [len(each) for each in values] == [4] * len(blocks)
+        assert text.count(r"\label{") == 1
+
+    def test_a_table_whose_sets_would_fill_more_than_a_page_is_turned(self):
+        text = to_latex(checkpoints(PAGE), "t")
+        assert text.count(r"\begin{tabular}") == 1
+        assert r"\rotatebox{90}" in text
+
     def test_packages_follow_the_shape(self):
         words = pd.DataFrame({"check": ["seeds"], "finding": ["A sentence of more than forty characters about seeds."]})
         assert packages_of(to_latex(comparison(), "t")) == ["booktabs", "graphicx"]
@@ -233,7 +259,8 @@ class TestCompiled:
     def test_normal_tables_need_no_more_than_they_say_and_fit(self, tmp_path):
         sentence = "Every cell has the 30 trials that the study plans; none is missing and none is there twice."
         checks = pd.DataFrame({"check": ["trials", "seeds"], "finding": [sentence, "a" * 64], "cells": [90, 90]})
-        for table in (comparison(), comparison(optimizers=12), comparison(90), Table("checks", "c", checks)):
+        wide = [checkpoints(4), checkpoints(PAGE + 1)]
+        for table in (comparison(), comparison(optimizers=12), comparison(90), Table("checks", "c", checks), *wide):
             text = to_latex(table, "t")
             for options in ("", *(["twocolumn"] if "longtable" not in text else [])):
                 log = compiled(tmp_path, text, text.partition("\n")[0].removeprefix("% needs "), options)
