@@ -80,7 +80,7 @@ def to_latex(table: Table, label: str) -> str:
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
-    most = _most_rows(width, turned=turned) if turned or (long and not breaks) else len(rows)
+    most = _most_rows(width, len(table.note), turned=turned) if turned or (long and not breaks) else len(rows)
     return _template().render(
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         breaks=breaks,
@@ -95,13 +95,16 @@ def to_latex(table: Table, label: str) -> str:
     )
 
 
-def _most_rows(width: int, *, turned: bool) -> int:
-    """Return the rows of a table of this width in characters that fit on a page; a wider one shrinks more.
+def _most_rows(width: int, note: int, *, turned: bool) -> int:
+    """Return the rows of a table of this width that fit on a page beside a note; a wider one shrinks more.
+
+    Both are in characters. A note of four lines fits without taking rows.
 
     The numbers are those of the class ``article`` in 10 pt, whose page is small. A turned table has the width of the
     text for its rows, and one that shrinks little has as many as the page holds in its type.
     """
-    return int(0.28 * width) if turned else min(int(0.73 * width), 75)
+    lines = max(note // LINE - 4, 0)
+    return max((int(0.28 * width) if turned else min(int(0.73 * width), 75)) - lines, 1)
 
 
 def _sets(widths: Sequence[int], heads: int) -> list[list[int]]:

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import unicodedata
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -142,6 +143,11 @@ class TestToLatex:
         assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 100
         assert text.count("Italics: an exact test") == 1
         assert "rotatebox" not in text
+
+    def test_a_long_note_takes_the_place_of_rows(self):
+        table = comparison(60, 9)
+        assert to_latex(table, "t").count(r"\begin{table*}") == 1
+        assert to_latex(replace(table, note="A word. " * 150), "t").count(r"\begin{table*}") == 2
 
     def test_a_long_and_very_wide_table_is_turned(self):
         text = to_latex(comparison(PAGE + 1, 16), "t")
