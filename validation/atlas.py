@@ -1,6 +1,6 @@
 """How often ``bench atlas`` calls copies of an implementation different, by simulation and by runs.
 
-    python validation/atlas.py [REPEATS]        # default: 400 simulated atlases of each kind, a quarter of it of runs
+    python validation/atlas.py [REPEATS]        # default: 400 simulated atlases of each kind, half as many of runs
 
 A simulated atlas has 5 methods with 3 copies each: 15 pairs, 10 functions and 4 measures, so 600 tests. A copy's trials
 are numbers of one distribution; the measures of a trial depend on each other as the stages of one search do. In an
@@ -10,6 +10,7 @@ pair of which one has twice the spread in all measures, with the same medians: t
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from bench.seeds import trial_seed
 
 METHODS, COPIES = 5, 3
 RUNS = (("gwo", {"agents": 10}), ("cma-es-fast", {}), ("random-search", {}))
+RUN_TRIALS = (8, 15)
 BUDGET = 200
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
@@ -36,8 +38,9 @@ def main() -> None:
             wrong = [any_different(copies(rng, draw, trials)) for _ in range(repeats)]
             spread = [any_different(pair(rng, draw, trials)) for _ in range(repeats)]
             print(f"{name:14} {trials:6}  {rate(wrong):>45}  {rate(spread):>33}", flush=True)
-    for trials in (8, 15):
-        wrong = [any_different(runs(number, trials)) for number in range(repeats // 4)]
+    made = [runs(number, max(RUN_TRIALS)) for number in range(repeats // 2)]
+    for trials in RUN_TRIALS:
+        wrong = [any_different([first(each, trials) for each in found]) for found in made]
         print(f"{'optimizers':14} {trials:6}  {rate(wrong):>45}", flush=True)
 
 
@@ -71,6 +74,11 @@ def runs(number: int, trials: int) -> list[Surveyed]:
             }
             found.append(surveyed(name, copy, measures))
     return found
+
+
+def first(found: Surveyed, trials: int) -> Surveyed:
+    """Return an implementation with its first trials alone."""
+    return replace(found, measures={problem: values[:trials] for problem, values in found.measures.items()})
 
 
 def surveyed(method: str, label: str, measures: dict[str, np.ndarray]) -> Surveyed:

@@ -80,11 +80,9 @@ def to_latex(table: Table, label: str) -> str:
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
-    # A wider one shrinks more, so that more of its rows fit on a page, at most those of a page in its type.
-    most = int(0.28 * width) if turned else min(int(0.73 * width), 75) if long and not breaks else len(rows)
+    most = _most_rows(width, len(table.note), turned=turned) if turned or (long and not breaks) else len(rows)
     return _template().render(
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
-        long=long,
         breaks=breaks,
         small=long and width > 0.75 * LINE,
         wide=width > COLUMN,
@@ -95,6 +93,18 @@ def to_latex(table: Table, label: str) -> str:
         totals=table.totals,
         note=escape(table.note),
     )
+
+
+def _most_rows(width: int, note: int, *, turned: bool) -> int:
+    """Return the rows of a table of this width that fit on a page beside a note; a wider one shrinks more.
+
+    Both are in characters. A note of four lines fits without taking rows.
+
+    The numbers are those of the class ``article`` in 10 pt, whose page is small. A turned table has the width of the
+    text for its rows, and one that shrinks little has as many as the page holds in its type.
+    """
+    lines = max(note // LINE - 4, 0)
+    return max((int(0.28 * width) if turned else min(int(0.73 * width), 75)) - lines, 1)
 
 
 def _sets(widths: Sequence[int], heads: int) -> list[list[int]]:
@@ -136,7 +146,7 @@ def _tabular(
 def _blocks(table: Table, rows: list[list[TableCell]]) -> list[list[list[TableCell]]]:
     """Return the rows in blocks of the same first value where the index names them by more; else each alone."""
     alone = [[row] for row in rows]
-    if table.frame.index.nlevels < 2:
+    if not table.has_index or table.frame.index.nlevels < 2:
         return alone
     blocks = [list(block) for _, block in groupby(rows, lambda row: row[0].text)]
     return blocks if max(map(len, blocks), default=0) <= BLOCK else alone

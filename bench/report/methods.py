@@ -76,6 +76,7 @@ def facts(findings: Findings) -> dict[str, Any]:
     return {
         "replications": trials.replications,
         "known": trials.known,  # facts of the problems, by label
+        "suites": problem_words.suites(trials.known),
         "empty": int((trials.coverage["stored"] == 0).sum()),
         "failed": int(trials.coverage["failed"].sum()),
         "environments": results.environments,

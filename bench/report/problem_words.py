@@ -54,6 +54,26 @@ def sweeps(facts: Known) -> dict[str, list[str]]:
     return {name: labels for name, labels in steps.items() if len(labels) > 2}
 
 
+def suites(facts: Known) -> str:
+    """Return the problems in words such as ``"24 functions of bbob in dimensions 2, 5 and 10"``.
+
+    "" where they are not all functions of suites, each in each dimension of its suite once.
+    """
+    members: dict[str, list[tuple[str, int]]] = {}
+    for each in facts.values():
+        if not each.box or not {"suite", "function"} <= set(each.features):
+            return ""
+        members.setdefault(str(each.features["suite"]), []).append((str(each.features["function"]), len(each.box)))
+    parts = []
+    for suite, cells in members.items():
+        functions, sizes = {function for function, _ in cells}, sorted({size for _, size in cells})
+        if len(functions) * len(sizes) != len(cells) or len(set(cells)) != len(cells):
+            return ""
+        noun = "dimensions" if len(sizes) > 1 else "dimension"
+        parts.append(f"{count(len(functions), 'function')} of {suite} in {noun} {listing(list(map(str, sizes)))}")
+    return listing(parts)
+
+
 def problems_named(labels: Sequence[str], facts: Known) -> str:
     """Return some of the problems in words: all of them, whole families by name, or one by one."""
     if len(labels) == len(facts):

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import unicodedata
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -143,6 +144,11 @@ class TestToLatex:
         assert text.count("Italics: an exact test") == 1
         assert "rotatebox" not in text
 
+    def test_a_long_note_takes_the_place_of_rows(self):
+        table = comparison(60, 9)
+        assert to_latex(table, "t").count(r"\begin{table*}") == 1
+        assert to_latex(replace(table, note="A word. " * 150), "t").count(r"\begin{table*}") == 2
+
     def test_a_long_and_very_wide_table_is_turned(self):
         text = to_latex(comparison(PAGE + 1, 16), "t")
         assert r"\rotatebox{90}" in text
@@ -156,6 +162,11 @@ class TestToLatex:
         index = pd.MultiIndex.from_product([["f1", "f2"], ["a", "b"]], names=["function", "optimizer"])
         text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 2, 3, 4]}, index)), "t")
         assert "f1 & a & 1 \\\\*\n & b & 2 \\\\\n\\addlinespace[1pt]\nf2 & a & 3 \\\\*\n & b & 4 \\\\\n" in text
+
+    def test_equal_values_of_an_index_that_is_not_shown_are_no_block(self):
+        index = pd.MultiIndex.from_product([["f1"], ["a", "b"]])
+        text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 1], "y": [2, 3]}, index)), "t")
+        assert "1 & 2 \\\\\n1 & 3 \\\\\n" in text
 
     def test_every_row_of_a_long_block_has_its_name(self):
         index = pd.MultiIndex.from_product([["f1"], range(BLOCK + 1)], names=["function", "number"])

@@ -58,7 +58,7 @@ NOTHING = {
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": target_words("relative"), "aocc": 0, "early": {}, "checks": {},
     "rope": None, "landscapes": 0, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
-    "tuning": None, "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
+    "tuning": None, "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
 }  # fmt: skip
 
 
@@ -255,6 +255,12 @@ class TestMethods:
         ) in text
         assert "the lowest objective value that it found; where instances are pooled it is the precision" in text
         assert "of 15 planned" not in text
+
+    def test_many_problems_of_suites_are_counted_by_suite(self):
+        words = "7 functions of bbob in dimensions 2, 5 and 10"
+        text = said(full(study=study(problems=[f"p{number}" for number in range(21)]), suites=words))
+        assert f"on 21 problems ({words}): " in text
+        assert "on 3 problems (p, q and r): " in said(full(suites="3 functions of bbob in dimension 2"))
 
     def test_objective_box_optimum_and_sweep_are_stated(self):
         box = {"A": (-1.0, 1.0), "t0": (0.0, 4.0)}

@@ -3,7 +3,7 @@
 import pytest
 
 from bench import load_problem
-from bench.report.problem_words import boxes, optima, problems_named, problems_table, sweeps
+from bench.report.problem_words import boxes, optima, problems_named, problems_table, suites, sweeps
 from bench.storage.results import ProblemFacts
 
 BOX = {"x1": (-5.0, 5.0), "x2": (-5.0, 5.0)}
@@ -37,6 +37,25 @@ def test_a_sweep_has_three_steps():
     steps = {f"fit-{number}": FACTS["fit-1"] for number in range(3)}
     assert sweeps(steps) == {"gaps": list(steps)}
     assert sweeps(FACTS) == {}
+
+
+def test_functions_of_whole_suites_are_counted_by_suite():
+    def facts(suite, functions, sizes):
+        return {
+            f"{suite}-{each}-d{size}": ProblemFacts(
+                box={f"x{i}": (0.0, 1.0) for i in range(size)}, features={"suite": suite, "function": each}
+            )
+            for each in functions
+            for size in sizes
+        }
+
+    grid = facts("bbob", ("f01", "f02"), (2, 5))
+    assert suites(grid) == "2 functions of bbob in dimensions 2 and 5"
+    both = grid | facts("cec2022", ("f01",), (10,))
+    assert suites(both) == "2 functions of bbob in dimensions 2 and 5 and 1 function of cec2022 in dimension 10"
+    assert suites(grid | facts("bbob", ("f03",), (2,))) == ""
+    assert suites(grid | {"i2": grid["bbob-f01-d2"]}) == ""
+    assert suites(FACTS) == ""
 
 
 def test_the_table_has_every_bound():
