@@ -71,7 +71,7 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": [], "gallery": [], "help": [], "explanation/comparison": []}
+html_sidebars = {"index": [], "gallery": [], "help": [], "explanation/comparison": [], "explanation/atlas/*": []}
 
 linkcheck_anchors = False
 linkcheck_timeout = 20
@@ -81,9 +81,16 @@ def setup(app: Sphinx) -> None:
     """Shorten types in signatures, accept references to code without a page, leave the places of named tuples out."""
     app.connect("autodoc-process-signature", shortened)
     app.connect("missing-reference", without_page)
+    app.connect("doctree-read", lambda _, page: dashed(page))
     app.connect(
         "autodoc-skip-member", lambda *given: True if str(given[3].__doc__).startswith("Alias for field") else None
     )
+
+
+def dashed(page: nodes.document) -> None:
+    """Set a dash between a parameter and what it means: Sphinx writes hyphens, which the page does not make dashes."""
+    for text in list(page.findall(lambda node: isinstance(node, nodes.Text) and node.astext() == " -- ")):
+        text.parent.replace(text, nodes.Text(" – "))
 
 
 def shortened(*given: object) -> Signature:

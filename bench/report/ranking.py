@@ -16,7 +16,8 @@ from bench.report.wording import count
 
 MOST_PAIRED = 30  # optimizers of a matrix of pairs
 MOST_BLOCKS = 20  # columns of the map of a suite: optimizers times dimensions
-HEAD = 20  # letters of an optimizer or a problem there
+HEAD = 20  # letters of an optimizer there
+UPRIGHT_HEAD = 28  # of a problem, above a column of a map whose rows are the optimizers
 Frames = dict[str, pd.DataFrame]
 NEAR = "≈"  # beside the rank of an optimizer that no test separates from the first
 
@@ -42,7 +43,9 @@ def rank_map(findings: Findings) -> Table:
         rows = "function, a column for each dimension d"
     else:
         short = (
-            {label: label for label in ranks.index} if not findings.display.upright else style.names(ranks.index, HEAD)
+            style.names(ranks.index, UPRIGHT_HEAD)
+            if findings.display.upright
+            else {label: label for label in ranks.index}
         )
         cells = {(short[problem], names[each]): (problem, each) for problem in ranks.index for each in order}
         arranged = {name: frame.rename(index=short, columns=names) for name, frame in frames.items()}

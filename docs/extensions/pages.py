@@ -32,7 +32,20 @@ def code(text: object) -> str:
 
 def plain(text: str) -> str:
     """Return a text in which Markdown reads no markup."""
-    return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in " ".join(text.split()))
+    return escaped(" ".join(text.split()))
+
+
+def escaped(text: str) -> str:
+    """Return a text whose letters mean nothing to Markdown, its spaces as they are."""
+    return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in text)
+
+
+def with_code(text: str) -> str:
+    """Return a text in which Markdown reads no markup but the backticks of code."""
+    parts = text.split("`")
+    if len(parts) % 2 == 0:
+        return plain(text)
+    return "".join(code(part) if at % 2 else escaped(part) for at, part in enumerate(parts))
 
 
 def performance(measured: dict[str, Any]) -> str:
@@ -45,5 +58,5 @@ def performance(measured: dict[str, Any]) -> str:
         f"{measured['memory_gb']:.0f} GB, {measured['system']}, with Python {measured['python']}, {packages}; "
         f"commit {commit}."
     )
-    rows = [(plain(row["measured"]), plain(row["value"]), code(row["command"])) for row in measured["rows"]]
-    return f"{about}\n\n{table(('measured', 'value', 'alone'), rows)}\n"
+    rows = [(with_code(row["measured"]), with_code(row["value"]), code(row["command"])) for row in measured["rows"]]
+    return f"{about}\n\n{table(('measured', 'value', 'command'), rows)}\n"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import textwrap
 from pathlib import Path
 
 import blocks
@@ -20,6 +21,7 @@ LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference/api|reference|exp
 REPORT = re.compile(r"(?:examples/|\{report\} )([\w-]+)/")
 REPEATED = ("", "tutorials", "how-to")  # the parts of the site all of whose pages are run
 MOST_LINES = 60  # of what a block printed
+PAGE_WIDTH, TERMINAL = 88, 80  # characters that a line of it has on a page, and to which a longer one is broken
 PROGRESS = re.compile(r"\d[\d,]* of [\d,]+ runs done(, about .* left)?")  # the pace of the build's own machine
 
 
@@ -64,9 +66,18 @@ def show_printed(app: Sphinx, name: str, text: list[str]) -> None:
         lines_printed = [line.rstrip() for line in printed.strip("\n").splitlines()]
         shown = [line for line in lines_printed if not PROGRESS.fullmatch(line)]
         shown = [*shown[:MOST_LINES], "…"] if len(shown) > MOST_LINES else shown
+        shown = [part for line in shown for part in broken(line)]
         at = found[int(number)].last
         lines[at:at] = ["", "~~~~{code-block} text", ":class: printed", "", *shown, "~~~~", ""]
     text[0] = "\n".join(lines)
+
+
+def broken(line: str) -> list[str]:
+    """Return the parts of a printed line that is wider than a page, broken between words as a terminal breaks it."""
+    if len(line) <= PAGE_WIDTH:
+        return [line]
+    indent = line[: len(line) - len(line.lstrip())] + 4 * " "
+    return textwrap.wrap(line, TERMINAL, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -173,8 +173,17 @@ def _size(findings: Findings) -> str:
         return ""
     low, middle, high = gain.quantile([0.0, 0.5, 1.0])
     which = "lower" if middle >= 0 else "higher"
-    spread = f" ({low:.2g}% to {high:.2g}% lower)".replace("-", "−") if f"{low:.2g}" != f"{high:.2g}" else ""
-    return f"Its median is {abs(middle):.2g}% {which} in the median over problems{spread}."
+    return f"Its median is {abs(middle):.2g}% {which} in the median over problems{_spread(low, high)}."
+
+
+def _spread(low: float, high: float) -> str:
+    """Return in brackets how much lower, in percent, a median is on the problem with the least gain and the most."""
+    ends = [f"{abs(each):.2g}%" for each in (low, high)]
+    if ends[0] == ends[1] and low * high >= 0:
+        return ""
+    if low < 0 < high:
+        return f" ({ends[0]} higher to {ends[1]} lower)"
+    return f" ({ends[0]} to {ends[1]} lower)" if low >= 0 else f" ({ends[1]} to {ends[0]} higher)"
 
 
 def _course(findings: Findings) -> list[Stage]:

@@ -54,6 +54,13 @@ def test_a_package_has_its_own_name_everywhere(tmp_path):
     assert "bench run gate.toml" in made[".github/workflows/gate.yml"]
 
 
+@pytest.mark.parametrize("study", ["optimizer/study.toml", "study/smallest.toml", "gate/gate.toml"])
+def test_the_studies_to_copy_need_no_knowledge_of_backlash(study):
+    problems = tomllib.loads((EXAMPLES / study).read_text(encoding="utf-8"))["problems"]
+    families = {name.partition("-")[0] for each in problems for name in each.get("names", [each.get("suite")])}
+    assert families <= {"classical", "engineering"}
+
+
 def test_a_study_is_a_file_that_can_be_run(bench_here, tmp_path):
     done = bench_here("new", "study", "mine", cwd=tmp_path)
     assert done.returncode == 0

@@ -121,3 +121,12 @@ def test_smaller_budgets_are_the_points_of_the_figure(fresh):
     assert [(each.spent, each.lowest) for each in verdict._course(fresh)] == [
         ("80", ("b",)), ("240", ("a", "b")), ("8,000", ("a",)),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("ends", "shown"),
+    [((39, 81), " (39% to 81% lower)"), ((-20, 58), " (20% higher to 58% lower)"), ((0, 3.4), " (0% to 3.4% lower)"),
+     ((-58, -20), " (20% to 58% higher)"), ((5.01, 5.02), ""), ((-5, 5), " (5% higher to 5% lower)"), ((0, 0), "")],
+)  # fmt: skip
+def test_the_spread_of_the_gain_never_calls_a_higher_median_lower(ends, shown):
+    assert verdict._spread(*ends) == shown
