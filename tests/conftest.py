@@ -11,7 +11,8 @@ from filelock import FileLock, Timeout
 from hypothesis import settings
 
 # A busy machine must not fail a property, nor two runs of one commit differ.
-settings.register_profile("suite", deadline=None, derandomize=True, max_examples=50)
+settings.register_profile("suite", deadline=None, derandomize=True, max_examples=25)
+settings.register_profile("nightly", settings.get_profile("suite"), max_examples=50)
 settings.load_profile("suite")
 
 # Looking for garbage among the million objects of numba, pandas and matplotlib takes a sixth of the suite's time.
@@ -34,10 +35,13 @@ LONGEST = (
 
 
 def pytest_configure(config):
-    """Have one worker of xdist at a time compile for numba's cache: the others then find there what they wait for.
+    """Try more examples of each property beside the slow tests, and have one worker of xdist at a time compile.
 
-    In a fresh clone they would otherwise compile the same kernels at the same time, each for itself.
+    In a fresh clone the workers would otherwise compile the same kernels at the same time, each for itself: they find
+    in numba's cache what they wait for.
     """
+    if "slow" in config.option.markexpr.replace("not slow", ""):
+        settings.load_profile("nightly")
     if not hasattr(config, "workerinput"):
         return
     from numba.core.caching import NullCache

@@ -138,6 +138,7 @@ def outcome(objective, x):
     return type(found), np.asarray(found).dtype, np.shape(found), np.asarray(found).tobytes()
 
 
+@pytest.mark.sampled(1)
 @settings(max_examples=150)
 @given(st.data())
 def test_equals_the_literal_reference_to_the_last_bit(data):

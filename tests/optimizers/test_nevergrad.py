@@ -164,6 +164,7 @@ def test_one_dimension_leaves_no_setting_behind():
     assert run("DE", d=1)[0].nfev == 60
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["SQP", "RPowell", "DSproba", "DS8", "ParaPortfolio", "NGOptBase"])
 def test_a_thread_s_pace_changes_nothing(name, monkeypatch):
     from nevergrad.optimization import recaster

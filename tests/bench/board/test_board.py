@@ -268,6 +268,7 @@ def test_an_output_that_cannot_be_written_is_refused(two, bench_here, tmp_path, 
     assert (tmp_path / "file").read_text() == "mine"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("output", [".", "link", "new/deep"])
 def test_folders_that_are_empty_linked_or_new_are_filled(two, bench_here, tmp_path, output):
     (tmp_path / "empty").mkdir()
@@ -317,6 +318,7 @@ def test_trials_are_made_again(bench_here, tmp_path):
     assert page.read_text().count("the same bit by bit") == 2
 
 
+@pytest.mark.slow
 @sandboxed
 def test_a_trial_that_differs_is_marked(bench_here, tmp_path):
     file = packed(tmp_path / "a.zip", {"forged": (-1e9,)})

@@ -70,6 +70,7 @@ def test_a_method_with_a_bias_is_found_out(optimizer, check, seen, remedy):
     assert remedy in verdict.remedy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("optimizer", "biases"),
     [
@@ -96,6 +97,7 @@ def test_a_method_that_does_better_off_the_centre_is_told_so():
     assert "better away from the centre" in verdict.finding
 
 
+@pytest.mark.slow
 def test_random_search_passes_every_check():
     assert all(verdict.passed for verdict in diagnose(load_optimizer("random-search"), runs=5, n_jobs=1))
 

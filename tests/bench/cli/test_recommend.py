@@ -106,6 +106,7 @@ def test_it_says_where_the_choice_is_no_better_than_the_single_best(bench_here, 
     assert '{ name = "classical-rosenbrock-d2-i1" }' in said(done)
 
 
+@pytest.mark.slow
 def test_a_problem_unlike_all_others_is_an_extrapolation(bench_here, place):
     done = bench_here("recommend", "classical-step-d100-i1", "--budget", "100 * d", "--from", "kinds", cwd=place)
     assert "This is an extrapolation" in said(done)

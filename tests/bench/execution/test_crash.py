@@ -379,7 +379,7 @@ bench.run(bench.Study.load(sys.argv[1]).override(trials=3), sys.argv[2], n_jobs=
 """
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("index", [True, False], ids=["as it was left", "copied without its index"])
 def test_a_killed_run_s_folder_is_read_where_nothing_can_be_written(bench_here, study, disk, index, tmp_path):
     folder = disk.path / "out"

@@ -41,6 +41,7 @@ def rows(path):
     return load_results(path).drop(columns=TIMES).set_index(["problem", "optimizer", "trial"]).sort_index()
 
 
+@pytest.mark.slow
 def test_decided_cells_get_no_more_trials_and_all_others_are_as_without_looks(looked, whole, tmp_path):
     path, outcome, seen = whole
     found = rows(path)

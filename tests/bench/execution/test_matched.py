@@ -122,6 +122,7 @@ def test_a_folder_is_extended_and_no_other_trial_changes(folders):
     assert len(before.controls) == 0
 
 
+@pytest.mark.slow
 def test_a_run_without_controls_keeps_them(folders):
     own, place = folders
     assert Folder(place / "with").extended(own).controls == with_controls(own).controls

@@ -91,6 +91,7 @@ def test_the_time_goes_by_the_cell_then_the_optimizer_then_all():
     assert Plan(study(3), None, Keys(), [cells[2]]).seconds() is None
 
 
+@pytest.mark.slow
 def test_a_plan_writes_nothing_and_sees_what_is_there(small_study, tmp_path):
     made = plan(small_study, tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -48,6 +48,7 @@ def mine(tmp_path):
 
 
 class TestUnited:
+    @pytest.mark.slow
     def test_the_problems_that_both_have_are_compared(self, mine, archive):
         both = Results(mine, archive)
         assert [entry.label for entry in both.study.problems] == ["box-f01-d2-i1", "box-f01-d2-i2"]

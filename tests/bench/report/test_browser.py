@@ -133,6 +133,7 @@ class TestFilter:
     SHOWN = "[...document.querySelectorAll('#wide tbody tr')].filter((row) => row.offsetHeight).length"
     STATUS = "document.querySelector('#wide [role=status]').textContent"
 
+    @pytest.mark.slow
     def test_rows_are_filtered_and_counted(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
@@ -161,6 +162,7 @@ class TestKeyboard:
         browser.press("Enter")
         assert browser.run("document.activeElement.tagName") == "MAIN"
 
+    @pytest.mark.slow
     def test_enter_sorts(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)

@@ -145,6 +145,7 @@ def test_a_budget_that_is_not_spent_differs(made):
     assert "stopped" not in differing(made(name="t", nfev=99))
 
 
+@pytest.mark.slow
 def test_the_page_has_the_table_and_the_trials_of_controls(made, tmp_path):
     findings = made()
     page = write_report(findings.results.paths[0]).read_text(encoding="utf-8")

@@ -70,7 +70,7 @@ def every_figure(optimizers, problems=("p", "q")):
 
 
 class TestEveryFigure:
-    @pytest.mark.sampled(3)
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize("optimizers", [["one"], ["a", "b", "c"], HOSTILE], ids=["one", "three", "hostile"])
     def test_is_drawn_in_a_width_of_the_page(self, optimizers):
         figures = every_figure(optimizers, ("p", "$q$ 日本" * 20))

@@ -82,6 +82,7 @@ def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, t
     assert not (tmp_path / "out" / "tables" / "mine.csv").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("draws")
 def test_a_figure_that_cannot_be_drawn_costs_its_own_section_alone(folder, monkeypatch, tmp_path):
     def sections(results):

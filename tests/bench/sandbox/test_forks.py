@@ -70,6 +70,7 @@ def test_a_call_that_failed_is_not_made_again(calls, server):
         assert process.call(calls.evaluate, "loaded", seconds=LONG) == ["one"]
 
 
+@pytest.mark.slow
 def test_calls_that_are_made_again_have_the_limits_that_they_had(calls, tmp_path, monkeypatch):
     monkeypatch.setattr("bench.sandbox.forks.FORKS", False)
     with ForkServer() as server:
@@ -170,6 +171,7 @@ def test_forks_end_with_their_original(calls, original, end):
         original.fork()
 
 
+@pytest.mark.sampled(1)
 @LINUX
 @pytest.mark.parametrize("limit", [None, LONG])
 def test_a_stopped_process_or_original_is_given_up_without_a_time_limit_too(calls, original, monkeypatch, limit):

@@ -164,6 +164,7 @@ def test_an_answer_is_never_unpickled(calls, process, tmp_path):
     assert not mark.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [(1 << 26) + 1, 1 << 63])
 def test_one_that_announces_too_long_a_message_is_ended(calls, process, length):
     with pytest.raises(DiedError) as caught:

@@ -158,7 +158,7 @@ def test_a_solution_has_whole_numbers():
     assert 0 <= found.fun == found.x[1] ** 2 < 1e-3
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("strict", [False, True])
 def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path, strict):
     study = Study.from_dict(

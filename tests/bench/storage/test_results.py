@@ -40,6 +40,7 @@ def test_one_folder_keeps_its_labels(ran):
     assert results.fingerprints.keys() == {"sphere-2", "sphere-3"}
 
 
+@pytest.mark.slow
 def test_two_versions_of_an_optimizer_are_distinguished_by_folder(ran):
     old, new = ran("old"), ran("new", optimizers=[{"name": "scatter", "agents": 9}, {"name": "early"}])
     results = Results(old, new)

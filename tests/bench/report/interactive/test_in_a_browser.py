@@ -130,6 +130,7 @@ class TestClicks:
         browser.run("document.querySelector('[data-problem=p][data-optimizer=b]').click()")
         assert state(browser) == "#look-further?view=values&problem=p&cell=b"
 
+    @pytest.mark.slow
     def test_a_run_is_drawn_with_its_trace_and_the_fit_to_the_data(self, look):
         browser = look("view=values&problem=p&run=2,a")
         assert browser.run("document.querySelectorAll('.chart.trace svg, .chart.fit svg').length") == 2
@@ -165,6 +166,7 @@ class TestClicks:
 
 
 class TestKeyboard:
+    @pytest.mark.slow
     def test_keys_zoom_move_and_show_the_whole(self, look):
         browser = look("problem=p&x=linear")
         browser.run("document.querySelector('.chart').focus()")

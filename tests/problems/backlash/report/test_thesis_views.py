@@ -175,6 +175,7 @@ def test_smaller_studies_have_what_they_can(tmp_path, change):
     assert ("published" in words(results, fitting_errors)) == ("name" not in change)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{"unit": "rps"}, {"optimizers": ("random-search",)}])
 def test_no_table_7_2_in_another_unit_or_without_its_algorithms(tmp_path, change):
     names = [item.name for section in sections(make(tmp_path / "s", **change)) for item in section.items]
@@ -399,7 +400,7 @@ def test_mean_times_are_those_of_the_finished_trials(tmp_path):
     assert "One trial takes 1 s with my gwo and 1 s with my alo on average" in words(results, resources)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.filterwarnings("error", "default::ResourceWarning")
 @pytest.mark.parametrize(
     "change",

@@ -108,6 +108,7 @@ def test_a_backwards_motor_tells_the_same():
     assert back.variables["A"] == pytest.approx(-there.variables["A"], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_one_oscillation_is_measured_too_and_so_is_one_beside_another():
     speed = simulate(half_gap=0.0015).speed + noise(2)
     for last in (100, 250):

@@ -131,6 +131,7 @@ def test_an_interrupt_ends_everything_without_a_word(script):
     assert not psutil.wait_procs(busy, timeout=120)[1]
 
 
+@pytest.mark.slow
 @forks
 def test_workers_end_with_a_parent_that_is_killed(script):
     process, busy = script
