@@ -93,7 +93,7 @@ def test_more_trials_detect_smaller_differences():
     assert np.isnan(detectable_a12(5, 0.05))  # complete separation has 1/16
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("further", [True, False])
 def test_more_trials_and_problems_detect_smaller_differences_across_problems(further):
     by_trials = [detectable_across(trials, 12, 0.05, further) for trials in (4, 10, 30)]

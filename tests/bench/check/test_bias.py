@@ -131,6 +131,7 @@ def test_a_run_without_a_finite_value_counts_as_the_worst():
     assert centre_bias(Runs(runs(np.inf, 0.0), runs(np.inf, 2e-9), {})).figure == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_failing_optimizer_is_named_with_its_error():
     with pytest.raises(BenchError, match="failed on sphere: ZeroDivisionError: boom"):
         diagnose(Raising(), n_jobs=1)

@@ -147,7 +147,7 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(mon
     assert not check_optimizer(faulty.Idle)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("optimizer", "check", "finding", "remedy"),
     [

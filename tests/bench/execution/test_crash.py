@@ -248,6 +248,7 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
             assert all(record["ended"] for record in Folder(folder).environments())
 
 
+@pytest.mark.slow
 def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, bench_here, tmp_path):
     folder = tmp_path / "out"
     run = start(folder, trials=1000, slow=0.1)

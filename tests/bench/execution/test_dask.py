@@ -311,6 +311,7 @@ def test_an_address_without_a_scheduler_is_refused(address, monkeypatch, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_a_server_that_says_nothing_is_one_sentence_of_the_command(bench_here, small_study, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
     (tmp_path / "small.toml").write_text(small_study.to_toml())

@@ -131,6 +131,7 @@ def test_a_run_without_controls_keeps_them(folders):
     assert whole.counts()["sphere-2", "gwo (box)"] == (2, 2)
 
 
+@pytest.mark.slow
 def test_folders_with_and_without_controls_are_merged(folders, tmp_path):
     _, place = folders
     merged = merge([place / "without", place / "with"], tmp_path / "both")

@@ -101,6 +101,7 @@ def test_pyplot_s_own_figures_are_not_copied(elsewhere, drawn_here):
         pyplot.close(made)
 
 
+@pytest.mark.slow
 def test_what_is_lost_on_its_way_is_drawn_here(elsewhere, drawn_here, monkeypatch):
     made = figure()
     with monkeypatch.context() as patch:

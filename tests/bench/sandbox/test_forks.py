@@ -88,6 +88,7 @@ def test_a_process_has_an_output_and_a_session_of_its_own(calls, server):
         assert session == pid
 
 
+@pytest.mark.slow
 def test_a_crash_and_a_limit_are_reported_of_the_process_concerned(calls, server):
     server.call(calls.load, "one", seconds=LONG)
     with pytest.raises(DiedError, match="signal SIGSEGV"):

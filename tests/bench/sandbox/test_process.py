@@ -245,6 +245,7 @@ def test_one_that_hangs_is_ended_after_its_time(calls, process, limits):
     assert not process.alive
 
 
+@pytest.mark.slow
 def test_notes_break_a_silence(calls, clocked, tmp_path):
     path = tmp_path / "enough"
     Thread(target=lambda: wait_for(lambda: Clocked.received >= 4) and path.touch()).start()

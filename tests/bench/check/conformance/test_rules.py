@@ -26,6 +26,7 @@ def test_built_ins_conform(name):
     assert found.keys() == ALL
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("optimizer", "check", "finding"),
     [

@@ -31,6 +31,7 @@ def test_up_to_twenty_problems_only_single_ones_are_folded(few):
         assert all(each.folded for each in section.sections)
 
 
+@pytest.mark.slow
 def test_more_problems_are_folded_one_by_one(many):
     sections = datasets.section(many).sections
     assert len(sections) == MANY_PROBLEMS + 1

@@ -47,7 +47,7 @@ class TestRegret:
         assert [cell.lost for cell in table.rows[0]] == [False, False, True, False]
         assert table.rows[0][2].text == "∞"
 
-    @pytest.mark.sampled(3)
+    @pytest.mark.slow
     @pytest.mark.parametrize("optima", [{}, {"p": 6.5, "q": 6.5}])
     def test_there_is_none_without_an_optimum_or_with_one_that_was_beaten(self, folder, optima):
         found = self.findings(folder, **optima)

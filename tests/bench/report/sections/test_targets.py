@@ -60,7 +60,7 @@ class TestDefault:
 
 
 class TestSections:
-    @pytest.mark.sampled(3)
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize(
         ("chosen", "optima"),
         [

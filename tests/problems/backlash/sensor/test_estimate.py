@@ -35,7 +35,7 @@ def test_levels_with_noise_are_measured(level, verdict, strength):
     assert found.p_value < 1e-50
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("colour", [0.0, 0.8], ids=["white", "coloured"])
 def test_noise_alone_is_no_backlash(colour):
     for seed in range(2):

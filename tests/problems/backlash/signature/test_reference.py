@@ -110,7 +110,7 @@ def test_places_between_samples_are_those_of_the_recording_s_half_turns_and_not_
     assert ((places >= 0) & (places < 0.002)).all()
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("period", [0.3, 0.2, 0.1])
 def test_windows_that_may_overlap_are_exhausted_too(period):
     """T2 is up to 0.204 s: 1.4, 2.04 and 4.08 half turns."""

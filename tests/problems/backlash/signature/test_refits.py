@@ -17,6 +17,7 @@ def resamples(problem, x, count, seed=0):
     return fitted + (problem.signal - fitted).std() * noise
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "constrained"),
     [({}, False), ({}, True), ({"period": 0.40005}, False), ({"single": True}, False)],
