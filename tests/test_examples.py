@@ -90,9 +90,10 @@ def test_the_optimizer_is_listed_with_its_package(programs, tmp_path):
     assert mine["package"] == "hill-climber 0.1.0"
     assert mine["parameters"][0]["default"] == 0.2
     unmet = {each["name"]: each["error"] for each in listed if "error" in each}
-    assert set(unmet) == {"mealpy", "minion", "nevergrad", "optuna", "pymoo"}  # the extras are not installed there
+    families = {name.partition(":")[0] for name in unmet}
+    assert families == {"mealpy", "minion", "nevergrad", "optuna", "pymoo"}  # the extras are not installed there
     for name, sentence in unmet.items():
-        assert f"pip install 'backlash-bench[{name}]'" in sentence
+        assert f"pip install 'backlash-bench[{name.partition(':')[0]}]'" in sentence
 
 
 @pytest.mark.slow
@@ -246,7 +247,7 @@ def test_the_study_in_python_is_that_of_the_file():
 @pytest.mark.slow
 def test_the_study_gives_the_same_numbers_from_python_and_from_the_command_line(programs, tmp_path):
     printed = succeed(programs / "python", STUDY / "smallest.py", cwd=tmp_path)
-    assert re.search(r"^engineering-spring +0\.\d+ +0\.\d+$", printed, re.MULTILINE)
+    assert re.search(r"^engineering-spring( +[\d.e+-]+){2}$", printed, re.MULTILINE)
     assert (tmp_path / "results" / "runs" / "smallest" / "report.html").exists()
     succeed(programs / "bench", "run", STUDY / "smallest.toml", "--output", "other", "--no-report", cwd=tmp_path)
     frames = [load_results(tmp_path / each).drop(columns=TIMES) for each in ("results/runs/smallest", "other")]

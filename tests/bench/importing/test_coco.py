@@ -32,8 +32,9 @@ with warnings.catch_warnings():
         found.append({
             "function": data.funcId, "dimension": data.dim, "ert": data.detERT(targets),
             "spent": data.maxevals.tolist(), "finals": data.finalfunvals.tolist(),
-            "by_length": data.detERT(by_length((data.funcId, data.dim))),
         })
+        if data.funcId <= 24:  # the reference has no noisy functions
+            found[-1]["by_length"] = data.detERT(by_length((data.funcId, data.dim)))
 print("\\n" + json.dumps(found))
 """
 PRECISIONS = np.power(10, np.arange(10, -41, -1) / 5)  # COCO's: five a decade from 1e2 to 1e-8
