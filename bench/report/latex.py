@@ -80,6 +80,7 @@ def to_latex(table: Table, label: str) -> str:
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
+    blocks = _blocks(table, rows)
     most = _most_rows(width, len(table.note), turned=turned) if turned or (long and not breaks) else len(rows)
     return _template().render(
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
@@ -89,7 +90,7 @@ def to_latex(table: Table, label: str) -> str:
         turned=turned,
         float="table*" if width > LINE else "table",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
-        tabulars=[_tabular(columns, titles, _blocks(table, rows), widths, numeric, wrapped, most) for columns in sets],
+        tabulars=[_tabular(columns, titles, blocks, widths, numeric, wrapped, most) for columns in sets],
         totals=table.totals,
         note=escape(table.note),
     )
@@ -153,7 +154,10 @@ def _blocks(table: Table, rows: list[list[TableCell]]) -> list[list[list[TableCe
 
 
 def _parts(blocks: list[list[str]], most: int) -> list[list[list[str]]]:
-    """Return the blocks in as few parts of about the same size as have at most so many rows each, if blocks allow."""
+    """Divide the blocks into the fewest parts of about the same size that hold at most ``most`` rows each.
+
+    A block is never divided, so a part may have more rows by the rest of its last block.
+    """
     total = sum(map(len, blocks))
     number = max(-(-total // max(most, 1)), 1)
     parts: list[list[list[str]]] = [[] for _ in range(number)]
