@@ -134,8 +134,8 @@ def _is_recording(path: Path) -> bool:
 def _parse(path: Path) -> _Name:
     stem, folder = path.stem, "" if path.parent == Path() else path.parent.as_posix()
     if (date := DATE.search(stem)) and (at := _months(date)) is not None:
-        rest = re.sub(r"^[\W_]*\d+$", "", stem[date.end() :])  # repeated on one day
-        return _Name(_joined(folder, stem[: date.start()], rest), at, "month", date["day"] is not None)
+        after = re.sub(r"^[\W_]*\d+$", "", stem[date.end() :])  # repeated on one day
+        return _Name(_joined(folder, stem[: date.start()], after), at, "month", date["day"] is not None)
     joint = JOINT.search(stem)
     numbers = [m for m in re.finditer(r"\d+", stem) if joint is None or not joint.start() <= m.start() < joint.end()]
     if numbers:
