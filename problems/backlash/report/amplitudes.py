@@ -172,12 +172,8 @@ def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -
     swarms = [label_of[name] for name in SWARMS]
     claims = {
         "CMA-ES the most suited": _above(shares, label_of[EXTRA], swarms),
-        "GWO the best of the swarms": _above(
-            shares, label_of["gwo"], [swarm for swarm in swarms if swarm != label_of["gwo"]]
-        ),
-        "DA the least effective": _below(
-            shares, label_of["da"], [swarm for swarm in swarms if swarm != label_of["da"]]
-        ),
+        "GWO the best of the swarms": _above(shares, label_of["gwo"], swarms),
+        "DA the least effective": _below(shares, label_of["da"], swarms),
     }
     verdicts = {1: "agree", -1: "disagree", 0: "are too close to decide"}
     parts = [
@@ -191,16 +187,21 @@ def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -
 Share = tuple[float, float, float]  # of trials within the band, with its interval
 
 
-def _above(shares: Mapping[str, Share], label: str, rivals: Sequence[str]) -> int:
-    """Return 1 where a label's share is separably the largest, -1 where a rival's is separably larger, else 0."""
-    if all(shares[label][1] > shares[rival][2] for rival in rivals):
+def _above(shares: Mapping[str, Share], label: str, labels: Sequence[str]) -> int:
+    """Return 1 where a label's share is separably the largest, -1 where a rival's is separably larger, else 0.
+
+    The rivals are the others among ``labels``.
+    """
+    _, low, high = shares[label]
+    rivals = [shares[rival] for rival in labels if rival != label]
+    if all(low > rival_high for _, _, rival_high in rivals):
         return 1
-    return -1 if any(shares[rival][1] > shares[label][2] for rival in rivals) else 0
+    return -1 if any(rival_low > high for _, rival_low, _ in rivals) else 0
 
 
-def _below(shares: Mapping[str, Share], label: str, rivals: Sequence[str]) -> int:
+def _below(shares: Mapping[str, Share], label: str, labels: Sequence[str]) -> int:
     """Return 1 where a label's share is separably the smallest, -1 where a rival's is separably smaller, else 0."""
-    return _above({name: (-share, -high, -low) for name, (share, low, high) in shares.items()}, label, rivals)
+    return _above({name: (-share, -high, -low) for name, (share, low, high) in shares.items()}, label, labels)
 
 
 def _underestimates(swarms: pd.DataFrame) -> str:

@@ -20,9 +20,9 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.typing import Floats
+from problems.backlash import TRUTH
 from problems.backlash.recordings.tables import READERS
 
-TRUTH = "truth.csv"  # the file that 'bench simulate --wear' writes beside the recordings
 MAGIC = set("*?[")
 DATE = re.compile(
     r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<by>[-_.]?)(?P<month>0[1-9]|1[0-2])(?:(?P=by)(?P<day>0[1-9]|[12]\d|3[01]))?"
