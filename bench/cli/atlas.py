@@ -15,7 +15,7 @@ from bench.helpers.console import print_line
 from bench.helpers.text import count
 
 
-def atlas(
+def command(
     file: Annotated[
         Path | None, typer.Argument(help="A table of methods; by default those of the installed packages.")
     ] = None,

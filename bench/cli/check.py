@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bench.check.verdict import Verdict
 
 
-def check(
+def command(
     name: Annotated[
         str,
         typer.Argument(

@@ -39,7 +39,7 @@ class Diagnosis:
     remedy: str = ""
 
 
-def doctor(
+def command(
     folder: Annotated[
         Path | None,
         typer.Argument(help="A folder that 'bench run' wrote, to check its store.", autocompletion=completion.folders),

@@ -54,7 +54,7 @@ def _kinds(incomplete: str) -> list[str]:
     return completion.starting(TEMPLATES, incomplete)
 
 
-def new(
+def command(
     kind: Annotated[str, typer.Argument(help="optimizer, problem or study.", autocompletion=_kinds)],
     name: Annotated[str, typer.Argument(help="Its name: lower-case words joined by hyphens, such as hill-climber.")],
     output: Annotated[

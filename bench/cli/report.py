@@ -13,7 +13,7 @@ from bench.cli.console import Against, Jobs, Open, Rope, Targets
 from bench.helpers.console import print_line
 
 
-def report(
+def command(
     folders: Annotated[
         list[Path],
         typer.Argument(

@@ -41,7 +41,7 @@ _study, _machines, _protection, _afterwards = (
 )
 
 
-def run(
+def command(
     study: Annotated[
         str | None,
         typer.Argument(
@@ -118,8 +118,7 @@ def run(
     """
     from bench.execution.pool import WorkerDiedError
     from bench.execution.progress import Display
-    from bench.execution.runner import plan as plan_study
-    from bench.execution.runner import run as run_study
+    from bench.execution.runner import plan, run
     from bench.study import Study
 
     if study is None:
@@ -148,11 +147,11 @@ def run(
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
-        _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console, sandbox)
+        _show_estimate(plan(chosen, output, shard=shard, sandbox=sandbox), jobs, console, sandbox)
         return
     try:
         with Display(console) as display:
-            outcome = run_study(
+            outcome = run(
                 chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
                 scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, strict=strict, sandbox=sandbox,
                 on_plan=display.plan, on_trial=display.trial, on_look=display.look,

@@ -16,7 +16,7 @@ from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 
 
-def similar(
+def command(
     optimizers: Annotated[
         list[str],
         typer.Argument(

@@ -13,7 +13,7 @@ from bench.helpers.console import print_error, print_line
 from bench.helpers.text import count
 
 
-def site(
+def command(
     archives: Annotated[list[Path], typer.Argument(metavar="ARCHIVE…", help="Archives that 'bench pack' wrote.")],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write.")],
     verify: Annotated[

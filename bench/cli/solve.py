@@ -16,7 +16,7 @@ from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error
 
 
-def solve(
+def command(
     problem: Annotated[
         str,
         typer.Argument(
@@ -37,7 +37,7 @@ def solve(
     constraints: Constraints = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    from bench.execution.solve import solve as solve_once
+    from bench.execution.solve import solve
     from bench.plugins import loading
     from bench.scoring.constraints import DEFAULT
     from bench.study.budget import checked, evaluations
@@ -47,7 +47,7 @@ def solve(
     spent = evaluations(checked(budget, "--budget"), loaded.dimension)
     chosen.check_budget(spent, optimizer)
     try:
-        result = solve_once(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT)
+        result = solve(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT)
     except BenchError:
         raise
     except Exception as error:  # a plug-in may raise anything

@@ -23,7 +23,7 @@ SHOWN = 20  # lines of failures
 HASHES = 20  # of data and code; environment.json holds all
 
 
-def status(
+def command(
     output: Output,
     watch: Annotated[bool, typer.Option("--watch", help="Refresh every two seconds until the run ends.")] = False,
     check: Annotated[bool, typer.Option("--check", help="Compare every stored trial with its digest now.")] = False,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bench.tuning.tune import Setting
 
 
-def tune(
+def command(
     optimizers: Annotated[list[str], typer.Argument(metavar="OPTIMIZER…", help="The optimizers, or patterns.")],
     train: Annotated[list[str], typer.Option(help="A problem to tune on, or a pattern; repeatable.")],
     test: Annotated[

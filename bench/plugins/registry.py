@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 from bench.errors import BenchError
+from bench.families import Grid
 
 DISTRIBUTION = "backlash-bench"
 
@@ -81,6 +82,12 @@ def package(group: str, name: str) -> str:
 def is_family(plugin: Any) -> bool:
     """Return whether the object behind an entry point is a family of plug-ins."""
     return isinstance(plugin, Family) and not isinstance(plugin, type)
+
+
+def grid(family: str) -> Grid | None:
+    """Return the functions of a suite, None for another family of problems; raises BenchError as :func:`load`."""
+    functions = getattr(load("problems", family), "grid", None)
+    return functions if isinstance(functions, Grid) else None
 
 
 def own() -> Distribution:

@@ -75,8 +75,8 @@ def is_of_suite(problem: str) -> bool:
     families = registry.entries("problems")
     for family in (each for each in families if problem.startswith(f"{each}-")):
         with suppress(Exception):  # a broken family, or the name of another one
-            grid = getattr(registry.load("problems", family), "grid", None)
-            if isinstance(grid, Grid) and grid.member(problem):
+            grid = registry.grid(family)
+            if grid and grid.member(problem):
                 return True
     return False
 
@@ -85,17 +85,15 @@ def _all_names() -> Iterator[str]:
     """Yield the names of every problem that can be listed, and of all that are on a grid."""
     for family in registry.entries("problems"):
         with suppress(Exception):  # a broken family must not hide another's problems
-            plugin = registry.load("problems", family)
-            grid = getattr(plugin, "grid", None)
-            yield from grid.names() if isinstance(grid, Grid) else plugin.names()
+            yield from (registry.grid(family) or registry.load("problems", family)).names()
 
 
 def _grid(suite: Any) -> Grid:
     families = registry.entries("problems")
     if not isinstance(suite, str) or suite not in families:
         raise BenchError(f"unknown suite {suite!r}{nearest(str(suite), families)}")
-    grid = getattr(registry.load("problems", suite), "grid", None)
-    if not isinstance(grid, Grid):
+    grid = registry.grid(suite)
+    if grid is None:
         raise BenchError(f"the problems of {suite!r} are no suite with functions and dimensions; give their names")
     return grid
 
