@@ -126,15 +126,14 @@ def _requirements() -> Iterator[Diagnosis]:
     from packaging.requirements import Requirement
 
     with suppress(BenchError):
-        needed = [Requirement(text) for text in registry.own().requires or ()]
-        for each in needed:
-            if each.marker is None or each.marker.evaluate({"extra": ""}):
-                yield _required(each, registry.DISTRIBUTION)
+        optional = []
+        for requirement in map(Requirement, registry.own().requires or ()):
+            if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
+                yield _required(requirement, registry.DISTRIBUTION)
+            else:
+                optional.append(requirement)
         for extra in sorted(registry.own().metadata.get_all("Provides-Extra") or ()):
-            always = [each for each in needed if each.marker and not each.marker.evaluate({"extra": ""})]
-            yield from _extra(
-                extra, [each for each in always if each.marker and each.marker.evaluate({"extra": extra})]
-            )
+            yield _extra(extra, [each for each in optional if each.marker and each.marker.evaluate({"extra": extra})])
 
 
 def _required(requirement: Any, asked: str) -> Diagnosis:
@@ -146,19 +145,17 @@ def _required(requirement: Any, asked: str) -> Diagnosis:
     return _bounded("packages", requirement.name, installed, installed, str(requirement.specifier), install)
 
 
-def _extra(extra: str, requirements: list[Any]) -> Iterator[Diagnosis]:
-    """Yield one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
+def _extra(extra: str, requirements: list[Any]) -> Diagnosis:
+    """Return one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
     asked = f"{registry.DISTRIBUTION}[{extra}]"
-    diagnoses = [_required(each, asked) for each in requirements]
-    missing = [each.name for each in diagnoses if each.found == "not installed"]
-    wrong = [each for each in diagnoses if each.state == "broken" and each.name not in missing]
-    text = ", ".join(f"{each.name} {each.found}" for each in diagnoses)
-    if wrong:
-        yield Diagnosis("extras", extra, text, "broken", wrong[0].remedy)
-    elif missing:
-        yield Diagnosis("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
-    else:
-        yield Diagnosis("extras", extra, text)
+    packages = [_required(requirement, asked) for requirement in requirements]
+    missing = [package.name for package in packages if package.found == "not installed"]
+    text = ", ".join(f"{package.name} {package.found}" for package in packages)
+    if any(package.state == "broken" and package.name not in missing for package in packages):
+        return Diagnosis("extras", extra, text, "broken", f"pip install '{asked}'")
+    if missing:
+        return Diagnosis("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
+    return Diagnosis("extras", extra, text)
 
 
 def _bounded(topic: str, name: str, shown: str, found: str, bounds: str, remedy: str) -> Diagnosis:
@@ -216,20 +213,15 @@ def _caches() -> Iterator[Diagnosis]:
     """Yield whether the folders can be written that hold what need not be computed twice."""
     from platformdirs import user_cache_path
 
-    kept = Path(os.environ.get("BENCH_CACHE") or user_cache_path("backlash-bench"))
-    compiled = os.environ.get("NUMBA_CACHE_DIR")
     beside = Path(__file__).resolve().parents[2] / "optimizers" / "__pycache__"  # where numba writes, if it can
+    compiled = os.environ.get("NUMBA_CACHE_DIR")
+    places = [Path(compiled)] if compiled else [beside, user_cache_path("numba", False)]
     for name, variable, folders in (
-        ("recordings", "BENCH_CACHE", [kept]),
-        (
-            "compiled code",
-            "NUMBA_CACHE_DIR",
-            [Path(compiled)] if compiled else [beside, user_cache_path("numba", False)],
-        ),
+        ("recordings", "BENCH_CACHE", [Path(os.environ.get("BENCH_CACHE") or user_cache_path("backlash-bench"))]),
+        ("compiled code", "NUMBA_CACHE_DIR", places),
         ("temporary files", "TMPDIR", [Path(tempfile.gettempdir())]),
     ):
-        usable = next((folder for folder in folders if _can_write(folder)), None)
-        if usable:
+        if usable := next((folder for folder in folders if _can_write(folder)), None):
             yield Diagnosis("caches", name, str(usable))
         else:
             remedy = f"set {variable} to a folder that can be written"
@@ -246,8 +238,7 @@ def _can_write(folder: Path) -> bool:
 
 
 def _sandbox() -> Iterator[Diagnosis]:
-    program = shutil.which("bwrap")
-    if program:
+    if program := shutil.which("bwrap"):
         yield Diagnosis("sandbox", "bubblewrap", program)
     else:
         yield Diagnosis("sandbox", "bubblewrap", "not installed", "note", "--sandbox needs it (Linux only)")

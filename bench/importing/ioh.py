@@ -94,11 +94,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     )
 
     def runs_of(data: _Data) -> Iterator[Run]:
-        blocks = logged(source, data.log, "evaluations", VALUE)
-        if len(blocks) != len(data.runs):
-            raise BenchError(
-                f"{data.log} has {len(blocks)} runs and {data.file} names {len(data.runs)}; one of them is cut short"
-            )
+        blocks = logged(source, data.log, "evaluations", VALUE, data.file, len(data.runs))
         for position, (run, block) in enumerate(zip(data.runs, blocks, strict=True), start=1):
             yield _run(data, names[data.file.parent, data.algorithm], run, block, f"{data.log}, run {position},")
 
@@ -126,11 +122,14 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
         raise BenchError(f"{file} is no file of IOHprofiler: it {what}") from error
 
 
-def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[Block]:
+def logged(
+    source: Source, log: PurePosixPath, first: str, value: str, index: PurePosixPath, number: int
+) -> list[Block]:
     """Return evaluations and values of each run of a log; a line that begins with the column ``first`` begins a run.
 
     Raises:
-        BenchError: for a log that is missing, is cut short, or lacks the column ``value``.
+        BenchError: for a log that is missing, is cut short, lacks the column ``value``, or has another number of runs
+            than its index names.
     """
     if log not in source.files:
         raise BenchError(f"the log {log} is missing, which its index names")
@@ -142,7 +141,7 @@ def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[B
     columns: list[str] = []
     rows: list[tuple[int, float]] = []
     begin = 1
-    for number, line in enumerate([*lines, f'"{first}"'], start=1):
+    for place, line in enumerate([*lines, f'"{first}"'], start=1):
         cells = line.split()
         if not cells:
             continue
@@ -150,14 +149,16 @@ def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[B
             if columns:
                 blocks.append(_block(rows, log, begin))
             columns = [quoted or plain for quoted, plain in _COLUMN.findall(line)]
-            rows, begin = [], number + 1
-            if number <= len(lines) and value not in columns:
-                raise BenchError(f"{log}, line {number}, has no column {value!r}")
+            rows, begin = [], place + 1
+            if place <= len(lines) and value not in columns:
+                raise BenchError(f"{log}, line {place}, has no column {value!r}")
             continue
         try:
             rows.append((evaluation(cells[0]), float(cells[columns.index(value)])))
         except (ValueError, IndexError) as error:
-            raise BenchError(f"{log}, line {number}, is no row of evaluations and values: {shown(line)}") from error
+            raise BenchError(f"{log}, line {place}, is no row of evaluations and values: {shown(line)}") from error
+    if len(blocks) != number:
+        raise BenchError(f"{log} has {len(blocks)} runs and {index} names {number}; one of them is cut short")
     return blocks
 
 

@@ -52,16 +52,12 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     def runs_of(log: PurePosixPath) -> Iterator[Run]:
         entries = [(data, entry) for data, entry in named[log] if entry.evaluations]  # without one, a run has no rows
         file = next((each for each in map(log.with_suffix, SUFFIXES) if each in source.files), log)
-        blocks = logged(source, file, FIRST, VALUE)
-        if len(blocks) != len(entries):
-            index = named[log][0][0].index
-            raise BenchError(
-                f"{file} has {len(blocks)} runs and {index} names {len(entries)}; one of them is cut short"
-            )
-        shifted = logged(source, file, FIRST, SHIFTED) if SHIFTED in source.text(file).partition("\n")[0] else blocks
-        for position, ((data, entry), block, other) in enumerate(zip(entries, blocks, shifted, strict=True), start=1):
+        read = partial(logged, source, file, FIRST, index=named[log][0][0].index, number=len(entries))
+        blocks = read(VALUE)
+        shifted = read(SHIFTED) if SHIFTED in source.text(file).partition("\n")[0] else blocks
+        for position, ((data, entry), block, moved) in enumerate(zip(entries, blocks, shifted, strict=True), start=1):
             where = f"{file}, run {position},"
-            yield _run(data, names[data.index.parent, data.algorithm], entry, block, other, where)
+            yield _run(data, names[data.index.parent, data.algorithm], entry, block, moved, where)
 
     yield from reading.each(named, runs_of)
 
