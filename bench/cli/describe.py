@@ -49,7 +49,7 @@ def command(
 
     require_seed("the seed", seed)
     console, rows = Console(), {}
-    for name in dict.fromkeys(each for pattern in problems for each in selection.matching(pattern)):
+    for name in dict.fromkeys(match for pattern in problems for match in selection.matching(pattern)):
         problem = loading.load_problem(name, **pairs(problem_option))
         try:
             rows[name] = {"dimension": float(problem.dimension)} | describe(problem, points, seed)

@@ -51,9 +51,9 @@ def command(
     The exit code is 1 where something is broken; how to fix it stands beside it.
     """
     findings = list(examine(folder))
-    broken = [each for each in findings if each.state == "broken"]
+    broken = [finding for finding in findings if finding.state == "broken"]
     if as_json:
-        print(json.dumps({"sound": not broken, "findings": [asdict(each) for each in findings]}, indent=1))
+        print(json.dumps({"sound": not broken, "findings": [asdict(finding) for finding in findings]}, indent=1))
     else:
         _show(findings, Console())
     sys.exit(1 if broken else 0)
@@ -73,22 +73,23 @@ def examine(folder: Path | None = None) -> Iterator[Diagnosis]:
 
 def _show(findings: list[Diagnosis], console: Console) -> None:
     table = Table("", "what", "found", "state", box=None, pad_edge=False)
-    topic = ""
-    for each in findings:
-        table.add_row(
-            Text(each.topic if each.topic != topic else "", style="bold"), Text(each.name), Text(each.found),
-            Text(each.state, style=STYLES[each.state]),
-        )  # fmt: skip
-        topic = each.topic
+    last = ""
+    for finding in findings:
+        topic = Text(finding.topic if finding.topic != last else "", style="bold")
+        state = Text(finding.state, style=STYLES[finding.state])
+        table.add_row(topic, Text(finding.name), Text(finding.found), state)
+        last = finding.topic
     console.print(table)
-    extras = [each.name for each in findings if each.topic == "extras" and each.state == "note"]
+    extras = [finding.name for finding in findings if finding.topic == "extras" and finding.state == "note"]
     if extras:  # in one line, as the table has each
         install = f"pip install '{registry.DISTRIBUTION}[{','.join(extras)}]'"
         print_line(f"note: extras that are not installed: {install}", STYLES["note"], console)
-    for each in findings:
-        if each.remedy and each.name not in (extras if each.topic == "extras" else ()):
-            print_line(f"{each.state}: {each.topic}, {each.name}: {each.remedy}", STYLES[each.state], console)
-    broken = sum(each.state == "broken" for each in findings)
+    for finding in findings:
+        if finding.remedy and finding.name not in (extras if finding.topic == "extras" else ()):
+            print_line(
+                f"{finding.state}: {finding.topic}, {finding.name}: {finding.remedy}", STYLES[finding.state], console
+            )
+    broken = sum(finding.state == "broken" for finding in findings)
     print_line(f"{broken} broken" if broken else "nothing is broken", "red" if broken else "green", console)
 
 
@@ -113,9 +114,11 @@ def _names() -> Iterator[Diagnosis]:
         for module in registry.own_modules():
             if sentence := registry.conflict(module):
                 yield Diagnosis("names", module, "another package's", "broken", sentence)
-            elif others := " and ".join(registry.claimants(module)):
-                clash = f"this package's; {others} has a module of that name, too, whose file is not installed any more"
-                remedy = f"install {others} in an environment of its own, as one of the two breaks the other"
+            elif packages := " and ".join(registry.claimants(module)):
+                clash = (
+                    f"this package's; {packages} has a module of that name, too, whose file is not installed any more"
+                )
+                remedy = f"install {packages} in an environment of its own, as one of the two breaks the other"
                 yield Diagnosis("names", module, clash, "note", remedy)
             else:
                 yield Diagnosis("names", module, "this package's")
@@ -133,7 +136,9 @@ def _requirements() -> Iterator[Diagnosis]:
             else:
                 optional.append(requirement)
         for extra in sorted(registry.own().metadata.get_all("Provides-Extra") or ()):
-            yield _extra(extra, [each for each in optional if each.marker and each.marker.evaluate({"extra": extra})])
+            yield _extra(
+                extra, [needed for needed in optional if needed.marker and needed.marker.evaluate({"extra": extra})]
+            )
 
 
 def _required(requirement: Any, asked: str) -> Diagnosis:
@@ -158,11 +163,11 @@ def _extra(extra: str, requirements: list[Any]) -> Diagnosis:
     return Diagnosis("extras", extra, text)
 
 
-def _bounded(topic: str, name: str, shown: str, found: str, bounds: str, remedy: str) -> Diagnosis:
+def _bounded(topic: str, name: str, shown: str, installed: str, bounds: str, remedy: str) -> Diagnosis:
     """Return a finding on a version that must be within bounds such as ``">=2.0,<3"``."""
     from packaging.specifiers import SpecifierSet
 
-    if SpecifierSet(bounds).contains(found, prereleases=True):
+    if SpecifierSet(bounds).contains(installed, prereleases=True):
         return Diagnosis(topic, name, shown)
     return Diagnosis(topic, name, f"{shown}; needed is {bounds}", "broken", remedy)
 
@@ -202,8 +207,8 @@ def _machine() -> Iterator[Diagnosis]:
     for name, key in (("system", "system"), ("processor", "processor"), ("cores", "cores")):
         yield Diagnosis("machine", name, str(record[key]))
     yield Diagnosis("machine", "memory", f"{record['memory_gb']} GB")
-    for each in record["blas"]:
-        yield Diagnosis("machine", "BLAS", f"{each['library']} {each['version']}, {each['threads']} threads")
+    for library in record["blas"]:
+        yield Diagnosis("machine", "BLAS", f"{library['library']} {library['version']}, {library['threads']} threads")
     if record["git"]:
         changed = ", with uncommitted changes" if record["git"]["dirty"] else ""
         yield Diagnosis("machine", "commit", f"{record['git']['commit'][:10]}{changed}")

@@ -196,8 +196,8 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, sandbox: str | None)
     counts = plan.counts()
     show_plan(plan, counts, console)
     for entry in plan.study.with_controls:
-        mine = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
-        print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
+        left = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
+        print_line(f"  {entry.label}: {sum(left)} to run", console=console)
     workers = cpu_count() if jobs == -1 else jobs
     seconds, source = plan.seconds(), "the stored trials"
     if seconds is None:

@@ -39,10 +39,10 @@ def command(
     for sentence in board.refused:
         print_error(sentence)
     different = [
-        f"{archive.name}: {each.trial} {each.sentence}"
+        f"{archive.name}: {outcome.trial} {outcome.sentence}"
         for archive in board.archives
-        for each in archive.again
-        if each.different
+        for outcome in archive.again
+        if outcome.different
     ]
     for line in different:
         print_line(f"different: {line}", "red")

@@ -294,14 +294,13 @@ class Study:
 
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
-        head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
-        keys = ("problems", "optimizers", *(["controls"] if self.controls else []))
-        lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in keys}
-        targets = {} if self.targets is None else {"targets": self.targets}
-        rope = {} if self.rope is None else {"rope": self.rope}
-        tuning = {} if self.tuning is None else {"tuning": self.tuning.as_dict()}
-        looks = {"looks": {"trials": list(self.looks)}} if self.looks else {}
-        return tomli_w.dumps(head | self._handling() | targets | rope | looks | lists | tuning)
+        table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
+        table |= self._handling() | {"targets": self.targets, "rope": self.rope}
+        table["looks"] = {"trials": list(self.looks)} if self.looks else None
+        for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
+            table[key] = [entry.as_dict() for entry in getattr(self, key)]
+        table["tuning"] = None if self.tuning is None else self.tuning.as_dict()
+        return tomli_w.dumps({key: value for key, value in table.items() if value is not None})
 
     def _repr_html_(self) -> str:
         """Return the study as a table, for a notebook."""
