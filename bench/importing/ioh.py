@@ -79,18 +79,18 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     """
     scenarios = list(reading.each(indices, partial(_scenarios, source)))
     unnamed = [
-        is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name"))
-        for each in scenarios
+        is_guessed(data.head.get("suite"), data.head["function_id"], data.head.get("function_name"))
+        for data in scenarios
     ]
     if any(unnamed):
         suite = "bbob" if all(map(_is_bbob, compress(scenarios, unnamed))) else SBOX
         reading.notes.append(GUESSED.format(suite))
         scenarios = [
-            each._replace(head=each.head | {"suite": suite}) if guessed else each
-            for each, guessed in zip(scenarios, unnamed, strict=True)
+            data._replace(head=data.head | {"suite": suite}) if guessed else data
+            for data, guessed in zip(scenarios, unnamed, strict=True)
         ]
     names = optimizer_labels(
-        (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in scenarios
+        (data.file.parent, data.algorithm, (data.head["function_id"], data.dimension)) for data in scenarios
     )
 
     def runs_of(data: _Data) -> Iterator[Run]:
@@ -110,10 +110,10 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
         if head["maximization"]:
             raise BenchError(f"{file} holds results of maximisation; only minimisation can be compared here")
         algorithm = label(head["algorithm"]["name"], str(file))
-        for each in head["scenarios"]:
-            log = inside(file.parent, each["path"], str(file))
-            numbers = int(head["function_id"]), int(each["dimension"])
-            runs = [{"instance": int(run["instance"]), "evals": int(run["evals"]), **run} for run in each["runs"]]
+        for scenario in head["scenarios"]:
+            log = inside(file.parent, scenario["path"], str(file))
+            numbers = int(head["function_id"]), int(scenario["dimension"])
+            runs = [{"instance": int(run["instance"]), "evals": int(run["evals"]), **run} for run in scenario["runs"]]
             yield _Data(file, head | {"function_id": numbers[0]}, algorithm, numbers[1], log, runs)
     except BenchError:
         raise
@@ -172,21 +172,21 @@ def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Blo
 
 
 def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> Run:
-    own = "trial" in run and "seed" in run  # this package's export
+    exported = "trial" in run and "seed" in run  # this package's export
     name = str(data.head.get("function_name", ""))
-    if own and F_OPT not in run:  # of no suite
+    if exported and F_OPT not in run:  # of no suite
         problem, less = label(name, str(data.file)), 0.0
     else:
         function = data.head["function_id"]
         problem, less = problem_of(data.head.get("suite"), function, name, data.dimension, run["instance"], data.file)
-        less = float(run[F_OPT]) if own else less
+        less = float(run[F_OPT]) if exported else less
     trace = _exact(improvements(*block), run.get("best") or {}, where)
     trace = improvements(trace.evaluations, trace.values + less)
     last = int(block[0][-1]) if len(block[0]) else 0
     columns: dict[str, Any] = {"x": _point(run.get("best") or {}, problem)}
-    if own and is_whole(run["seed"]):
+    if exported and is_whole(run["seed"]):
         columns["seed"] = run["seed"]
-    number = run["trial"] if own and is_whole(run["trial"]) and run["trial"] >= 0 else None
+    number = run["trial"] if exported and is_whole(run["trial"]) and run["trial"] >= 0 else None
     return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
 
 
@@ -217,14 +217,14 @@ def problem_of(
     Raises:
         BenchError: where f_opt cannot be looked up.
     """
-    given = str(suite or "").strip()
-    shifted = {"bbob": "bbob", "sbox": SBOX, SBOX: SBOX}.get(given.lower())
+    named = str(suite or "").strip()
+    shifted = {"bbob": "bbob", "sbox": SBOX, SBOX: SBOX}.get(named.lower())
     if shifted is None and is_guessed(suite, function, name):
         shifted = "bbob"
     if shifted is None or isinstance(function, str):
-        return naming.problem_name(given or name, function, dimension, instance, name), 0.0
-    for known in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
-        optimum = naming.known(naming.problem_name("bbob", function, known, instance)).optimum
+        return naming.problem_name(named or name, function, dimension, instance, name), 0.0
+    for lookup in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
+        optimum = naming.known(naming.problem_name("bbob", function, lookup, instance)).optimum
         if optimum is not None:
             return naming.problem_name(shifted, function, dimension, instance), optimum
     raise BenchError(
@@ -238,12 +238,12 @@ def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:
     y: Any = best.get("y")
     if not is_finite(y):
         return trace
-    found = float(trace.values[-1]) if len(trace.values) else math.inf
+    last = float(trace.values[-1]) if len(trace.values) else math.inf
     near = DECIMALS * max(1.0, abs(float(y)))
-    if found > float(y) + near:
-        raise BenchError(f"{where} ends at {found!r} and its JSON file has {y!r}; the log is cut short")
-    if found < float(y) - near:
-        raise BenchError(f"{where} has {found!r}, which is below the best value of its JSON file, {y!r}")
+    if last > float(y) + near:
+        raise BenchError(f"{where} ends at {last!r} and its JSON file has {y!r}; the log is cut short")
+    if last < float(y) - near:
+        raise BenchError(f"{where} has {last!r}, which is below the best value of its JSON file, {y!r}")
     return improvements(trace.evaluations, np.append(trace.values[:-1], float(y)))
 
 

@@ -115,10 +115,10 @@ class Study:
     @classmethod
     def from_dict(cls, data: dict[str, Any], where: str = "given") -> Study:
         """Return the study that a parsed TOML document describes; raises BenchError naming the first invalid entry."""
-        known = {item.name for item in dataclasses.fields(cls)}
+        fields = {item.name for item in dataclasses.fields(cls)}
         for key in data:
-            if key not in known:
-                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, known)}")
+            if key not in fields:
+                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, fields)}")
         for key in ("name", "title"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
@@ -148,8 +148,8 @@ class Study:
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
-        given = {key: value for key, value in changes.items() if value is not None}
-        study = dataclasses.replace(self, **given | _checked(given, ""))
+        chosen = {key: value for key, value in changes.items() if value is not None}
+        study = dataclasses.replace(self, **chosen | _checked(chosen, ""))
         study.check_looks()
         return study
 
@@ -225,11 +225,11 @@ class Study:
 
         Nothing is loaded. Those whose results were imported come from none.
         """
-        found: dict[str, list[str]] = {}
+        labels: dict[str, list[str]] = {}
         for entry in self.with_controls:
             if not loading.is_imported(entry.name):
-                found.setdefault(loading.package(entry.name), []).append(entry.label)
-        return found
+                labels.setdefault(loading.package(entry.name), []).append(entry.label)
+        return labels
 
     @property
     def sweeps(self) -> list[Sweep]:
@@ -242,10 +242,10 @@ class Study:
         return [entry.label for entry in self.optimizers if loading.is_imported(entry.name)]
 
     def _named(self, kind: str, entries: Iterable[Entry], label: str) -> Entry:
-        found = {entry.label: entry for entry in entries}
-        if label not in found:
-            raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, found)}")
-        return found[label]
+        by_label = {entry.label: entry for entry in entries}
+        if label not in by_label:
+            raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, by_label)}")
+        return by_label[label]
 
     def check(self) -> Fingerprints:
         """Load every problem and optimizer once and check the budget against the largest generation.
@@ -265,7 +265,7 @@ class Study:
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
         if self.targets == "tolerance" and not any(problem.expected for problem in problems.values()):
             raise BenchError(NO_METRIC)
-        least = min(self.evaluations(dimension) for dimension in {each.dimension for each in problems.values()})
+        least = min(self.evaluations(dimension) for dimension in {problem.dimension for problem in problems.values()})
         return {label: problem.fingerprint() for label, problem in problems.items()}, least
 
     def code(self, labels: Iterable[str], least: int) -> dict[str, str]:
@@ -288,7 +288,7 @@ class Study:
         hashes, so that it is random and stays the same when trials are added.
         """
         for number in range(self.trials):
-            cells = [(problem.label, each.label) for problem in self.problems for each in self.with_controls]
+            cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.with_controls]
             block = [Trial(*cell, number, trial_seed(self.seed, *cell, number)) for cell in cells]
             yield from sorted(block, key=lambda trial: trial.seed)
 
@@ -334,26 +334,26 @@ class Study:
         A phrase describes the other study, such as ``"its budget is 2000, not 3000"``.
         """
         words = {"name": "name", "budget": "budget", "seed": "seed", "constraints": "handling of constraints"}
-        found = []
+        phrases = []
         for key, word in words.items():
-            mine, theirs = getattr(self, key), getattr(other, key)
-            if mine != theirs:
-                found.append(f"its {word} is {theirs!r}, not {mine!r}")
+            this, that = getattr(self, key), getattr(other, key)
+            if this != that:
+                phrases.append(f"its {word} is {that!r}, not {this!r}")
         if self.looks != other.looks:
-            found.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
+            phrases.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
         for key in ("problems", "optimizers"):
-            own, others = ({each.label: each for each in getattr(study, key)} for study in (self, other))
-            found += entries.differences(key, own, others)
-        return found
+            these, those = ({entry.label: entry for entry in getattr(study, key)} for study in (self, other))
+            phrases += entries.differences(key, these, those)
+        return phrases
 
     def _handling(self) -> dict[str, str]:
         """Return the handling of constraints where it is not the default, which older studies do not name."""
         return {} if self.constraints == handlings.DEFAULT else {"constraints": self.constraints}
 
 
-def _whole(given: Any, what: str, *, least: int, most: int) -> int:
-    require_whole(what, given, least, most)
-    return int(given)
+def _whole(value: Any, what: str, *, least: int, most: int) -> int:
+    require_whole(what, value, least, most)
+    return int(value)
 
 
 _READERS: dict[str, Callable[[Any, str], Any]] = {
@@ -364,9 +364,9 @@ _READERS: dict[str, Callable[[Any, str], Any]] = {
 """By key, what returns a value as a study holds it and raises BenchError for what cannot be one."""
 
 
-def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+def _checked(values: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return the values of the keys that have a reader, as a study holds them."""
-    return {key: read(given[key], f"{where}'{key}'") for key, read in _READERS.items() if key in given}
+    return {key: read(values[key], f"{where}'{key}'") for key, read in _READERS.items() if key in values}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

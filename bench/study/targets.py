@@ -33,23 +33,23 @@ MOST = 1000  # targets of a list
 _PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*%\s*", re.ASCII)
 
 
-def checked(given: Any, what: str) -> Targets:
+def checked(value: Any, what: str) -> Targets:
     """Return targets as a study holds them: each once, from the easiest to the hardest.
 
     Args:
-        given: one of :data:`KINDS`; positive precisions; percentages of the optimum such as ``"1%"``; or a text of
+        value: one of :data:`KINDS`; positive precisions; percentages of the optimum such as ``"1%"``; or a text of
             either, separated by commas.
         what: the subject of a sentence about it, such as ``"the targets"``.
 
     Raises:
         BenchError: for anything else.
     """
-    if isinstance(given, str):
-        if given.strip() in KINDS:
-            return given.strip()
-        parts: Sequence[Any] = [_number(part) for part in given.split(",")]
+    if isinstance(value, str):
+        if value.strip() in KINDS:
+            return value.strip()
+        parts: Sequence[Any] = [_number(part) for part in value.split(",")]
     else:
-        parts = list(given) if isinstance(given, list | tuple) else []
+        parts = list(value) if isinstance(value, list | tuple) else []
     if 0 < len(parts) <= MOST:
         if all(isinstance(part, str) for part in parts):
             shares = [_share(part) for part in parts]
@@ -60,7 +60,7 @@ def checked(given: Any, what: str) -> Targets:
     *kinds, last = map(repr, KINDS)
     raise BenchError(
         f"{what} must be {', '.join(kinds)} or {last}, up to {MOST:,} positive precisions such as [1e-1, 1e-3], or "
-        f"percentages of the optimum such as ['5%', '1%'], not {given!r}"
+        f"percentages of the optimum such as ['5%', '1%'], not {value!r}"
     )
 
 
