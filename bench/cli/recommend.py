@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
+from bench.cli.console import ProblemParameters
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 
@@ -28,9 +29,7 @@ def command(
         ),
     ],
     budget: Annotated[str, typer.Option(help="Evaluations to spend: a number, or such as '100 * d'.")],
-    problem_option: Annotated[
-        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
-    ] = None,
+    problem_option: ProblemParameters = None,
     output: Annotated[
         Path | None, typer.Option(help="Write the study that tests the advice (TOML); default: print it.")
     ] = None,

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Constraints, Parameters
+from bench.cli.console import Constraints, Parameters, ProblemParameters
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error
 
@@ -31,9 +31,7 @@ def command(
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")
     ] = 0,
     option: Parameters = None,
-    problem_option: Annotated[
-        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
-    ] = None,
+    problem_option: ProblemParameters = None,
     constraints: Constraints = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""

@@ -14,7 +14,6 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from functools import partial
-from itertools import compress
 from pathlib import PurePosixPath
 from typing import Any, NamedTuple
 
@@ -79,16 +78,15 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     """
     scenarios = list(reading.each(indices, partial(_scenarios, source)))
     unnamed = [
-        is_guessed(data.head.get("suite"), data.head["function_id"], data.head.get("function_name"))
+        data
         for data in scenarios
+        if is_guessed(data.head.get("suite"), data.head["function_id"], data.head.get("function_name"))
     ]
-    if any(unnamed):
-        suite = "bbob" if all(map(_is_bbob, compress(scenarios, unnamed))) else SBOX
+    if unnamed:
+        suite = "bbob" if all(map(_is_bbob, unnamed)) else SBOX
         reading.notes.append(GUESSED.format(suite))
-        scenarios = [
-            data._replace(head=data.head | {"suite": suite}) if guessed else data
-            for data, guessed in zip(scenarios, unnamed, strict=True)
-        ]
+        for data in unnamed:
+            data.head["suite"] = suite
     names = optimizer_labels(
         (data.file.parent, data.algorithm, (data.head["function_id"], data.dimension)) for data in scenarios
     )

@@ -46,12 +46,3 @@ def checked(value: Any, what: str) -> Looks:
             f"{what} must begin with {LEAST} trials or more, not {looks[0]}: no test of fewer can be significant"
         )
     return looks
-
-
-def refuse_other_trials(looks: Looks, trials: int, where: str = "") -> None:
-    """Raise BenchError where a number of trials is not that of the last look."""
-    if looks and trials != looks[-1]:
-        raise BenchError(
-            f"{where}'trials' is {trials}, but the last of the declared looks is at {looks[-1]} trials; leave out the "
-            "number, or declare other looks before the first trial is made"
-        )

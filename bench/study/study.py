@@ -170,7 +170,11 @@ class Study:
         """Raise BenchError where declared looks do not suit the trials, the optimizers or the problems."""
         if not self.looks:
             return
-        declared.refuse_other_trials(self.looks, self.trials, where)
+        if self.trials != self.looks[-1]:
+            raise BenchError(
+                f"{where}'trials' is {self.trials}, but the last of the declared looks is at {self.looks[-1]} trials; "
+                "leave out the number, or declare other looks before the first trial is made"
+            )
         if len(self.optimizers) < 2:
             raise BenchError(f"{where}'looks' needs two optimizers or more: with one, no look can decide anything")
         functions = Counter(re.sub(r"-i[0-9]+$", "", entry.label) for entry in self.problems)
