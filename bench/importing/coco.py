@@ -166,32 +166,25 @@ def logged(source: Source, file: PurePosixPath) -> list[Block]:
     blocks: list[Block] = []
     text = source.text(file)
     lines = text.splitlines()
-    header: str | None = None
+    header = ""
     begin = 0
-    counts: list[str] = []
-    values: list[str] = []
-    places: list[int] = []
-
-    def close() -> None:
-        if header is not None:
-            blocks.append(_block(header, begin, counts, values, places, file))
-
+    rows: list[tuple[int, str, str]] = []
     for number, line in enumerate(lines, start=1):
         if line.startswith("%"):
-            if header is not None and not counts:
+            if header and not rows:
                 header += line  # a header may have several lines
                 continue
-            close()
-            header, begin, counts, values, places = line, number, [], [], []
+            if header:
+                blocks.append(_block(header, begin, rows, file))
+            header, begin, rows = line, number, []
         elif line.strip():
             cells = line.split(None, 3)
-            if header is None or len(cells) < 3:
-                what = "is cut short" if header is not None else "comes before the header of a run"
+            if not header or len(cells) < 3:
+                what = "is cut short" if header else "comes before the header of a run"
                 raise BenchError(f"{file}, line {number}, {what}: {shown(line)}")
-            counts.append(cells[0])
-            values.append(cells[2])
-            places.append(number)
-    close()
+            rows.append((number, cells[0], cells[2]))
+    if header:
+        blocks.append(_block(header, begin, rows, file))
     if lines and not text.endswith(("\n", "\r")) and _is_cut(lines[-2:]):
         raise BenchError(f"{file} is cut short in line {len(lines)}: {shown(lines[-1])}")
     return blocks
@@ -203,15 +196,15 @@ def _is_cut(lines: list[str]) -> bool:
     return len(last) != len(before) or len(last[-1].lstrip("+-")) < len(before[-1].lstrip("+-"))
 
 
-def _block(
-    header: str, begin: int, counts: list[str], values: list[str], places: list[int], file: PurePosixPath
-) -> Block:
-    if not counts:
+def _block(header: str, begin: int, rows: list[tuple[int, str, str]], file: PurePosixPath) -> Block:
+    """Return the run of a header and its rows, each a line's number and its texts of evaluations and value."""
+    if not rows:
         raise BenchError(f"{file}, line {begin}, begins a run without an evaluation; the file may be cut short")
+    places, counts, values = zip(*rows, strict=True)
     try:
         evaluations, best = np.array(counts).astype(np.float64), np.array(values).astype(np.float64)
     except ValueError:
-        for number, *cells in zip(places, counts, values, strict=True):
+        for number, *cells in rows:
             if not all(map(_is_number, cells)):
                 raise BenchError(f"{file}, line {number}, has {shown(' … '.join(cells))}, no numbers") from None
         raise

@@ -49,8 +49,14 @@ def require_class(name: str, kind: str = "optimizer") -> None:
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
-    """Return the optimizer of that file with these parameters; raises BenchError as :func:`load`, or for them."""
-    return build(load(name), name, options)
+    """Return the optimizer of that file with these parameters; a plain function becomes one.
+
+    Raises:
+        BenchError: where the file is missing or fails to run, or holds no such class or function, and for options that
+            are no parameters or out of range.
+    """
+    path, _, attribute = name.rpartition(":")
+    return build(_optimizer(name, attribute, Path(path).resolve(), fingerprint(name)), name, options)
 
 
 def load_problem(name: str, /, **options: Any) -> Problem:
@@ -61,8 +67,8 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
     """
-    path, attribute = _parts(name)
-    digest = fingerprint(name, "problem")
+    file, _, attribute = name.rpartition(":")
+    path, digest = Path(file), fingerprint(name, "problem")
     module = _module(path.resolve(), digest, "problem")
     if attribute not in vars(module):
         names = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
@@ -80,20 +86,9 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     return problem
 
 
-def load(name: str) -> type[Optimizer]:
-    """Return the optimizer class of that file; a plain function becomes one.
-
-    Raises:
-        BenchError: where the file is missing or fails to run, or holds no such class or function.
-    """
-    path, attribute = _parts(name)
-    return _optimizer(name, attribute, path.resolve(), fingerprint(name))
-
-
 def fingerprint(name: str, kind: str = "optimizer") -> str:
     """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
-    path, _ = _parts(name)
-    return hashlib.sha256(_content(path, kind)).hexdigest()[:16]
+    return hashlib.sha256(_content(Path(name.rpartition(":")[0]), kind)).hexdigest()[:16]
 
 
 def _content(path: Path, kind: str) -> bytes:
@@ -101,13 +96,6 @@ def _content(path: Path, kind: str) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
-
-
-def _parts(name: str) -> tuple[Path, str]:
-    parts = split(name)
-    if parts is None:
-        raise BenchError(f"{name!r} is not of the form path/to/file.py:ClassName")
-    return parts
 
 
 @cache
