@@ -93,8 +93,6 @@ class Run:
 
 def improvements(evaluations: NDArray[np.int64], values: Floats) -> Trace:
     """Return the improvements among the values of a run, in order of evaluations; infinite values are none."""
-    if not len(values):
-        return Trace(evaluations, values)
     best = np.minimum.accumulate(values)
     new = best < np.append(np.inf, best[:-1])
     return Trace(evaluations[new], best[new])

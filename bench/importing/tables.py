@@ -60,9 +60,8 @@ def _plain(source: Source, file: PurePosixPath) -> Iterator[Run]:
     table = _table(source, file)
     for key, rows in table.groupby(KEYS, sort=False):
         problem, optimizer, number = cast("tuple[str, str, int]", key)
-        evaluations = rows["evaluations"].to_numpy(dtype=np.int64)
-        trace = _trace(rows, file)
-        yield Run(problem, optimizer, naming.dimension_of(problem), int(evaluations[-1]), trace, int(number))
+        nfev = int(rows["evaluations"].iloc[-1])
+        yield Run(problem, optimizer, naming.dimension_of(problem), nfev, _trace(rows, file), int(number))
 
 
 def _trace(rows: pd.DataFrame, file: PurePosixPath) -> Trace:

@@ -76,12 +76,8 @@ def write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise BenchError(f"{folder} is there already and not empty; give another -o")
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BenchError(f"{folder} cannot be written: {error.strerror or error}") from error
     with replacing(folder) as temporary:
-        temporary.mkdir()
+        temporary.mkdir(parents=True)
         target = Folder(temporary)
         target.claim(study)
         with target.store.writer() as writer:

@@ -70,9 +70,9 @@ def pack(
         raise BenchError(f"{target} is another file than an archive; give another --output")
     folder.checks(), folder.noted(VERIFICATION)  # raise where a note is damaged
     reported = report_files(folder.path)
-    try:
+    with replacing(target) as temporary:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".pack-") as place, replacing(target) as temporary:
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".pack-") as place:
             copy = _copied(folder, Path(place))
             sources = {name: folder.path / name for name in [STUDY, *NOTES, *reported] if (folder.path / name).exists()}
             sources |= {name: copy.path / name for name in (TRIALS, ENVIRONMENT)}
@@ -91,8 +91,6 @@ def pack(
                 files.append(_add(archive, CRATE, copy.path / CRATE))
                 (copy.path / SUMS).write_bytes("".join(f"{file.sha256}  {file.name}\n" for file in files).encode())
                 _add(archive, SUMS, copy.path / SUMS)
-    except OSError as error:
-        raise BenchError(f"{target} cannot be written: {error.strerror or error}") from error
     notes = _notes(folder, study, trials, reported=bool(reported), licence=licence)
     return Packed(target, len(files) + 1, trials, tuple(notes))
 
