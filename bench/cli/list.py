@@ -7,7 +7,6 @@ import inspect
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from itertools import chain
 from typing import Annotated, Any
 
 import typer
@@ -89,9 +88,8 @@ def _matching(text: str, kind: str, family: str) -> list[dict[str, Any]]:
     suites = [family] if family else list(registry.entries("problems"))
     searched: list[dict[str, Any]] = []
     for group in KINDS if kind == "all" else (kind,):
-        searched += (
-            chain.from_iterable(map(_problem_records, suites)) if group == "problems" else records(group, family)
-        )
+        for part in suites if group == "problems" else [family]:
+            searched += records(group, part)
     matching = [record for record in searched if text.lower() in " ".join(_words(record)).lower()]
     if not matching:
         raise BenchError(f"no plug-in has {text!r} in its name or description")
@@ -125,8 +123,11 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
     """Print the plug-ins of one kind or of all, or of one family; one that fails to load by its error."""
     if family and kind == "problems":
         console.print(_problems(family), "")
-        if missing := _why_not(family):
-            console.print(Text(missing, style="red"))
+        try:  # to load one, which may need an extra
+            if grid := registry.grid(family):
+                registry.load(kind, family).load(next(grid.names(instances=[1])))
+        except BenchError as error:
+            console.print(Text(str(error), style="red"))
         return
     if kind == "all":
         for group in KINDS:
@@ -178,16 +179,6 @@ def _problems(family: str) -> Table:
         dimensions = ", ".join(map(str, record["dimensions"]))
         table.add_row(record["function"], *title, dimensions, *number, Text(record["name"]))
     return table
-
-
-def _why_not(family: str) -> str:
-    """Return why the problems of a suite cannot be loaded, such as for want of an extra; "" where they can be."""
-    try:
-        if grid := registry.grid(family):
-            registry.load("problems", family).load(next(grid.names(instances=[1])))
-    except BenchError as error:
-        return str(error)
-    return ""
 
 
 def records(kind: str, family: str = "") -> list[dict[str, Any]]:
