@@ -141,8 +141,7 @@ class Study:
             raise BenchError(
                 f"study {where}: the title has {len(study.title):,} characters, more than {LONGEST_TITLE:,}"
             )
-        entries.refuse_duplicates(study.with_controls, "optimizers and controls", where)
-        study._require_apart(f"study {where}")
+        study._check_entries(where)
         study.check_looks(f"study {where}: ")
         return study
 
@@ -201,13 +200,14 @@ class Study:
             both[key] = (*getattr(self, key), *added)
             entries.refuse_duplicates(both[key], key, repr(self.name))
         study = dataclasses.replace(self, **both)
-        entries.refuse_duplicates(study.with_controls, "optimizers and controls", repr(self.name))
-        study._require_apart(f"study {self.name!r}")
+        study._check_entries(repr(self.name))
         return study
 
-    def _require_apart(self, where: str) -> None:
+    def _check_entries(self, where: str) -> None:
+        """Raise BenchError for an optimizer and a control of one label, and for a problem that was trained on."""
+        entries.refuse_duplicates(self.with_controls, "optimizers and controls", where)
         if self.tuning is not None:
-            self.tuning.require_apart((entry.name for entry in self.problems), where)
+            self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
