@@ -292,27 +292,27 @@ def minus_infinity(problem: Problem) -> ValueError:
     return ValueError(f"problem {problem.name!r} returned -inf; a value must be finite or +inf")
 
 
-def _take(x: Floats, box: Floats, given: Floats) -> int:
-    """Copy the (d,) point to the last row of the (3, d) box and to ``given``, (1, d); return where it is."""
+def _take(x: Floats, box: Floats, batch: Floats) -> int:
+    """Copy the (d,) point to the last row of the (3, d) box and to ``batch``, (1, d); return where it is."""
     if len(x) != box.shape[1]:
         return _MISFIT
     inside = True
     for i in range(len(x)):
         value = x[i]
         box[2, i] = value
-        given[0, i] = value
+        batch[0, i] = value
         inside &= (value >= box[0, i]) & (value <= box[1, i])  # NaN is not
     return _INSIDE if inside else _OUTSIDE
 
 
 def _scan(
-    points: Floats, found: Floats, box: Floats, best: float, values: Floats, improved: NDArray[np.int64]
+    points: Floats, returned: Floats, box: Floats, best: float, values: Floats, improved: NDArray[np.int64]
 ) -> tuple[int, int]:
     """Write what the points are worth to ``values`` and the rows of the improvements on ``best`` to ``improved``.
 
     Args:
         points: (n, d).
-        found: (n,) what the problem returned for them.
+        returned: (n,) what the problem returned for them.
         box: (3, d), its lower and upper ends first.
         best: the best value before.
         values: (n,).
@@ -322,8 +322,8 @@ def _scan(
         The numbers of improvements and of points outside the box; _ILLEGAL and 0 where a value is -inf.
     """
     improvements = outside = 0
-    for row in range(len(found)):
-        value = found[row]
+    for row in range(len(returned)):
+        value = returned[row]
         if value == -np.inf:
             return _ILLEGAL, 0
         inside = True

@@ -95,9 +95,9 @@ def summary(folder: Folder) -> Group:
     }
     table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
     for entry in study.with_controls:
-        reached = [cell for cell in cells if cell.optimizer == entry.label]
-        done, lost = sum(cell.done for cell in reached), sum(cell.failed for cell in reached)
-        seconds = sum(cell.wall_s for cell in reached)  # 0 of imported trials, whose times are unknown
+        its_cells = [cell for cell in cells if cell.optimizer == entry.label]
+        done, lost = sum(cell.done for cell in its_cells), sum(cell.failed for cell in its_cells)
+        seconds = sum(cell.wall_s for cell in its_cells)  # 0 of imported trials, whose times are unknown
         mean = f"{seconds / done:.3g}" if done and seconds else ""
         planned = sum(trials for (_, label), trials in most.items() if label == entry.label)
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)

@@ -221,8 +221,8 @@ def problem_of(
         shifted = "bbob"
     if shifted is None or isinstance(function, str):
         return naming.problem_name(named or name, function, dimension, instance, name), 0.0
-    for lookup in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
-        optimum = naming.known(naming.problem_name("bbob", function, lookup, instance)).optimum
+    for tried in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
+        optimum = naming.known(naming.problem_name("bbob", function, tried, instance)).optimum
         if optimum is not None:
             return naming.problem_name(shifted, function, dimension, instance), optimum
     raise BenchError(

@@ -55,9 +55,11 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
         read = partial(logged, source, file, FIRST, index=named[log][0][0].index, number=len(entries))
         blocks = read(VALUE)
         shifted = read(SHIFTED) if SHIFTED in source.text(file).partition("\n")[0] else blocks
-        for position, ((data, entry), block, moved) in enumerate(zip(entries, blocks, shifted, strict=True), start=1):
+        for position, ((data, entry), block, shifted_block) in enumerate(
+            zip(entries, blocks, shifted, strict=True), start=1
+        ):
             where = f"{file}, run {position},"
-            yield _run(data, names[data.index.parent, data.algorithm], entry, block, moved, where)
+            yield _run(data, names[data.index.parent, data.algorithm], entry, block, shifted_block, where)
 
     yield from reading.each(named, runs_of)
 

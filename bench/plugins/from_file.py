@@ -101,13 +101,13 @@ def _content(path: Path, kind: str) -> bytes:
 @cache
 def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[Optimizer]:
     module = _module(path, fingerprint)
-    thing = vars(module).get(attribute)
-    if isinstance(thing, type) and issubclass(thing, Optimizer):
-        if not is_frozen(thing):
-            return thing  # build() refuses it
-        return derive(thing, name, {}, load_optimizer, __doc__=thing.__doc__, fingerprint=fingerprint)
-    if inspect.isfunction(thing):
-        return _of_function(thing, name, fingerprint)
+    plugin = vars(module).get(attribute)
+    if isinstance(plugin, type) and issubclass(plugin, Optimizer):
+        if not is_frozen(plugin):
+            return plugin  # build() refuses it
+        return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__, fingerprint=fingerprint)
+    if inspect.isfunction(plugin):
+        return _of_function(plugin, name, fingerprint)
     if attribute in vars(module):
         raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
     names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
