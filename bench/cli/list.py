@@ -193,9 +193,14 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
 
     if family and kind == "problems":
         return _problem_records(family)
-    if kind in KINDS and kind != "optimizers":
-        return [_plain_record(kind, name) for name in sorted(registry.entries(kind))]
     entries: list[dict[str, Any]] = []
+    if kind in KINDS and kind != "optimizers":
+        for name in sorted(registry.entries(kind)):
+            about, style = _describe(_about, kind, name, False)
+            entries.append(
+                {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
+            )
+        return entries
     for name in [family] if family else registry.entries("optimizers"):
         try:
             plugin = registry.load("optimizers", name)
@@ -229,12 +234,6 @@ def _problem_records(family: str) -> list[dict[str, Any]]:
         }
         for function, dimensions in grid.functions.items()
     ]  # fmt: skip
-
-
-def _plain_record(kind: str, name: str) -> dict[str, Any]:
-    """Return the record of a plug-in that is no optimizer."""
-    about, style = _describe(_about, kind, name, False)
-    return {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
 
 
 def _shared_lines_first(rows: list[Row], name: str) -> list[Row]:

@@ -83,9 +83,10 @@ def pack(
             trials = sum(cell.done + cell.failed for cell in copy.store.cells())
             with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
                 files = [_add(archive, name, sources[name]) for name in sorted(sources)]
+                frozen = datetime.fromtimestamp((folder.path / STUDY).stat().st_mtime, UTC)
                 crate = describe(
-                    study, files, copy.environments(), trials=trials, fallback_date=_date(folder.path / STUDY),
-                    licence=licence, authors=authors,
+                    study, files, copy.environments(), trials=trials, licence=licence, authors=authors,
+                    fallback_date=frozen.isoformat(timespec="seconds"),
                 )  # fmt: skip
                 (copy.path / CRATE).write_bytes(json.dumps(crate, indent=1, ensure_ascii=False).encode())
                 files.append(_add(archive, CRATE, copy.path / CRATE))
@@ -121,10 +122,6 @@ def _add(archive: zipfile.ZipFile, name: str, source: Path) -> PackedFile:
             size += len(block)
             packed.write(block)
     return PackedFile(name, size, digest.hexdigest())
-
-
-def _date(file: Path) -> str:
-    return datetime.fromtimestamp(file.stat().st_mtime, UTC).isoformat(timespec="seconds")
 
 
 def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence: str) -> Iterator[str]:

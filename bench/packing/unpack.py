@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
 from zlib import error as ZlibError  # noqa: N812 - zlib calls it error
 
 from bench.errors import BenchError
@@ -196,7 +195,8 @@ def _checked(temporary: Path, source: Path) -> tuple[int, str]:
         health = folder.store.check(structure=True)
         cells = folder.store.cells()
     except BenchError as error:
-        raise BenchError(f"{source}: {_local(error, temporary)}") from error
+        sentence = str(error).replace(f"{temporary.resolve()}/", "").replace(f"{temporary}/", "")
+        raise BenchError(f"{source}: {sentence}") from error
     if not health.sound:
         raise BenchError(f"{source}: {health.sentence}")
     problems, optimizers = ({entry.label for entry in part} for part in (study.problems, study.with_controls))
@@ -205,11 +205,6 @@ def _checked(temporary: Path, source: Path) -> tuple[int, str]:
         raise BenchError(f"{source}: it holds trials of {where}, which its study does not name")
     folder.note_store(health)
     return health.trials, health.sentence
-
-
-def _local(error: Any, temporary: Path) -> str:
-    """Return a message with paths relative to the archive."""
-    return str(error).replace(f"{temporary.resolve()}/", "").replace(f"{temporary}/", "")
 
 
 def _said(error: Exception) -> str:
