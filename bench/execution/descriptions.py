@@ -94,7 +94,7 @@ def _here(study: Study) -> Descriptions:
     """Return the descriptions of the optimizers that come with the harness, and empty ones of the others."""
     built_in = [entry.label for entry in study.with_controls if loading.is_built_in(entry.name)]
     found = {entry.label: Description() for entry in study.with_controls}
-    return found | read(trial_process.descriptions_of(study, built_in), built_in)
+    return found | read(trial_process.descriptions(study, built_in), built_in)
 
 
 def value_of(text: str) -> Any:

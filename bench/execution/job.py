@@ -97,12 +97,10 @@ class Job:
             ready = _Ready(self._with_optimizer(problems, optimizer).branch())
         if problem not in ready.problems:
             ready.problems.add(problem)
-            box = self._boxes[problem]
-            what: tuple[Any, ...] = (trial_process.warm_up, problem, optimizer)
-            if self._strict and isinstance(box, Box):
-                what = (trial_process.warm_up_strictly, optimizer, box.lower.tolist(), box.upper.tolist())
+            box = self._boxes[problem] if self._strict else None
+            limits = self._loading | {"silence": self._silence, "printed": PRINTED}
             try:
-                if ready.server.call(*what, **self._loading, silence=self._silence, printed=PRINTED):
+                if ready.server.call(trial_process.warm_up, problem, optimizer, box, **limits):
                     ready.end_process()  # it must be as warm as others
             except FAILURES:  # the trials will fail with the reason
                 ready.end_process()
@@ -133,27 +131,29 @@ class Job:
     def make_strictly(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
-        Return what the other process answers, with the processor seconds of the optimizer's, and the seconds it took.
+        Return what the other process answers, with the processor seconds of the optimizer's and the reason to stop that
+        it declared, and the seconds it took.
         """
         problems = self._with_problem(trial.problem)
         box = self._boxes[trial.problem]
-        assert isinstance(box, Box)
-        bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
         with problems.process() as server, ready.server.process() as process:
             one, other = socket.socketpair()
             with one, other:
                 server.start(trial_process.serve, trial, self._core, files=[one.fileno()])
-                process.start(trial_process.make_strictly, trial, self._core, *bounds, files=[other.fileno()])
+                process.start(trial_process.make, trial, self._core, box, files=[other.fileno()])
             began = monotonic()
             limits: dict[str, Any] = {"seconds": self._timeout, "memory": self._memory}
             answer = process.finish(**limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
             process.close()  # before the server is asked, as a thread may go on
-            if isinstance(answer, dict) and "error" in answer:
+            if not isinstance(answer, dict) or "error" in answer:
                 return answer, took
             kept = server.finish(seconds=LOADING + took, memory=self._memory)
-            cpu = answer.get("cpu_s") if isinstance(answer, dict) else None
-            return (kept | {"cpu_s": cpu} if isinstance(kept, dict) else kept), took
+            if isinstance(kept, dict):
+                kept["cpu_s"] = answer.get("cpu_s")
+                if kept.get("stop") != "budget":
+                    kept["stop"] = answer.get("stop")
+            return kept, took
 
     def evaluate(self, problem: str, point: list[float], seconds: float, *, anew: bool = False) -> Any:
         """Return the value and the metrics of a point of a problem, from a process in which no optimizer runs.

@@ -119,8 +119,7 @@ def _checked(first: ForkServer, study: Study) -> Checked:
         described = {entry.label: Description() for entry in study.with_controls}
         for package, labels in study.packages().items():
             with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
-                packages[package].ensure(trial_process.begin, study, seconds=DESCRIBING)
-                answer = packages[package].call(trial_process.descriptions, labels, seconds=DESCRIBING)
+                answer = packages[package].call(trial_process.descriptions, study, labels, seconds=DESCRIBING)
                 described |= read(answer, labels)
         return described
 
