@@ -20,8 +20,9 @@ from uuid import uuid4
 
 from bench.errors import BenchError, require
 from bench.execution.dask_worker import LOOK, end, work
-from bench.execution.pool import Answer, OnBegin, WorkerDiedError, ignore
-from bench.execution.supervisor import KilledError, Task
+from bench.execution.job import Task
+from bench.execution.local import Answer, OnBegin
+from bench.execution.supervisor import KilledError, WorkerDiedError
 from bench.storage import provenance
 from bench.trial import Trial
 
@@ -63,7 +64,7 @@ def cluster(scheduler: str) -> Iterator[Cluster]:
 
 
 class Cluster:
-    """The workers of a cluster (a :class:`bench.execution.pool.Pool`), which had ``jobs`` threads at the start."""
+    """The workers of a cluster, used as :class:`bench.execution.local.Local` is; they began with ``jobs`` threads."""
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
         self._client, self._scheduler, self.jobs = client, scheduler, jobs
@@ -72,9 +73,9 @@ class Cluster:
         self._next_look = 0.0
 
     def answers(
-        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin = ignore
+        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
     ) -> Iterator[Answer]:
-        """Yield answers; see :meth:`bench.execution.pool.Pool.answers`.
+        """Yield answers; see :meth:`bench.execution.local.Local.answers`.
 
         A lost worker costs only time: dask begins its batches again elsewhere. When dask gives a batch up, having lost
         several workers with it, all missing trials are submitted again.

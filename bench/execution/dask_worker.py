@@ -9,7 +9,8 @@ from threading import Lock, Thread
 from time import monotonic, sleep
 
 from bench.errors import BenchError
-from bench.execution.supervisor import Supervisor, Task, check
+from bench.execution.job import Task
+from bench.execution.supervisor import Supervisor, check
 from bench.storage import provenance
 from bench.trial import Row, Trial
 

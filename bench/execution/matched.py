@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from bench.execution.descriptions import Description, Values, value_of
-from bench.execution.supervisor import Task, check
+from bench.execution.job import Task
+from bench.execution.supervisor import check
 from bench.helpers.text import free
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study

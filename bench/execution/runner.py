@@ -13,10 +13,11 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.job import Task
+from bench.execution.local import Answer
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
-from bench.execution.pool import Answer
-from bench.execution.supervisor import Checked, Task, check
+from bench.execution.supervisor import Checked, check
 from bench.numbers import require_jobs, require_positive
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance

@@ -7,14 +7,14 @@ import signal
 import threading
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.descriptions import Description, Descriptions, accepting, read
-from bench.execution.job import LOADING, PRINTED, Job, root
+from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
 from bench.plugins import from_file
 from bench.sandbox.forks import ForkServer
@@ -41,19 +41,6 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 
 
 @dataclass(frozen=True)
-class Task:
-    """What every trial of a run has in common."""
-
-    study: Study  # as frozen in its folder; processes load its plug-ins by name
-    timeout: float | None = None  # wall seconds that a trial may take
-    memory: int | None = None  # bytes that a trial's process may hold
-    hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
-    strict: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
-    sandbox: str | None = None  # in which all processes run
-    package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
-
-
-@dataclass(frozen=True)
 class Checked:
     """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers."""
 
@@ -64,6 +51,10 @@ class Checked:
 
 class KilledError(RuntimeError):
     """The supervisor was ended by another thread."""
+
+
+class WorkerDiedError(RuntimeError):
+    """Workers were killed several times in a row, or their scheduler was lost; every finished trial is kept."""
 
 
 def check(task: Task) -> Checked:
@@ -78,7 +69,7 @@ def check(task: Task) -> Checked:
     doing = "loading the study's problems and optimizers"
     for left in reversed(range(CHECKS)):
         try:
-            with root(task.study, task.sandbox, hash_seed=task.hash_seed) as server:
+            with root(task) as server:
                 return _checked(server, task.study)
         except BenchError:
             raise
@@ -201,10 +192,7 @@ class Supervisor:
             if self._killed:
                 raise KilledError
             if self._job is None:
-                task = self._task
-                self._job = Job(
-                    task.study, task.hash_seed, task.timeout, task.memory, strictly=task.strict, sandbox=task.sandbox
-                )
+                self._job = Job(self._task)
             return self._job
 
     def _made(self, trial: Trial, job: Job) -> Row:

@@ -11,8 +11,8 @@ from joblib import cpu_count
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.job import Task
 from bench.execution.runner import prepare
-from bench.execution.supervisor import Task
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
 from bench.storage import provenance
