@@ -139,10 +139,10 @@ class Job:
         problems = self._with_problem(trial.problem)
         box = self._boxes[trial.problem]
         with problems.process() as server, ready.server.process() as process:
-            one, other = socket.socketpair()
-            with one, other:
-                server.start(trial_process.serve, trial, self._core, files=[one.fileno()])
-                process.start(trial_process.make, trial, self._core, box, files=[other.fileno()])
+            server_end, optimizer_end = socket.socketpair()
+            with server_end, optimizer_end:
+                server.start(trial_process.serve, trial, self._core, files=[server_end.fileno()])
+                process.start(trial_process.make, trial, self._core, box, files=[optimizer_end.fileno()])
             began = monotonic()
             answer = process.finish(**self._limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
@@ -189,8 +189,8 @@ class Job:
         return self._problems[problem]
 
     def _load_problem(self, label: str, server: ForkServer) -> None:
-        found = server.call(trial_process.load_problem, label, **self._loading)
-        self._boxes[label] = printable(found, 4000) if isinstance(found, str) else Box.of(found)
+        described = server.call(trial_process.load_problem, label, **self._loading)
+        self._boxes[label] = printable(described, 4000) if isinstance(described, str) else Box.of(described)
         self._problems[label] = server
 
     def _with_optimizer(self, problems: ForkServer, optimizer: str) -> ForkServer:

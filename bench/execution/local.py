@@ -59,7 +59,7 @@ class Local:
                 made.put(error)
             made.put(None)
 
-        threads = _side_by_side(delayed(supervise)(*each) for each in enumerate(supervisors))
+        threads = _side_by_side(delayed(supervise)(*job) for job in enumerate(supervisors))
         try:
             for _ in supervisors:
                 while (answer := made.get()) is not None:
@@ -67,8 +67,8 @@ class Local:
                         raise answer
                     yield *answer, machine
         finally:
-            for each in supervisors:
-                each.kill()
+            for supervisor in supervisors:
+                supervisor.kill()
             list(threads)
 
 

@@ -194,7 +194,7 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Pla
 
     Its notes describe the store's damage, and what changed in the environment since the last run.
     """
-    notes = [each for each in (damage, study.tuning.doubt if study.tuning else "") if each]
+    notes = [note for note in (damage, study.tuning.doubt if study.tuning else "") if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "

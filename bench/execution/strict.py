@@ -114,7 +114,7 @@ def hide_problems() -> None:
 
     def refuse(event: str, arguments: tuple[object, ...]) -> None:  # no code in Python can undo it
         name = str(arguments[0]) if event == "import" else ""
-        if any(name == each or name.startswith(f"{each}.") for each in hidden):
+        if any(name == module or name.startswith(f"{module}.") for module in hidden):
             raise ImportError(f"{name} is hidden from the optimizers of strict trials")
 
     sys.addaudithook(refuse)
@@ -128,16 +128,16 @@ def problem_files() -> Iterator[Path]:
         if spec is None or spec.origin is None:
             continue
         path = Path(spec.origin).parent.joinpath(*parts) if spec.submodule_search_locations else Path(spec.origin)
-        yield from (each for each in path.iterdir() if each.name != "__init__.py") if path.is_dir() else [path]
+        yield from (file for file in path.iterdir() if file.name != "__init__.py") if path.is_dir() else [path]
 
 
 def _problem_modules() -> set[str]:
     """Return the outermost packages that hold installed problems and no installed optimizer."""
     optimizers = [entry.module for entry in registry.entries("optimizers").values()]
-    found = set()
+    outermost = set()
     for entry in registry.entries("problems").values():
         parts = entry.module.split(".")
         names = [".".join(parts[: depth + 1]) for depth in range(len(parts))]
-        free = [name for name in names if not any(f"{each}.".startswith(f"{name}.") for each in optimizers)]
-        found.update(free[:1])
-    return found
+        free = [name for name in names if not any(f"{module}.".startswith(f"{name}.") for module in optimizers)]
+        outermost.update(free[:1])
+    return outermost

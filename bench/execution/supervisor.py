@@ -90,21 +90,21 @@ def _checked(first: ForkServer, study: Study) -> Checked:
     """Return what forks of a process find; raises what they raise, or whatever a strange answer leads to."""
 
     def ask(server: ForkServer, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
-        found = server.call(*call, seconds=LOADING)
-        if "error" in found:
-            raise BenchError(printable(str(found["error"]), 4000))
-        return {label: str(found["hashes"][label]) for label in labels if label in found["hashes"]}, found
+        answer = server.call(*call, seconds=LOADING)
+        if "error" in answer:
+            raise BenchError(printable(str(answer["error"]), 4000))
+        return {label: str(answer["hashes"][label]) for label in labels if label in answer["hashes"]}, answer
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     problems.call(trial_process.begin, study, seconds=LOADING)
-    data, found = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
+    data, answer = ask(problems, [entry.label for entry in study.problems], trial_process.check_problems)
     code: dict[str, str] = {}
-    machine, least = dict(found["machine"]), int(found["least"])
+    machine, least = dict(answer["machine"]), int(answer["least"])
     packages: dict[str, ForkServer] = {}
     for package, labels in study.packages().items():
         packages[package] = problems.branch()
-        hashes, found = ask(packages[package], labels, trial_process.check_optimizers, labels, least)
-        code, machine = code | hashes, provenance.united(machine, dict(found["machine"]))
+        hashes, answer = ask(packages[package], labels, trial_process.check_optimizers, labels, least)
+        code, machine = code | hashes, provenance.united(machine, dict(answer["machine"]))
 
     def describe(study: Study) -> Descriptions:
         described = {entry.label: Description() for entry in study.with_controls}
@@ -114,7 +114,8 @@ def _checked(first: ForkServer, study: Study) -> Checked:
                 described |= read(answer, labels)
         return described
 
-    named = {each.label: from_file.fingerprint(each.name) for each in study.with_controls if from_file.split(each.name)}
+    files = [entry for entry in study.with_controls if from_file.split(entry.name)]
+    named = {entry.label: from_file.fingerprint(entry.name) for entry in files}
     return Checked(Fingerprints(data, code | named), json.dumps(machine), accepting(study, describe))
 
 
@@ -207,20 +208,20 @@ class Supervisor:
         answer, seconds = make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        found = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
+        claimed = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
         if self._task.strict:  # another process has kept account
             metrics = answers.metrics(answer)
         else:
             self._doing = "while its best point was evaluated again"
-            metrics = self._confirmed(found, trial.problem, box, seconds, job)
-        return as_row(replace(found, metrics=metrics), box.variables)
+            metrics = self._confirmed(claimed, trial.problem, box, seconds, job)
+        return as_row(replace(claimed, metrics=metrics), box.variables)
 
-    def _confirmed(self, found: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
+    def _confirmed(self, claimed: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
         """Return the metrics of a claimed result whose best point has that value, by a new evaluator if need be."""
-        point = found.x.tolist()
+        point = claimed.x.tolist()
         with suppress(*FAILURES, RefusedError):
-            return answers.confirm(found, box, job.evaluate(problem, point, seconds))
-        return answers.confirm(found, box, job.evaluate(problem, point, seconds, anew=True))
+            return answers.confirm(claimed, box, job.evaluate(problem, point, seconds))
+        return answers.confirm(claimed, box, job.evaluate(problem, point, seconds, anew=True))
 
 
 def _why_it_ended(error: DiedError) -> str:

@@ -54,7 +54,7 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, least = study.data(_problem)
-        modules = provenance.modules([_problem(each.label).unscored for each in study.problems])
+        modules = provenance.modules([_problem(entry.label).unscored for entry in study.problems])
         return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -100,7 +100,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
     """
     try:
         problem = _problem(label)
-        found = {
+        described = {
             "variables": [str(name) for name in problem.variables],
             "lower": [float(value) for value in problem.lower],
             "upper": [float(value) for value in problem.upper],
@@ -115,7 +115,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
             problem.describe(problem.repair(problem.lower[np.newaxis])[0])
             problem.evaluate(problem.lower[np.newaxis])
     _settle()
-    return found
+    return described
 
 
 def load_optimizer(label: str) -> None:
@@ -167,8 +167,9 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
         else:
             _stay_on(core)
             problem = closing(strict.RemoteProblem(end, box.lower, box.upper, box.integer))
-        with effects, problem as given:
-            answer = as_answer(search(given, optimizer, study.evaluations(given.dimension), trial.seed, end_if_stuck))
+        with effects, problem as minimized:
+            budget = study.evaluations(minimized.dimension)
+            answer = as_answer(search(minimized, optimizer, budget, trial.seed, end_if_stuck))
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
         reason = _failure(error)
@@ -183,8 +184,8 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     _stay_on(core)
     problem = _problem(trial.problem)
     objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
-    found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
-    return as_answer(found) | {"metrics": numbers(found.metrics)}
+    kept = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
+    return as_answer(kept) | {"metrics": numbers(kept.metrics)}
 
 
 def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
@@ -274,27 +275,13 @@ _warm: set[tuple[type, str]] = set()  # kinds of problems with the optimizer, ""
 def _noting() -> Iterator[None]:
     """Note every import of a module and every step of a compilation by numba, as signs of life."""
     finder: Any = SimpleNamespace(find_spec=lambda *_: note(None))  # finds no module, but is asked for each
+    listener = SimpleNamespace(notify=lambda _: note(None))
+    events = sys.modules.get("numba.core.event")
+    listening = nullcontext() if events is None else events.install_listener("numba:run_pass", listener)
     sys.meta_path.insert(0, finder)
     try:
-        with _noting_compilations():
+        with listening:
             yield
     finally:
         with contextlib.suppress(ValueError):
             sys.meta_path.remove(finder)
-
-
-@contextlib.contextmanager
-def _noting_compilations() -> Iterator[None]:
-    if "numba" not in sys.modules:
-        yield
-        return
-    from numba.core import event
-
-    class Listener(event.Listener):  # type: ignore[misc]
-        def on_start(self, event: Any) -> None:  # noqa: ARG002
-            note(None)
-
-        on_end = on_start
-
-    with event.install_listener("numba:run_pass", Listener()):
-        yield

@@ -72,10 +72,11 @@ def find(sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Pa
             "--sandbox bwrap needs bubblewrap, which is not installed here; install it (on Debian: apt install "
             "bubblewrap), or run without a sandbox"
         )
-    found = Sandbox((program, *_words([*shown, *_installed()], [*hidden])))
-    if reason := _refusal(found, "true"):
+    sandboxed = Sandbox((program, *_words([*shown, *_installed()], [*hidden])))
+    if reason := _refusal(sandboxed, "true"):
         raise BenchError(f"the sandbox cannot be used here: {reason}")
-    return replace(found, nests=not _refusal(found, sys.executable, "-ISc", Path(namespaces.__file__).read_text()))
+    script = Path(namespaces.__file__).read_text()
+    return replace(sandboxed, nests=not _refusal(sandboxed, sys.executable, "-ISc", script))
 
 
 def _refusal(sandbox: Sandbox, *command: str) -> str:
@@ -101,7 +102,7 @@ def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
             yield from ("--ro-bind-try", str(path), str(path))
     for path in hidden:
         yield from ("--tmpfs", str(path)) if path.is_dir() else ("--ro-bind", "/dev/null", str(path))
-    for folder in (*HIDDEN, "/dev", *(str(each) for each in hidden if each.is_dir())):
+    for folder in (*HIDDEN, "/dev", *(str(path) for path in hidden if path.is_dir())):
         yield from ("--remount-ro", folder)
     caches = {"NUMBA_CACHE_DIR": "numba", "MPLCONFIGDIR": "matplotlib"}
     for name, folder in ({"TMPDIR": ""} | caches).items():
@@ -110,7 +111,7 @@ def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
 
 def _installed() -> set[Path]:
     """Return the folders that Python and its packages are imported from, and the working folder."""
-    return {Path(each).resolve() for each in (sys.prefix, sys.base_prefix, *sys.path) if each} | {Path.cwd()}
+    return {Path(folder).resolve() for folder in (sys.prefix, sys.base_prefix, *sys.path) if folder} | {Path.cwd()}
 
 
 def _filter() -> bytes:
@@ -120,10 +121,10 @@ def _filter() -> bytes:
     programs outside answer through the file system; pairs of sockets remain. The form is that of seccomp(2): each
     instruction is an operation, two jumps and a number. On a processor not known here, nothing is refused.
     """
-    known = _CALLS.get(platform.machine())
-    if known is None:
+    calls = _CALLS.get(platform.machine())
+    if calls is None:
         return struct.pack("<HBBI", _RETURN, 0, 0, _ALLOW)
-    architecture, keys, socket = known
+    architecture, keys, socket = calls
     program = [
         (_LOAD, 0, 0, 4), (_EQUAL, 1, 0, architecture), (_RETURN, 0, 0, _REFUSE),
         (_LOAD, 0, 0, 0), (_AT_LEAST, 0, 1, 1 << 30), (_RETURN, 0, 0, _REFUSE),  # other tables of calls
@@ -134,7 +135,7 @@ def _filter() -> bytes:
         (_EQUAL, 0, 3, socket), (_LOAD, 0, 0, 16), (_EQUAL, 0, 1, _AF_UNIX), (_RETURN, 0, 0, _REFUSE),
         (_RETURN, 0, 0, _ALLOW),
     ]  # fmt: skip
-    return b"".join(struct.pack("<HBBI", *each) for each in program)
+    return b"".join(struct.pack("<HBBI", *instruction) for instruction in program)
 
 
 _LOAD, _EQUAL, _AT_LEAST, _RETURN = 0x20, 0x15, 0x35, 0x06  # linux/bpf_common.h
