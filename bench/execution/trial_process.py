@@ -275,13 +275,27 @@ _warm: set[tuple[type, str]] = set()  # kinds of problems with the optimizer, ""
 def _noting() -> Iterator[None]:
     """Note every import of a module and every step of a compilation by numba, as signs of life."""
     finder: Any = SimpleNamespace(find_spec=lambda *_: note(None))  # finds no module, but is asked for each
-    listener = SimpleNamespace(notify=lambda _: note(None))
-    events = sys.modules.get("numba.core.event")
-    listening = nullcontext() if events is None else events.install_listener("numba:run_pass", listener)
     sys.meta_path.insert(0, finder)
     try:
-        with listening:
+        with _noting_compilations():
             yield
     finally:
         with contextlib.suppress(ValueError):
             sys.meta_path.remove(finder)
+
+
+@contextlib.contextmanager
+def _noting_compilations() -> Iterator[None]:
+    if "numba" not in sys.modules:
+        yield
+        return
+    from numba.core import event
+
+    class Listener(event.Listener):  # type: ignore[misc]
+        def on_start(self, event: Any) -> None:  # noqa: ARG002
+            note(None)
+
+        on_end = on_start
+
+    with event.install_listener("numba:run_pass", Listener()):
+        yield
