@@ -19,6 +19,7 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from itertools import count
 from pathlib import Path
 from time import monotonic
@@ -27,7 +28,7 @@ from typing import Any
 from bench.execution import strict, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.helpers.text import printable
-from bench.plugins import from_file, loading
+from bench.plugins import from_file, loading, registry
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
@@ -225,7 +226,17 @@ def root(task: Task, *, apart: bool = False) -> ForkServer:
     With ``apart``, its processes find no installed problem in the sandbox.
     """
     hidden = strict.problem_files() if task.sandbox and apart else ()
-    return ForkServer(task.hash_seed, sandbox=bubblewrap.find(task.sandbox, shown=_files(task.study), hidden=hidden))
+    sandbox = bubblewrap.find(task.sandbox, shown=_files(task.study), hidden=hidden, kernels=_kernels())
+    return ForkServer(task.hash_seed, sandbox=sandbox)
+
+
+def _kernels() -> Iterator[Path]:
+    """Yield the files of numba's caches beside the code of this package and of the installed problems."""
+    modules = {entry.module.partition(".")[0] for entry in registry.entries("problems").values()}
+    for module in {"bench", *modules}:
+        spec = find_spec(module)
+        for folder in (spec and spec.submodule_search_locations) or ():
+            yield from Path(folder).rglob("__pycache__/*.nb[ci]")
 
 
 def _files(study: Study) -> Iterator[Path]:

@@ -6,6 +6,7 @@ files, its shared memory, its message queues, and all processes that it has star
 
 from __future__ import annotations
 
+import hashlib
 import os
 import platform
 import shutil
@@ -51,13 +52,16 @@ class Sandbox:
             yield [*self.words, "--seccomp", str(number), "--"], [number]
 
 
-def find(sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Path] = ()) -> Sandbox | None:
+def find(
+    sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Path] = (), kernels: Iterable[Path] = ()
+) -> Sandbox | None:
     """Return the sandbox of that name, None for None.
 
     Args:
         sandbox: one of ``SANDBOXES``.
         shown: files and folders that processes need to read, wherever they are.
         hidden: files and folders that they must not read.
+        kernels: the files of numba's caches beside the code, which no process need compile once more.
 
     Raises:
         BenchError: for an unknown sandbox, or one that is not installed or cannot be used here.
@@ -72,7 +76,7 @@ def find(sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Pa
             "--sandbox bwrap needs bubblewrap, which is not installed here; install it (on Debian: apt install "
             "bubblewrap), or run without a sandbox"
         )
-    sandboxed = Sandbox((program, *_words([*shown, *_installed()], [*hidden])))
+    sandboxed = Sandbox((program, *_words([*shown, *_installed()], [*hidden], kernels)))
     if reason := _refusal(sandboxed, "true"):
         raise BenchError(f"the sandbox cannot be used here: {reason}")
     script = Path(namespaces.__file__).read_text()
@@ -91,7 +95,7 @@ def _refusal(sandbox: Sandbox, *command: str) -> str:
     return (tried.stderr.strip().splitlines() or ["it ended"])[-1] if tried.returncode else ""
 
 
-def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
+def _words(shown: Iterable[Path], hidden: Collection[Path], kernels: Iterable[Path]) -> Iterator[str]:
     yield from ("--unshare-all", "--unshare-user", "--uid", _USER, "--gid", _USER, "--die-with-parent")
     yield from ("--cap-drop", "ALL", "--ro-bind", "/", "/", "--proc", "/proc", "--dev", "/dev")
     yield from ("--size", str(namespaces.SIZE), "--tmpfs", namespaces.SCRATCH)
@@ -107,6 +111,11 @@ def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
     caches = {"NUMBA_CACHE_DIR": "numba", "MPLCONFIGDIR": "matplotlib"}
     for name, folder in ({"TMPDIR": ""} | caches).items():
         yield from ("--setenv", name, str(Path(namespaces.SCRATCH, folder)))
+    for path in kernels:  # numba refuses a cache that it cannot write to; the links lie where it looks for files
+        code = path.parent.parent
+        hashed = hashlib.sha1(str(code).encode(), usedforsecurity=False).hexdigest()
+        place = Path(namespaces.SCRATCH, caches["NUMBA_CACHE_DIR"], f"{code.name}_{hashed}", path.name)
+        yield from ("--symlink", str(path), str(place))
 
 
 def _installed() -> set[Path]:
