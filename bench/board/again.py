@@ -10,8 +10,8 @@ from pathlib import Path
 from bench.board.archive import LONGEST, Again
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.job import Task
 from bench.execution.runner import prepare
-from bench.execution.supervisor import Task
 from bench.execution.verify import HASH_SEED, difference
 from bench.helpers.text import printable
 from bench.sandbox import bubblewrap
