@@ -5,7 +5,7 @@ A failed or non-finite trial scores +inf: it is the worst that can happen, and l
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial);
 Budgets = int | Mapping[str, int] | Mapping[tuple[str, str], int]
 """The evaluations of a trial: of all trials, by problem, or by (problem, optimizer)."""
 
+NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 NEAR = 1e-10  # relative: far above rounding, far below any meaningful difference
 BEATEN = 1e-9  # relative: an optimum that was computed, to a tolerance, is beaten by more than this or not at all
 CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
@@ -59,6 +60,19 @@ def budgets(frame: pd.DataFrame, budget: Budgets) -> pd.Series[float]:
         keys = list(zip(frame["problem"], frame["optimizer"], strict=True)) if by_cell else frame["problem"]
         return pd.Series(keys, index=frame.index, dtype=object).map(budget).astype(float)
     return pd.Series(float(budget), index=frame.index)
+
+
+def spent(frame: pd.DataFrame, budget: Budgets) -> Floats:
+    """Return the evaluations of each trial, (n,): the whole budget of a failed one, so that a crash is not cheaper."""
+    made = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
+    return made.fillna(budgets(frame, budget)).to_numpy(dtype=np.float64)
+
+
+def traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace]:
+    """Yield the trace of each trial, an empty one where it failed or has none: its value is +inf throughout."""
+    keys = zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)
+    for key, status in zip(keys, frame["status"], strict=True):
+        yield traces.get(key, NO_TRACE) if status == "ok" else NO_TRACE
 
 
 def labels(frame: pd.DataFrame, column: str) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from bench.analysis.cells import Budgets, Traces
+from bench.analysis.cells import Budgets, Traces, traces_of
 
 
 def common_budgets(frame: pd.DataFrame, allowed: Budgets) -> dict[str, int]:
@@ -35,12 +35,9 @@ def at_budget(frame: pd.DataFrame, traces: Traces, budgets: Mapping[str, int]) -
     spent, values = (pd.to_numeric(frame[name], errors="coerce").to_numpy(float, copy=True) for name in ("nfev", "fun"))
     budget = frame["problem"].astype(object).map(budgets).to_numpy(float)
     over = (frame["status"] == "ok").to_numpy() & ~(spent <= budget)
+    over &= np.isfinite(values)
     unknown = np.zeros(len(frame), dtype=bool)
-    keys = list(zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True))
-    for place in np.flatnonzero(over & np.isfinite(values)):
-        trace = traces.get(keys[place])
-        if trace is None:
-            unknown[place] = True
-        else:
-            values[place] = trace.at(budget[place])
+    for place, trace in zip(np.flatnonzero(over), traces_of(frame[over], traces), strict=True):
+        unknown[place] = not len(trace.values)
+        values[place] = trace.at(budget[place])
     return frame.assign(fun=values)[~unknown]

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import PermutationMethod, mannwhitneyu
 
-from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties
+from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, traces_of
 from bench.analysis.instances import SOLVED
 from bench.typing import Floats
 
@@ -96,19 +96,15 @@ def checkpoints(
         shares: the shares by problem; others have no row.
         budget: the evaluations that a trial was allowed.
     """
-    allowed, rows = budgets(frame, budget), []
+    rows = []
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
     for key, trials in frame.groupby(keys, sort=False):
         problem, optimizer = map(str, cast("tuple[str, str]", key))
         part = np.asarray(shares.get(problem, ()), dtype=np.float64)
         if problem not in optima or not len(part):
             continue
-        spent = np.maximum(np.floor(np.outer(allowed[trials.index], part) + 1e-9), 1).astype(np.int64)
-        values = np.full(spent.shape, np.inf)
-        for row, at, trial, status in zip(values, spent, trials["trial"], trials["status"], strict=True):
-            trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
-            if trace is not None:
-                row[:] = trace.at(at)
+        spent = np.maximum(np.floor(np.outer(budgets(trials, budget), part) + 1e-9), 1).astype(np.int64)
+        values = np.array([trace.at(at) for at, trace in zip(spent, traces_of(trials, traces), strict=True)])
         for share, most, column in zip(part, spent.max(axis=0), values.T, strict=True):
             cell = {"problem": problem, "optimizer": optimizer, "share": share, "evaluations": most}
             rows.append(cell | _statistics(_errors(column, problem, optima)))

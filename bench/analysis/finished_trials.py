@@ -19,10 +19,10 @@ from bench.analysis.cells import (
     scores,
     stopped_early,
     timing,
+    traces_of,
     variables,
 )
 from bench.helpers.text import listed
-from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling
@@ -36,7 +36,6 @@ Verdict = Literal["pass", "note", "warning", "error", "not checked"]
 Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
 CELL = ["problem", "optimizer"]
 NUMBERS = ["fun", "nfev", "outside_box"]
-NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
 class CheckResult(NamedTuple):
@@ -71,8 +70,7 @@ class Evidence:
         finished = self.frame[self.frame["status"] == "ok"]
         finished = finished.astype(dict.fromkeys(CELL, object)).reset_index(drop=True)
         numbers = finished[NUMBERS].apply(pd.to_numeric, errors="coerce").astype(float)
-        keys = zip(finished["problem"], finished["optimizer"], finished["trial"], strict=True)
-        traces = pd.Series([self.traces.get(key, NO_TRACE) for key in keys], dtype=object)
+        traces = pd.Series(list(traces_of(finished, self.traces)), dtype=object)
         return finished.assign(**numbers, trace=traces)
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from bench.analysis.anytime import AT_ONCE
 from bench.analysis.anytime import targets as relative_targets
-from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores
+from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores, spent, traces_of
 from bench.study.targets import Targets, percentages, precisions
 from bench.typing import Floats
 
@@ -82,8 +82,6 @@ def tolerance_times(frame: pd.DataFrame, traces: Traces, expected: Expected, bud
     are not recorded. Trials of a problem without an expected metric have no row.
     """
     trials = frame[frame["problem"].isin([problem for problem, metrics in expected.items() if metrics])]
-    spent = pd.to_numeric(trials["nfev"], errors="coerce").astype(float).where(trials["status"] == "ok")
-    used = spent.fillna(budgets(trials, budget)).to_numpy()
     off = np.full(len(trials), np.inf)
     for problem, metrics in expected.items():
         here = (trials["problem"] == problem).to_numpy()
@@ -96,15 +94,11 @@ def tolerance_times(frame: pd.DataFrame, traces: Traces, expected: Expected, bud
             share = difference / tolerance if tolerance > 0 else np.where(difference == 0, 0.0, np.inf)
             apart = np.column_stack([apart, np.where(np.isfinite(share), share, np.inf)])
         off[here] = apart.max(axis=1)
-    off[(trials["status"] != "ok").to_numpy()] = np.inf
-    ends = [
-        float(trace.evaluations[-1]) if (trace := traces.get(key)) is not None and len(trace.evaluations) else np.inf
-        for key in zip(trials["problem"], trials["optimizer"], trials["trial"], strict=True)
-    ]
+    ends = [np.append(np.inf, trace.evaluations)[-1] for trace in traces_of(trials, traces)]
     rows, tau = np.repeat(np.arange(len(trials)), len(MULTIPLES)), np.tile(MULTIPLES, len(trials))
     reached = np.where(off[rows] <= tau * (1 + 1e-12), np.array(ends)[rows], np.inf)
     hits = trials[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
-    return hits.assign(tau=tau, target=tau, evaluations=reached, spent=used[rows])
+    return hits.assign(tau=tau, target=tau, evaluations=reached, spent=spent(trials, budget)[rows])
 
 
 def aocc(
@@ -121,10 +115,8 @@ def aocc(
     trials = frame[frame["problem"].isin(optima)]
     allowed = budgets(trials, budget).to_numpy()
     area, start, end = np.zeros((3, len(trials)))
-    keys = zip(trials["problem"], trials["optimizer"], trials["trial"], trials["status"], strict=True)
-    for row, (problem, optimizer, trial, status) in enumerate(keys):
-        trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
-        if trace is not None and len(trace.values):
+    for row, (problem, trace) in enumerate(zip(trials["problem"], traces_of(trials, traces), strict=True)):
+        if len(trace.values):
             share = 1 - (np.log10(np.clip(trace.values - optima[problem], LOWEST, HIGHEST)) + 8) / 10
             held = np.diff(trace.evaluations, append=allowed[row] + 1)
             area[row] = (share * held).sum() / allowed[row]
