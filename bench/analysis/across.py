@@ -24,6 +24,7 @@ from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
 from bench.analysis.direction import ALPHA, Effects, effects, mean_of, stacked, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
+from bench.analysis.standings import complete_ranks
 from bench.typing import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
@@ -39,8 +40,7 @@ def ranks_by_block(standing: pd.DataFrame, blocks: Blocks | None = None) -> pd.D
 
     ``standing`` is that of :func:`bench.analysis.standings`. Only problems on which every optimizer has a rank count.
     """
-    order = labels(standing, "optimizer")
-    wide = standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order).dropna()
+    wide = complete_ranks(standing)
     return wide.groupby(_owners(wide.index, blocks), sort=False).mean().rename_axis(columns=None)
 
 

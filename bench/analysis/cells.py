@@ -65,7 +65,7 @@ def budgets(frame: pd.DataFrame, budget: Budgets) -> pd.Series[float]:
 def spent(frame: pd.DataFrame, budget: Budgets) -> Floats:
     """Return the evaluations of each trial, (n,): the whole budget of a failed one, so that a crash is not cheaper."""
     made = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
-    return made.fillna(budgets(frame, budget)).to_numpy(dtype=np.float64)
+    return np.asarray(made.fillna(budgets(frame, budget)), dtype=np.float64)
 
 
 def traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace]:
@@ -123,6 +123,11 @@ def merge_near_ties(values: Floats) -> Floats:
     merged = values.copy()
     merged[finite] = lowest[group[position]]
     return merged
+
+
+def quantiles(values: Floats, shares: float | Sequence[float]) -> Any:
+    """Return quantiles of scores; where one is infinite, upper order statistics, as nothing lies before infinity."""
+    return np.quantile(values, shares, method="linear" if np.isfinite(values).all() else "higher")
 
 
 def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Floats]:
@@ -264,7 +269,7 @@ def _describe(values: Floats) -> dict[str, Any]:
     n, failed = len(values), int(np.isinf(values).sum())
     if n == 0:
         return {"n": 0, "failed": 0}
-    q1, median, q3 = np.quantile(values, [0.25, 0.5, 0.75], method="higher" if failed else "linear")
+    q1, median, q3 = quantiles(values, [0.25, 0.5, 0.75])
     places = _median_interval(n)
     low, high = np.sort(values)[list(places)] if places else (np.nan, np.nan)
     return {

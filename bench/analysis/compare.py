@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.direction import ALPHA
-from bench.analysis.standings import mean_ranks, outstanding, standings
+from bench.analysis.standings import matrices, mean_ranks, outstanding, standings
 
 
 def comparison_matrix(
@@ -98,13 +98,10 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame) -> dict[str, str]:
     """Return the letters of each optimizer of one problem, the first one's from "a" on."""
     from scikit_posthocs import compact_letter_display  # slow: it imports the drawing libraries
 
-    place = {optimizer: i for i, optimizer in enumerate(optimizers)}
-    alike = np.ones((len(place), len(place)))
-    rows = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
-    first, second = (rows[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
-    alike[first, second] = alike[second, first] = rows["lower"].to_numpy(dtype=object) == ""
+    separable = matrices(pairs, optimizers)[1]
+    alike = ~(separable | separable.T)
     try:
-        shown = compact_letter_display(alike, alpha=0.5, names=optimizers)
+        shown = compact_letter_display(alike.astype(float), alpha=0.5, names=optimizers)
     except ValueError:  # more groups than letters
         return dict.fromkeys(optimizers, "?")
     return {optimizer: text.replace(" ", "") for optimizer, text in shown.items()}

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import PermutationMethod, mannwhitneyu
 
-from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, traces_of
+from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, quantiles, traces_of
 from bench.analysis.instances import SOLVED
 from bench.typing import Floats
 
@@ -122,9 +122,8 @@ def _errors(values: Floats, problem: str, optima: Mapping[str, float]) -> Floats
 def _statistics(errors: Floats) -> dict[str, float]:
     failed = int(np.isposinf(errors).sum())
     spread = float(np.std(errors, ddof=1)) if len(errors) > 1 and not failed else np.nan
-    middle = float(np.quantile(errors, 0.5, method="higher" if failed else "linear"))
-    return {"trials": len(errors), "failed": failed, "mean": float(errors.mean()), "sd": spread, "median": middle,
-            "best": float(errors.min()), "worst": float(errors.max())}  # fmt: skip
+    return {"trials": len(errors), "failed": failed, "mean": float(errors.mean()), "sd": spread,
+            "median": float(quantiles(errors, 0.5)), "best": float(errors.min()), "worst": float(errors.max())}  # fmt: skip
 
 
 def rank_sum(these: Floats, others: Floats) -> tuple[float, bool]:

@@ -19,13 +19,14 @@ bootstrap.
 from __future__ import annotations
 
 from itertools import combinations
+from math import comb
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from bench.analysis.cells import cells, labels
+from bench.analysis.cells import cells, labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import percentile_interval
 from bench.study.rope import Rope, share
@@ -52,24 +53,21 @@ def differences(frame: pd.DataFrame, rope: Rope, alpha: float = ALPHA, seed: int
     near-ties are ties; two infinite medians do not differ.
     """
     by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
-    pairs = list(combinations(optimizers, 2))
+    level = 1 - 2 * alpha / max(comb(len(optimizers), 2), 1)
     rows: list[tuple[Any, ...]] = []
     for problem in labels(frame, "problem"):
-        samples = {each: by_cell[problem, each] for each in optimizers if len(by_cell[problem, each])}
-        finite = (
-            np.concatenate([values[np.isfinite(values)] for values in samples.values()]) if samples else np.empty(0)
-        )
-        reach = float(np.ptp(finite)) if len(finite) else 0.0
+        samples = {label: by_cell[problem, label] for label in optimizers if len(by_cell[problem, label])}
+        finite = [values[np.isfinite(values)] for values in samples.values()]
+        reach = float(np.ptp(np.concatenate(finite))) if sum(map(len, finite)) else 0.0
         rng = np.random.default_rng(seed)
-        resampled = {each: _medians(values, rng) for each, values in samples.items() if len(values) >= FEWEST}
-        for first, second in pairs:
-            if first not in samples or second not in samples:
-                continue
-            here = np.array([_median(samples[first])]), np.array([_median(samples[second])])
+        resampled = {label: _medians(values, rng) for label, values in samples.items() if len(values) >= FEWEST}
+        medians = {label: np.array([quantiles(values, 0.5)]) for label, values in samples.items()}
+        for first, second in combinations(samples, 2):
+            here = medians[first], medians[second]
             width = float(_width(rope, *here)[0])
             inference = np.nan, np.nan, np.nan, False
             if first in resampled and second in resampled:
-                inference = _inference(resampled[first], resampled[second], rope, 1 - 2 * alpha / len(pairs))
+                inference = _inference(resampled[first], resampled[second], rope, level)
             *interval, equivalent = inference
             wide = bool(0 < reach <= width)
             rows.append((problem, first, second, float(_less(*here)[0]), *interval, width, wide, equivalent))
@@ -159,11 +157,6 @@ def _inference(first: Floats, second: Floats, rope: Rope, level: float) -> tuple
     error = float(np.std(moved, ddof=1)) if np.isfinite(moved).all() else np.inf
     least, most = percentile_interval(in_ropes(moved, widths), level)
     return error, low, high, bool(least >= -1 and most <= 1)
-
-
-def _median(values: Floats) -> float:
-    """Return the median score; the upper middle one where failed trials are next to it."""
-    return float(np.quantile(values, 0.5, method="linear" if np.isfinite(values).all() else "higher"))
 
 
 def _medians(values: Floats, rng: np.random.Generator) -> Floats:

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.stats import norm
 
 from bench.analysis.across import signed_ranks
-from bench.analysis.direction import ALPHA, effects, least_p, p_values, standardised
-from bench.typing import Floats
+from bench.analysis.direction import ALPHA, Effects, effects, least_p, p_values, standardised
+from bench.typing import Flags, Floats
 
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
 WORK = 20_000_000  # values of pairs of samples in all: a few seconds
@@ -163,13 +163,7 @@ def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
     """
     if trials < 2 or least_p(trials) > level:
         return float("nan")
-    this, other = np.random.default_rng(20_250_101).standard_normal((2, DRAWS, trials))
-
-    def found(chance: float) -> bool:
-        shift = np.sqrt(2) * norm.ppf(chance)
-        return bool(np.mean(p_values(effects(this, other + shift)) <= level) >= power)
-
-    return _smallest(found)
+    return _smallest(DRAWS, trials, power, lambda effect: p_values(effect) <= level)
 
 
 @lru_cache
@@ -182,21 +176,25 @@ def detectable_across(trials: int, blocks: int, level: float, further: bool = Tr
     if further and 2.0 ** (1 - blocks) > level:
         return float("nan")
     draws = max(DRAWS // blocks, 200)
-    this, other = np.random.default_rng(20_250_101).standard_normal((2, draws * blocks, trials))
 
-    def found(chance: float) -> bool:
-        shift = np.sqrt(2) * norm.ppf(chance)
-        effect = effects(this, other + shift)
+    def rejects(effect: Effects) -> Flags:
         means = effect.a12.reshape(draws, blocks) - 0.5
         if not further:
             size = standardised(means + 0.5, effect.ratio.reshape(draws, blocks), axis=1)
-            return bool(np.mean(2 * norm.sf(size) <= level) >= power)
-        return bool(np.mean([signed_ranks(draw, level)["p"] <= level for draw in means]) >= power)
+            return np.asarray(2 * norm.sf(size) <= level)
+        return np.array([signed_ranks(draw, level)["p"] <= level for draw in means])
 
-    return _smallest(found)
+    return _smallest(draws * blocks, trials, power, rejects)
 
 
-def _smallest(is_found: Callable[[float], bool]) -> float:
+def _smallest(pairs: int, trials: int, power: float, rejects: Callable[[Effects], Flags]) -> float:
+    """Return the smallest A12 of pairs of samples with which a test rejects often enough; NaN where there is none."""
+    this, other = np.random.default_rng(20_250_101).standard_normal((2, pairs, trials))
+
+    def is_found(chance: float) -> bool:
+        shift = np.sqrt(2) * norm.ppf(chance)
+        return bool(np.mean(rejects(effects(this, other + shift))) >= power)
+
     low, high = 0.5, 1.0 - 1e-6
     if not is_found(high):
         return float("nan")

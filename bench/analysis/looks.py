@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA, effects, least_p, p_values
-from bench.analysis.pairwise import AT_ONCE, adjusted, holm
+from bench.analysis.pairwise import adjusted, alike, holm
 from bench.analysis.sequential import repeated_p
-from bench.typing import Floats
 
 COLUMNS = ("problem", "first", "second", "look", "p")
 
@@ -69,7 +68,10 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
             there = np.array([len(sample) == look for sample in samples], dtype=bool)
             active = there & (ends == 0)
             tested = np.flatnonzero(active[one] & active[other])
-            now = repeated_p(_p(samples, one[tested], other[tested]), looks, place)
+            p_now = np.ones(len(tested))
+            for part, these, others in alike([samples[cell] for cell in np.flatnonzero(active)]):
+                p_now[part] = p_values(effects(these, others))
+            now = repeated_p(p_now, looks, place)
             better = now < p[tested]
             p[tested[better]], look_of[tested[better]] = now[better], look
             ends[_decided(holm(p) <= level, one, other, len(names)) & active] = look
@@ -112,16 +114,6 @@ def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) ->
     return adjusted(
         pairs.assign(p=decided["p"].to_numpy(), look=decided["look"].to_numpy(), stopped=stopped, **unknown), alpha
     )
-
-
-def _p(samples: Sequence[Floats], one: NDArray[np.intp], other: NDArray[np.intp]) -> Floats:
-    """Return the p-values of pairs of samples, all of one size."""
-    p = np.ones(len(one))
-    for start in range(0, len(one), AT_ONCE):
-        part = slice(start, start + AT_ONCE)
-        these, others = (np.array([samples[place] for place in places[part]]) for places in (one, other))
-        p[part] = p_values(effects(these, others))
-    return p
 
 
 def _decided(

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis import direction
-from bench.analysis.cells import cells, labels
+from bench.analysis.cells import cells, labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.typing import Floats
@@ -97,8 +97,7 @@ def holm(p: Floats) -> Floats:
 
 def percentile_interval(replicates: Floats, level: float = 0.95) -> tuple[float, float]:
     """Return the percentile bootstrap interval (Efron 1981); its ends are upper order statistics among +inf."""
-    ends = [(1 - level) / 2, (1 + level) / 2]
-    low, high = np.quantile(replicates, ends, method="linear" if np.isfinite(replicates).all() else "higher")
+    low, high = quantiles(replicates, [(1 - level) / 2, (1 + level) / 2])
     return float(low), float(high)
 
 

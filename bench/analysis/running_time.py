@@ -25,14 +25,13 @@ from scipy.special import betaincinv, stdtrit
 from bench.analysis.anytime import Counts, expected_running_time
 from bench.analysis.cells import labels
 from bench.analysis.competition import ALPHA, rank_sum
-from bench.typing import Floats
+from bench.typing import Flags, Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
 DRAWN = 100  # simulated restarts a target of an ECDF
 SEED = 1
 _AT_ONCE = 2_000_000  # simulated restarts that are held in memory
 
-Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 SPREAD = ("low", "high", "p10", "p90")

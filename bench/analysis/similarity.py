@@ -148,7 +148,7 @@ def similarity(behaviours: Mapping[str, Sequence[Floats]], alpha: float = ALPHA,
         pairs=pairs,
         least=1 / len(divided),
         needed=2 * next(size for size in count(5) if number <= alpha * comb(2 * size, size) / 2),
-        clusters=_renumbered(pd.Series(groups, index=names)),
+        clusters=pd.Series(pd.factorize(groups)[0] + 1, index=names),
         tree=linkage(excess, method="average"),
         places=pd.DataFrame(places, index=names, columns=["x", "y"]),
         stress=stress,
@@ -210,9 +210,3 @@ def _map(distances: Floats) -> tuple[Floats, float]:
     whole = float((distances**2).sum())
     places *= np.where(places[np.abs(places).argmax(axis=0), [0, 1]] < 0, -1.0, 1.0)  # the sign is arbitrary
     return np.asarray(places, dtype=np.float64), float(((distances - shown) ** 2).sum() / whole) if whole else 0.0
-
-
-def _renumbered(clusters: pd.Series[int]) -> pd.Series[int]:
-    """Return clusters numbered by their first member."""
-    order = {cluster: number for number, cluster in enumerate(dict.fromkeys(clusters), 1)}
-    return clusters.map(order).astype(int)
