@@ -123,7 +123,8 @@ def _statistics(errors: Floats) -> dict[str, float]:
     failed = int(np.isposinf(errors).sum())
     spread = float(np.std(errors, ddof=1)) if len(errors) > 1 and not failed else np.nan
     return {"trials": len(errors), "failed": failed, "mean": float(errors.mean()), "sd": spread,
-            "median": float(quantiles(errors, 0.5)), "best": float(errors.min()), "worst": float(errors.max())}  # fmt: skip
+            "median": float(quantiles(errors, 0.5)), "best": float(errors.min()),
+            "worst": float(errors.max())}  # fmt: skip
 
 
 def rank_sum(these: Floats, others: Floats) -> tuple[float, bool]:
