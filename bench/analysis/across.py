@@ -117,7 +117,7 @@ def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[
     last = 0
     for start in range(len(ordered)):
         end = start + 1
-        while end < len(ordered) and not any(frozenset((each, ordered[end])) in apart for each in ordered[start:end]):
+        while end < len(ordered) and not any(frozenset((label, ordered[end])) in apart for label in ordered[start:end]):
             end += 1
         if end > max(last, start + 1):
             groups.append(tuple(ordered[start:end]))
@@ -200,7 +200,7 @@ def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, flo
     """
     if not samples:
         return np.nan, np.nan, np.nan
-    mean = mean_of(stacked([effects(one[np.newaxis], other[np.newaxis]) for one, other in samples]))
+    mean = mean_of(stacked([effects(one[np.newaxis], rival[np.newaxis]) for one, rival in samples]))
     low, high = wilson_form(mean.a12, mean.ratio)
     return float(mean.a12[0]), float(low[0]), float(high[0])
 

@@ -93,7 +93,7 @@ def scores(frame: pd.DataFrame, merge: bool = False) -> pd.Series[float]:
     values = values.where((frame["status"] == "ok") & np.isfinite(values), np.inf)
     if not merge:
         return values
-    return values.groupby(frame["problem"].astype(object)).transform(lambda own: merge_near_ties(own.to_numpy()))
+    return values.groupby(frame["problem"].astype(object)).transform(lambda group: merge_near_ties(group.to_numpy()))
 
 
 def variables(trials: pd.DataFrame) -> list[str]:
@@ -146,7 +146,7 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
 def complete_problems(frame: pd.DataFrame) -> list[str]:
     """Return the problems on which every optimizer has a trial."""
     by_cell, optimizers = cells(frame), labels(frame, "optimizer")
-    return [problem for problem in labels(frame, "problem") if all(len(by_cell[problem, each]) for each in optimizers)]
+    return [label for label in labels(frame, "problem") if all(len(by_cell[label, name]) for name in optimizers)]
 
 
 def reference_values(
@@ -176,7 +176,8 @@ def near_best(
     values, optimizers = scores(frame), labels(frame, "optimizer")
     problem, optimizer = (frame[name].astype(object) for name in ("problem", "optimizer"))
     lowest = {str(label): float(least_value) for label, least_value in values.groupby(problem).min().items()}
-    best = problem.map({label: each.value for label, each in reference_values(lowest, optima).items()}).astype(float)
+    references = reference_values(lowest, optima)
+    best = problem.map({label: reference.value for label, reference in references.items()}).astype(float)
     near = pd.Series(np.isfinite(values) & (values <= best + (share * best.abs()).clip(lower=least)), dtype=float)
     shares = near.groupby([problem, optimizer]).mean().unstack().reindex(columns=optimizers).dropna()
     return shares.mean() if len(shares) else pd.Series(dtype=float)

@@ -37,15 +37,15 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """
     by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    sizes = [len(by_cell[each, one]) for each in problems for one in optimizers]
+    sizes = [len(by_cell[problem, one]) for problem in problems for one in optimizers]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
     drawn = resamples(len(optimizers))
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), 1 + drawn))  # the first column is that of the values themselves
     for problem in problems:
-        values = [by_cell[problem, each] for each in optimizers]
-        total += ranks_of_draws(values, [_times_drawn(len(each), drawn, rng) for each in values])
+        values = [by_cell[problem, optimizer] for optimizer in optimizers]
+        total += ranks_of_draws(values, [_times_drawn(len(sample), drawn, rng) for sample in values])
     mean = total / len(problems)
     reach = TWO_SIDED * mean[:, 1:].std(axis=1, ddof=1) * (min(sizes) / (min(sizes) - 1)) ** 0.5
     low, high = np.array([percentile_interval(draws[1:]) for draws in mean]).T
@@ -71,9 +71,9 @@ def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
         values: the values of each optimizer.
         drawn: how often each of these counts in each draw, (n, B) an optimizer.
     """
-    owner = np.repeat(np.arange(len(values)), [len(each) for each in values])
+    owner = np.repeat(np.arange(len(values)), [len(sample) for sample in values])
     pooled, counts = np.concatenate(values), np.concatenate(drawn)
-    sizes = np.array([each.sum(axis=0, dtype=float) for each in drawn]).T
+    sizes = np.array([counts_of.sum(axis=0, dtype=float) for counts_of in drawn]).T
     beaten, chance = np.zeros((2, *sizes.T.shape))
     at_once = max(AT_ONCE // len(values) ** 2, 1)
     for start in range(0, len(sizes), at_once):
@@ -81,7 +81,7 @@ def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
         lower = won(pooled, owner, counts[:, chosen].T)
         lower = lower / (sizes[chosen, :, np.newaxis] * sizes[chosen, np.newaxis, :])
         lower[:, np.arange(len(values)), np.arange(len(values))] = 0.5
-        beaten[:, chosen], chance[:, chosen] = (each.T for each in against_rivals(lower, axis=1))
+        beaten[:, chosen], chance[:, chosen] = (sums.T for sums in against_rivals(lower, axis=1))
     return ranks(beaten, chance)
 
 

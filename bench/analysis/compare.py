@@ -48,9 +48,9 @@ def comparison_matrix(
     index = pd.MultiIndex.from_tuples(list(winners), names=["problem", "optimizer"])
     near = {
         cell
-        for one, other in (("first", "second"), ("second", "first"))
+        for one, rival in (("first", "second"), ("second", "first"))
         for cell in unclear.loc[
-            pd.MultiIndex.from_frame(unclear[["problem", other]]).isin(index), ["problem", one]
+            pd.MultiIndex.from_frame(unclear[["problem", rival]]).isin(index), ["problem", one]
         ].itertuples(index=False, name=None)
     } - winners
     return summary[["problem", "optimizer"]].assign(
@@ -126,7 +126,7 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFram
         {
             "optimizer": optimizers,
             "problems": len(complete),
-            "first": [sum(optimizer == each for _, optimizer in first) for each in optimizers],
+            "first": [sum(optimizer == label for _, optimizer in first) for label in optimizers],
             **{
                 name: by_optimizer[name].sum().reindex(optimizers, fill_value=0).to_numpy(dtype=int)
                 for name in ("separable", "worse")

@@ -67,12 +67,12 @@ def signs(frame: pd.DataFrame, optima: Mapping[str, float], reference: str) -> p
     """
     by_cell, rows = cells(frame), []
     for problem in labels(frame, "problem"):
-        mine = by_cell.get((problem, reference), np.empty(0))
+        of_reference = by_cell.get((problem, reference), np.empty(0))
         for optimizer in labels(frame, "optimizer"):
-            theirs = by_cell.get((problem, optimizer), np.empty(0))
-            if optimizer != reference and len(mine) and len(theirs):
-                both = merge_near_ties(_errors(np.concatenate((mine, theirs)), problem, optima))
-                p, lower = rank_sum(both[: len(mine)], both[len(mine) :])
+            of_optimizer = by_cell.get((problem, optimizer), np.empty(0))
+            if optimizer != reference and len(of_reference) and len(of_optimizer):
+                both = merge_near_ties(_errors(np.concatenate((of_reference, of_optimizer)), problem, optima))
+                p, lower = rank_sum(both[: len(of_reference)], both[len(of_reference) :])
                 rows.append((problem, optimizer, p, "=" if p >= ALPHA else "+" if lower else "-"))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "p", "sign"])
 

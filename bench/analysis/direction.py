@@ -144,8 +144,9 @@ def _placements(these: Floats, others: Floats, sums: NDArray[np.int64]) -> None:
 
 def stacked(estimates: Sequence[Effects]) -> Effects:
     """Return the estimates of several problems, (g,) each, as one of (problems, g)."""
-    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in estimates], dtype=np.float64)
-    return Effects(np.array([each.a12 for each in estimates]), np.array([each.ratio for each in estimates]), smaller)
+    chances, ratios, sizes = zip(*estimates, strict=True)
+    smaller = [np.broadcast_to(size, chance.shape) for size, chance in zip(sizes, chances, strict=True)]
+    return Effects(np.array(chances), np.array(ratios), np.array(smaller, dtype=np.float64))
 
 
 def mean_of(estimates: Effects) -> Effects:

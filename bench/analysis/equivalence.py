@@ -117,9 +117,9 @@ def signed_rank(z: Floats, seed: int = 0) -> tuple[float, float, float]:
     rng, counts = np.random.default_rng(seed), np.zeros(3)
     for _ in range(DRAWS // BATCH):
         weights = rng.dirichlet(np.append(PRIOR, np.ones(len(z))), BATCH)
-        left, right = (((weights @ each) * weights).sum(axis=1) for each in (below, above))
+        left, right = (((weights @ side) * weights).sum(axis=1) for side in (below, above))
         counts += np.bincount(np.argmax([left, 1 - left - right, right], axis=0), minlength=3)
-    return tuple(float(each) for each in counts / counts.sum())  # type: ignore[return-value]
+    return tuple(float(chance) for chance in counts / counts.sum())  # type: ignore[return-value]
 
 
 def hierarchical(z: Floats, errors: Floats, seed: int = 0) -> tuple[float, float, float]:
@@ -147,7 +147,7 @@ def hierarchical(z: Floats, errors: Floats, seed: int = 0) -> tuple[float, float
     spread = np.maximum(spreads[drawn], 1e-12)
     left, right = norm.cdf((-1 - centre) / spread), norm.sf((1 - centre) / spread)
     winners = np.argmax([left, 1 - left - right, right], axis=0)
-    return tuple(float(each) for each in np.bincount(winners, minlength=3) / DRAWS)  # type: ignore[return-value]
+    return tuple(float(chance) for chance in np.bincount(winners, minlength=3) / DRAWS)  # type: ignore[return-value]
 
 
 def _inference(first: Floats, second: Floats, rope: Rope, level: float) -> tuple[float, float, float, bool]:

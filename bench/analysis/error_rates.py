@@ -132,7 +132,7 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
         values = draw(min(at_once, studies - start))
         p, chance, ratio = np.empty((3, len(values), problems, len(one)))
         for pair, (i, j) in enumerate(zip(one, other, strict=True)):
-            sides = (values[:, :, each].reshape(-1, trials) for each in (i, j))
+            sides = (values[:, :, optimizer].reshape(-1, trials) for optimizer in (i, j))
             effect = effects(*sides)
             p[:, :, pair] = p_values(effect).reshape(len(values), problems)
             chance[:, :, pair] = effect.a12.reshape(len(values), problems)
@@ -145,7 +145,7 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
             claimed[1, now] = [_across(study_means, level.across) for study_means in means]
         else:
             claimed[1, now] = 2 * norm.sf(size.max(axis=1)) * len(one) <= level.across
-    return Rates(studies, *(float(each.mean()) for each in (*claimed, claimed.any(axis=0))))
+    return Rates(studies, *(float(claims.mean()) for claims in (*claimed, claimed.any(axis=0))))
 
 
 def _across(means: Floats, level: float) -> bool:

@@ -255,16 +255,16 @@ def _clamping(evidence: Evidence) -> CheckResult:
     share = by_optimizer.sum().sum(axis=1) / by_optimizer.count().sum(axis=1)
     high = share[share > CLAMPED]
     unknown = sorted(set(trials["problem"]) - set(evidence.boxes))
-    rest = f" The box is unknown for {listed(unknown)}." if unknown else ""
+    unknown_boxes = f" The box is unknown for {listed(unknown)}." if unknown else ""
     if high.empty:
         least = f"At most {percent(share.max())} of the final coordinates of any optimizer lie on a bound of the box."
-        return CheckResult("pass", least + rest)
-    worst = {name: _percentages(each[each > 0].nlargest(2)) for name, each in by_optimizer.mean().T.items()}
+        return CheckResult("pass", least + unknown_boxes)
+    worst = {name: _percentages(shares[shares > 0].nlargest(2)) for name, shares in by_optimizer.mean().T.items()}
     named = [f"{name} {percent(value)} ({worst[name]})" for name, value in high.items()]
     return CheckResult(
         "warning",
         f"Final coordinates on a bound of the box: {listed(named)}. The optimum may lie there, or a repair may "
-        f"move points there.{rest}",
+        f"move points there.{unknown_boxes}",
         cell_names(trials[trials["optimizer"].isin(high.index) & (bound.sum(axis=1) > 0)]),
     )
 

@@ -47,7 +47,7 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     Names are categories: texts would take most of the memory.
     """
     by_cell, optimizers, problems = cells(frame, merge=True), labels(frame, "optimizer"), labels(frame, "problem")
-    sizes = np.array([[len(by_cell[each, one]) for one in optimizers] for each in problems], dtype=np.int64)
+    sizes = np.array([[len(by_cell[problem, one]) for one in optimizers] for problem in problems], dtype=np.int64)
     one, other = np.triu_indices(len(optimizers), 1)
     tests = int(np.sum(np.minimum(sizes[:, one], sizes[:, other]) > 0)) if len(problems) else 0
     # Of each column one array from the beginning: many small ones would leave gaps in the memory.

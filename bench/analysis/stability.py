@@ -32,7 +32,7 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """
     by_cell, optimizers = cells(_in_turn(frame), merge=True), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    most = max((len(by_cell[each, one]) for each in problems for one in optimizers), default=0)
+    most = max((len(by_cell[problem, one]) for problem in problems for one in optimizers), default=0)
     if most <= FIRST or len(optimizers) < 2:
         return pd.DataFrame(columns=list(COLUMNS))
     steps, subsets = next((number for limit, number in STEPS.items() if len(optimizers) <= limit), FEWEST)
@@ -40,8 +40,8 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), len(sizes) * (1 + subsets)))
     for problem in problems:
-        values = [by_cell[problem, each] for each in optimizers]
-        total += ranks_of_draws(values, [_subsets(len(each), sizes, subsets, rng) for each in values])
+        values = [by_cell[problem, optimizer] for optimizer in optimizers]
+        total += ranks_of_draws(values, [_subsets(len(sample), sizes, subsets, rng) for sample in values])
     means = (total / len(problems)).reshape(len(optimizers), len(sizes), 1 + subsets)
     rows = {
         "optimizer": np.repeat(np.array(optimizers, dtype=object), len(sizes)),

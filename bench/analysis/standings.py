@@ -97,8 +97,8 @@ def _pass(owner: NDArray[np.int64], ends: NDArray[np.int64], counts: Floats, pai
         while start < len(owner):
             for after in range(2):
                 for place in range(start, ends[start]):
-                    for other in range(len(below)):
-                        pairs[draw, owner[place], other] += counts[draw, place] * below[other]
+                    for rival in range(len(below)):
+                        pairs[draw, owner[place], rival] += counts[draw, place] * below[rival]
                 for place in range(start, ends[start] * (1 - after)):
                     below[owner[place]] += counts[draw, place]
             start = ends[start]
@@ -122,7 +122,7 @@ def disagreements(summary: pd.DataFrame, standing: pd.DataFrame) -> pd.DataFrame
     for problem, of_problem in table[table["n"] > 0].groupby("problem", sort=False, observed=True):
         best = {"standing": _lowest(of_problem, "rank"), "median": _lowest(of_problem, "median")}
         best["mean"] = _lowest(of_problem, "mean") if of_problem["mean"].notna().all() else []
-        named = [set(each) for each in best.values() if each]
+        named = [set(labels_of) for labels_of in best.values() if labels_of]
         if len(named) > 1 and not set.intersection(*named):
             rows.append({"problem": problem, **best})
     return pd.DataFrame(rows, columns=["problem", "standing", "median", "mean"])
@@ -146,9 +146,9 @@ def matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, ND
     chances[first, second], chances[second, first] = a12, 1 - a12
     separable = np.zeros(chances.shape, dtype=bool)
     lower = rows["lower"].to_numpy(dtype=object)
-    for one, other, name in ((first, second, "first"), (second, first, "second")):
+    for one, rival, name in ((first, second, "first"), (second, first, "second")):
         wins = lower == rows[name].to_numpy(dtype=object)
-        separable[one[wins], other[wins]] = True
+        separable[one[wins], rival[wins]] = True
     return chances, separable
 
 

@@ -63,8 +63,8 @@ def target_table(
             lowest[problem] = min(lowest.get(problem, np.inf), float(trace.values[-1]))
     values = scores(frame)
     finals = {
-        str(problem): np.asarray(each, dtype=np.float64)
-        for problem, each in values.groupby(frame["problem"].astype(object))
+        str(problem): np.asarray(of_problem, dtype=np.float64)
+        for problem, of_problem in values.groupby(frame["problem"].astype(object))
     }
     tables = []
     for problem, (reference, known) in reference_values(lowest, optima).items():
@@ -141,8 +141,8 @@ def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Data
         return pd.DataFrame(columns=columns)
     times = hits["evaluations"].to_numpy(dtype=float)
     (problem, problems), (optimizer, optimizers) = (pd.factorize(hits[name]) for name in ("problem", "optimizer"))
-    each = [budget if isinstance(budget, int) else budget[label] for label in problems]
-    allowed = np.log(np.maximum(np.array(each, dtype=float), 2.0))
+    budgets_of = [budget if isinstance(budget, int) else budget[label] for label in problems]
+    allowed = np.log(np.maximum(np.array(budgets_of, dtype=float), 2.0))
     sums, counts = np.zeros((2, len(problems) * len(optimizers)))
     for start in range(0, len(times), AT_ONCE):
         part = slice(start, start + AT_ONCE)
@@ -152,7 +152,7 @@ def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Data
         np.add.at(sums, cell, np.where(np.isfinite(times[part]), area, 0.0))
         np.add.at(counts, cell, 1)
     at = np.flatnonzero(counts)
-    names = [np.array(each, dtype=object) for each in (problems, optimizers)]
+    names = [np.array(labels, dtype=object) for labels in (problems, optimizers)]
     names = [names[0][at // len(optimizers)], names[1][at % len(optimizers)]]
     return pd.DataFrame({"problem": names[0], "optimizer": names[1], "area": sums[at] / counts[at]})
 

@@ -111,7 +111,7 @@ def noether(a12: ArrayLike, level: float, power: float) -> Floats:
 
 def _simulated(this: Floats, other: Floats, trials: int, level: float, power: float, seed: int) -> float:
     """Return the smallest number of trials in the grid, above those made, with the power; infinite above all."""
-    tried = [trials + 1, *(each for each in GRID if each > trials + 1)]
+    tried = [trials + 1, *(number for number in GRID if number > trials + 1)]
     place = bisect_left(tried, True, key=lambda n: power_of(this, other, n, level, seed) >= power)
     return float(tried[place]) if place < len(tried) else np.inf
 
