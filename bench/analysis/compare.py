@@ -44,15 +44,12 @@ def comparison_matrix(
     else:
         winners = _first(summary, standings(summary, pairs) if standing is None else standing)
     open_pairs = pairs["ks_p"] > ALPHA if by == "value" else pairs["lower"] == ""
-    unclear = pairs.loc[open_pairs, ["problem", "first", "second"]].astype(object)
-    index = pd.MultiIndex.from_tuples(list(winners), names=["problem", "optimizer"])
-    near = {
-        cell
-        for one, rival in (("first", "second"), ("second", "first"))
-        for cell in unclear.loc[
-            pd.MultiIndex.from_frame(unclear[["problem", rival]]).isin(index), ["problem", one]
-        ].itertuples(index=False, name=None)
-    } - winners
+    unclear = list(
+        pairs.loc[open_pairs, ["problem", "first", "second"]].astype(object).itertuples(index=False, name=None)
+    )
+    near = {(problem, first) for problem, first, second in unclear if (problem, second) in winners}
+    near |= {(problem, second) for problem, first, second in unclear if (problem, first) in winners}
+    near -= winners
     return summary[["problem", "optimizer"]].assign(
         value=summary[statistic],
         best=[cell in winners for cell in cells],

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA, effects, least_p, p_values
@@ -74,7 +73,9 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
             now = repeated_p(p_now, looks, place)
             better = now < p[tested]
             p[tested[better]], look_of[tested[better]] = now[better], look
-            ends[_decided(holm(p) <= level, one, other, len(names)) & active] = look
+            still_open = holm(p) > level
+            active[one[still_open]] = active[other[still_open]] = False
+            ends[active] = look
             if (there | (ends > 0)).all():
                 reached[problem] = look
         stopped |= {(problem, name): int(end) for name, end in zip(optimizers, ends, strict=True) if end}
@@ -114,12 +115,3 @@ def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) ->
     return adjusted(
         pairs.assign(p=decided["p"].to_numpy(), look=decided["look"].to_numpy(), stopped=stopped, **unknown), alpha
     )
-
-
-def _decided(
-    decided: NDArray[np.bool_], one: NDArray[np.intp], other: NDArray[np.intp], number: int
-) -> NDArray[np.bool_]:
-    """Return which of a number of optimizers have no pair that is open."""
-    still_open = np.zeros(number, dtype=bool)
-    still_open[one[~decided]] = still_open[other[~decided]] = True
-    return ~still_open

@@ -123,7 +123,13 @@ def compare_all(samples: Sequence[Floats], joint: float = 0.95) -> dict[str, Any
         "ks_tied": np.zeros(len(one), dtype=bool), **{name: np.full(len(one), np.nan) for name in numbers},
     }  # fmt: skip
     for places, these, others in alike(samples):
-        for name, values in _compare(these, others, joint).items():
+        if not min(these.shape[1], others.shape[1]):
+            continue
+        estimates = direction.effects(these, others)
+        values_of = {"a12": estimates.a12, "ratio": estimates.ratio, "p": direction.p_values(estimates)}
+        values_of["a12_low"], values_of["a12_high"] = direction.intervals(estimates)
+        values_of["joint_low"], values_of["joint_high"] = direction.intervals(estimates, joint)
+        for name, values in (values_of | ks_tests(these, others)).items():
             columns[name][places] = values
     return columns
 
@@ -141,21 +147,3 @@ def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats,
         for part in np.split(same, range(AT_ONCE, len(same), AT_ONCE)):
             these, others = (np.array([samples[i] for i in places[part]]) for places in (one, other))
             yield part, these, others
-
-
-def _compare(these: Floats, others: Floats, joint: float) -> dict[str, Any]:
-    """Compare pairs of samples, (g, n) and (g, m); an array a column."""
-    if not min(these.shape[1], others.shape[1]):
-        return {}
-    estimates = direction.effects(these, others)
-    ends = {"a12": direction.intervals(estimates), "joint": direction.intervals(estimates, joint)}
-    sides = {
-        f"{name}_{side}": end for name, both in ends.items() for side, end in zip(("low", "high"), both, strict=True)
-    }
-    return {
-        "a12": estimates.a12,
-        "ratio": estimates.ratio,
-        "p": direction.p_values(estimates),
-        **sides,
-        **ks_tests(these, others),
-    }
