@@ -130,13 +130,11 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
     at_once = max(AT_ONCE // work, 1)
     for start in range(0, studies, at_once):
         values = draw(min(at_once, studies - start))
-        p, chance, ratio = np.empty((3, len(values), problems, len(one)))
-        for pair, (i, j) in enumerate(zip(one, other, strict=True)):
-            sides = (values[:, :, optimizer].reshape(-1, trials) for optimizer in (i, j))
-            effect = effects(*sides)
-            p[:, :, pair] = p_values(effect).reshape(len(values), problems)
-            chance[:, :, pair] = effect.a12.reshape(len(values), problems)
-            ratio[:, :, pair] = effect.ratio.reshape(len(values), problems)
+        effect = effects(*(values[:, :, places].reshape(-1, trials) for places in (one, other)))
+        p, chance, ratio = (
+            of_pairs.reshape(len(values), problems, len(one))
+            for of_pairs in (p_values(effect), effect.a12, effect.ratio)
+        )
         means = np.round(weights @ (chance - 0.5), 12)
         size = np.abs(standardised(chance, ratio, axis=1))
         now = slice(start, start + len(values))

@@ -191,7 +191,12 @@ def method_page(atlas: Atlas, method: Method, size: str) -> str:
         ]
     parts += ["## Options, and what is documented", "\n".join(map(_documented, of_method))]
     explained = {seen.implementation.label for seen in of_method if seen.implementation.differs}
-    if unexplained := _unexplained(pairs, explained):
+    unexplained = [
+        f"{code(row['first'])} against {code(row['second'])}"
+        for row in pairs.to_dict("records")
+        if row["different"] and not explained & {row["first"], row["second"]}
+    ]
+    if unexplained:
         parts.append(f"No documented difference is known here for {joined(unexplained)}.")
     if alive:
         parts += ["## Median final bests", table(
@@ -235,11 +240,3 @@ def _pair_row(row: Mapping[Any, Any]) -> list[str]:
     distance = "–" if np.isnan(row["distance"]) else f"{row['distance']:.2f} ({row['floor']:.2f})"
     verdict = "**different**" if row["different"] else "not found different"
     return [f"{code(first)}, {code(second)}", verdict, *(str(row[measure]) for measure in MEASURES), largest, distance]
-
-
-def _unexplained(pairs: pd.DataFrame, explained: set[str]) -> list[str]:
-    return [
-        f"{code(row['first'])} against {code(row['second'])}"
-        for row in pairs.to_dict("records")
-        if row["different"] and not explained & {row["first"], row["second"]}
-    ]
