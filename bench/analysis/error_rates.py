@@ -73,8 +73,9 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: flo
         alpha: the level of all claims.
     """
     on_problems = float(least_p(max(sizes, default=0))) * max(tests, 1)
-    further = least_across(blocks, pairs) <= alpha / 2
-    over = least_across(blocks, pairs) if further else 1.0
+    across = float(2.0 ** (1 - blocks) * max(pairs, 1))  # where all blocks have one sign
+    further = across <= alpha / 2
+    over = across if further else 1.0
     if not further and len(sizes) > 1 and min(sizes) > 1:
         over = float(least_p(sum(sizes))) * max(pairs, 1)
     if max(on_problems, over) <= alpha / 2:
@@ -82,11 +83,6 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: flo
     if over <= alpha / 2:  # a part that can reject at complete separation only must not silence the other one
         return Levels(0.0, alpha, further)
     return Levels(alpha if on_problems <= alpha else 0.0, 0.0, further)
-
-
-def least_across(blocks: int, pairs: int) -> float:
-    """Return the smallest p of the test across blocks after Holm's adjustment: where all of them have one sign."""
-    return float(2.0 ** (1 - blocks) * max(pairs, 1))
 
 
 def rates_of_equals(

@@ -71,7 +71,8 @@ def contributions(frame: pd.DataFrame, sweep: Sweep) -> Contributions:
                 left_out.append(problem)
             continue
         chances_of = dict(zip(samples, chances(list(samples.values())), strict=True))
-        parts = decomposed(_grid({key: float(values.mean()) for key, values in chances_of.items()}, factors))
+        means = [float(chances_of[key].mean()) for key in product(*factors.values())]
+        parts = decomposed(np.reshape(means, [len(values) for values in factors.values()]))
         for axis, (name, own_levels) in enumerate(factors.items()):
             main = 0.5 + parts[(axis,)].ravel()
             levels += [(problem, name, level, chance) for level, chance in zip(own_levels, main, strict=True)]
@@ -181,12 +182,6 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
         )  # fmt: skip
     tests = pd.DataFrame(rows, columns=["factor", "problems", "best", "chance", "lowest", "first", "p", "note"])
     return tests.assign(p_holm=holm(tests["p"].to_numpy(dtype=float)))
-
-
-def _grid(means: Mapping[Levels, float], factors: Mapping[str, Levels]) -> Floats:
-    return np.array([means[key] for key in product(*factors.values())]).reshape(
-        [len(values) for values in factors.values()]
-    )
 
 
 def _strata(samples: Mapping[Levels, Floats], factors: Mapping[str, Levels], name: str) -> list[list[Floats]]:
