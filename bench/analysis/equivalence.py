@@ -87,10 +87,8 @@ def probabilities(table: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """
     rows = []
     for (first, second), of_pair in table.groupby(["first", "second"], sort=False):
-        z = in_ropes(of_pair["difference"].to_numpy(dtype=float), of_pair["rope"].to_numpy(dtype=float))
-        errors = of_pair["error"].to_numpy(dtype=float) / of_pair["rope"].where(of_pair["rope"] > 0).to_numpy(
-            dtype=float
-        )
+        difference, error, rope = of_pair[["difference", "error", "rope"]].to_numpy(dtype=float).T
+        z, errors = in_ropes(difference, rope), error / np.where(rope > 0, rope, np.nan)
         usable = np.isfinite(errors) & (np.abs(z) < FAR)
         further = hierarchical(z[usable], errors[usable], seed) if usable.sum() > 2 else (np.nan,) * 3
         rows.append((first, second, len(of_pair), *signed_rank(z, seed), *further))

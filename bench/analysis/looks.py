@@ -103,13 +103,10 @@ def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) ->
     """
     keys = ["problem", "first", "second"]
     decided = pairs[keys].astype(object).merge(decisions.pairs, on=keys, how="left")
-    stopped = np.array(
-        [
-            any((problem, optimizer) in decisions.stopped for optimizer in pair)
-            for problem, *pair in decided[keys].itertuples(index=False, name=None)
-        ],
-        dtype=bool,
-    )
+    stopped = np.zeros(len(pairs), dtype=bool)
+    for name in ("first", "second"):
+        cells_of = zip(pairs["problem"], pairs[name], strict=True)
+        stopped |= np.array([cell in decisions.stopped for cell in cells_of], dtype=bool)
     ends = ["a12_low", "a12_high", "joint_low", "joint_high"]
     unknown = {name: pairs[name].mask(stopped) for name in ends}
     return adjusted(

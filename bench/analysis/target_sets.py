@@ -82,18 +82,14 @@ def tolerance_times(frame: pd.DataFrame, traces: Traces, expected: Expected, bud
     are not recorded. Trials of a problem without an expected metric have no row.
     """
     trials = frame[frame["problem"].isin([problem for problem, metrics in expected.items() if metrics])]
-    off = np.full(len(trials), np.inf)
+    off, unknown = np.zeros(len(trials)), pd.Series(np.nan, index=trials.index)
     for problem, metrics in expected.items():
         here = (trials["problem"] == problem).to_numpy()
-        apart = np.zeros((here.sum(), 1))
         for metric, (true, tolerance) in metrics.items():
-            metric_values = (
-                trials.loc[here, metric] if metric in trials else pd.Series(np.nan, index=trials.index[here])
-            )
-            difference = (pd.to_numeric(metric_values, errors="coerce").astype(float) - true).abs().to_numpy()
+            metric_values = pd.to_numeric(trials.get(metric, unknown)[here], errors="coerce")
+            difference = (metric_values.astype(float) - true).abs().to_numpy()
             share = difference / tolerance if tolerance > 0 else np.where(difference == 0, 0.0, np.inf)
-            apart = np.column_stack([apart, np.where(np.isfinite(share), share, np.inf)])
-        off[here] = apart.max(axis=1)
+            off[here] = np.maximum(off[here], np.where(np.isfinite(share), share, np.inf))
     ends = [np.append(np.inf, trace.evaluations)[-1] for trace in traces_of(trials, traces)]
     rows, tau = np.repeat(np.arange(len(trials)), len(MULTIPLES)), np.tile(MULTIPLES, len(trials))
     reached = np.where(off[rows] <= tau * (1 + 1e-12), np.array(ends)[rows], np.inf)
@@ -166,18 +162,12 @@ def compare_sets(areas: Mapping[str, pd.DataFrame], optimizers: list[str]) -> pd
     tables = []
     for name, table in areas.items():
         wide = table.pivot(index="problem", columns="optimizer", values="area").reindex(columns=optimizers).dropna()
-        mean = wide.mean()
-        tables.append(
-            pd.DataFrame(
-                {
-                    "set": name,
-                    "problems": len(wide),
-                    "optimizer": optimizers,
-                    "area": mean.to_numpy(dtype=float),
-                    "rank": mean.round(12).rank(ascending=False).to_numpy(dtype=float),
-                }
-            )
-        )
+        area = wide.mean()
+        numbers = {
+            "area": area.to_numpy(dtype=float),
+            "rank": area.round(12).rank(ascending=False).to_numpy(dtype=float),
+        }
+        tables.append(pd.DataFrame({"set": name, "problems": len(wide), "optimizer": optimizers} | numbers))
     columns = ["set", "problems", "optimizer", "area", "rank"]
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
 

@@ -93,12 +93,10 @@ class Scored(Problem):
         """Return the (n, m) violations of the (n, d) points ``x``; a point is feasible where all are at most 0."""
         if not self.handling:
             return None
-        violations = floats(self.problem.violations(x.copy()), f"violations of problem {self.name!r}")  # type: ignore[arg-type]
-        if violations.ndim != 2 or len(violations) != len(x):
-            raise ValueError(
-                f"problem {self.name!r} returned violations of shape {violations.shape} for {len(x)} points"
-            )
-        return violations
+        excess = floats(self.problem.violations(x.copy()), f"violations of problem {self.name!r}")  # type: ignore[arg-type]
+        if excess.ndim != 2 or len(excess) != len(x):
+            raise ValueError(f"problem {self.name!r} returned violations of shape {excess.shape} for {len(x)} points")
+        return excess
 
     def repair(self, x: Floats) -> Floats:
         """Return the points nearest to the (n, d) ``x`` by the problem's own rule."""
