@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench.analysis.landscape import describe
 from bench.analysis.portfolio import Halves, best_gap
-from bench.analysis.selection import NEIGHBOURS, Space, best_on, cell_scores, single_best, usual_reach
+from bench.analysis.selection import NEIGHBOURS, best_on, cell_scores, feature_distances, single_best, usual_reach
 from bench.errors import BenchError
 from bench.plugins.loading import is_imported, load_problem
 from bench.problem import Problem
@@ -90,7 +90,7 @@ def recommend(
     else:
         known = choice.features[choice.features.index.isin(where)]
         own = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
-        near = Space.of(known).distances(own).iloc[0].nsmallest(NEIGHBOURS)
+        near = feature_distances(known, own).iloc[0].nsmallest(NEIGHBOURS)
         winners = [listing(list(row.index[row == row.max()]), 3) for _, row in plain.loc[near.index].iterrows()]
         nearest = pd.DataFrame({"problem": near.index, "distance": near.to_numpy(dtype=float), "best": winners})
         where, charged = list(near.index), choice.charged
