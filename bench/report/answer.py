@@ -59,9 +59,9 @@ def shown(noted: dict[str, Any]) -> Group:
     """Return an answer as lines for a terminal."""
     parts: list[RenderableType] = [Text(str(noted.get("sentence", "")), style="bold")]
     if noted["rows"]:
-        first, *others = map(str, noted["columns"])
+        first, *heads = map(str, noted["columns"])
         table = Table(first, box=None, pad_edge=False)
-        for head in others:
+        for head in heads:
             table.add_column(head, justify="right")
         for row in noted["rows"]:
             table.add_row(*(Text(str(cell)) for cell in row))

@@ -6,7 +6,7 @@ import re
 import zlib
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from itertools import groupby
@@ -16,7 +16,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bench.report.interactive.part import Interactive, digest
-from bench.report.parts import LIKE_FRAME, Figure, Part, Section, Table, TableCell
+from bench.report.parts import Figure, Part, Section, Table, TableCell
 from bench.report.paths import shortened
 from bench.report.wording import clause
 
@@ -111,12 +111,7 @@ def render(
 
 def grid(table: Table) -> Grid:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
-    shown = table
-    if len(table.frame) > table.most_rows:
-        frames = {name: getattr(table, name) for name in LIKE_FRAME}
-        shown = replace(
-            table, **{name: frame.head(table.most_rows) for name, frame in frames.items() if frame is not None}
-        )
+    shown = table.arranged(lambda frame: frame.head(table.most_rows)) if len(table.frame) > table.most_rows else table
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import matplotlib.figure
@@ -76,6 +76,12 @@ class Table:
     cells: Mapping[tuple[Any, Any], tuple[str, str]] | None = None
     most_rows: int = MOST_ROWS
     totals: int = 0
+
+    def arranged(self, change: Callable[[pd.DataFrame], pd.DataFrame]) -> Table:
+        """Return the table with its frame, and every attribute like the frame, changed alike."""
+        frames = {name: getattr(self, name) for name in LIKE_FRAME}
+        changed: dict[str, Any] = {name: change(frame) for name, frame in frames.items() if frame is not None}
+        return replace(self, **changed)
 
     @property
     def has_index(self) -> bool:
