@@ -188,7 +188,7 @@ def inline(svg: str, name: str, caption: str) -> Markup:
 
 def _properties(element: ElementTree.Element) -> dict[str, str]:
     """Return the style of an element, by property."""
-    pairs = (each.partition(":") for each in element.get("style", "").split(";") if each.strip())
+    pairs = (pair.partition(":") for pair in element.get("style", "").split(";") if pair.strip())
     return {name.strip(): value.strip() for name, _, value in pairs}
 
 
@@ -211,8 +211,8 @@ def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
         )
     if key == "style":
         value = re.sub(r"([:;]) +", r"\1", value)
-        value = re.sub(r"#(000000|ffffff|dddddd)\b", lambda found: PAGE_COLOURS[found[0]], value)
-    return re.sub(r"(^|url\()#([^)]+)", lambda found: f"{found[1]}#{ids.get(found[2], found[2])}", value)
+        value = re.sub(r"#(000000|ffffff|dddddd)\b", lambda colour: PAGE_COLOURS[colour[0]], value)
+    return re.sub(r"(^|url\()#([^)]+)", lambda link: f"{link[1]}#{ids.get(link[2], link[2])}", value)
 
 
 def _slim(parent: ElementTree.Element) -> list[ElementTree.Element]:
@@ -252,7 +252,7 @@ def _hoist(group: ElementTree.Element) -> None:
     styles = {shape.get("style", "") for shape in shapes}
     if len(shapes) > 1 and len(styles) == 1 and "style" not in group.attrib:
         style = styles.pop()
-        if style and all(each.lstrip().startswith(("fill", "stroke")) for each in style.split(";")):
+        if style and all(pair.lstrip().startswith(("fill", "stroke")) for pair in style.split(";")):
             group.set("style", style)
             for shape in shapes:
                 del shape.attrib["style"]
@@ -260,7 +260,7 @@ def _hoist(group: ElementTree.Element) -> None:
 
 def _widest(views: list[View]) -> int:
     """Return the number of columns of the page's widest table."""
-    items = [item for view in views for each in (view, *view.views) for item in each.items]
+    items = [item for outer in views for view in (outer, *outer.views) for item in view.items]
     return max((len(item.grid.header) for item in items), default=0)
 
 

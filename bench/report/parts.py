@@ -113,18 +113,18 @@ class Table:
                 )
             ]
             for name, values in self.frame.items()
-            for styles in [[self._styles(which, name) for which in looks]]
+            for styles in [[self._styles(like_frame, name) for like_frame in looks]]
             for decimals in [self._decimals(name, values)]
         ]  # fmt: skip
         heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
 
     def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:
-        given = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
-        return usual_decimals(values) if given is None and _is_number(values) else given
+        decimals = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
+        return usual_decimals(values) if decimals is None and _is_number(values) else decimals
 
-    def _styles(self, which: pd.DataFrame | None, column: Any) -> list[Any]:
-        return [None] * len(self.frame) if which is None or column not in which else list(which[column])
+    def _styles(self, like_frame: pd.DataFrame | None, column: Any) -> list[Any]:
+        return [None] * len(self.frame) if like_frame is None or column not in like_frame else list(like_frame[column])
 
 
 def _is_number(values: pd.Series[Any]) -> bool:
