@@ -99,15 +99,9 @@ class _Explored:
     @cached_property
     def rows(self) -> dict[tuple[str, str], list[int]]:
         """The numbers of the frame's rows of each cell that has any, in the study's order."""
-        frame, optimizers = self.findings.trials.whole, self.findings.trials.optimizers
-        places = frame["problem"].cat.codes.to_numpy(int) * len(optimizers) + frame["optimizer"].cat.codes.to_numpy(int)
-        order = np.argsort(places, kind="stable")
-        kinds, starts = np.unique(places[order], return_index=True)
-        labels = analysis.labels(frame, "problem")
-        return {
-            (labels[kind // len(optimizers)], optimizers[kind % len(optimizers)]): places_of.tolist()
-            for kind, places_of in zip(kinds.tolist(), np.split(order, starts[1:]), strict=True)
-        }
+        cells = self.findings.trials.whole.groupby(["problem", "optimizer"], observed=True)
+        rows_of = cast("Mapping[tuple[str, str], NDArray[np.int64]]", cells.indices)
+        return {cell: rows.tolist() for cell, rows in rows_of.items()}
 
     @cached_property
     def columns(self) -> dict[str, list[Any]]:
