@@ -60,16 +60,15 @@ def _functions(trials: Trials, problems: Iterable[str], optimizers: int) -> dict
     if not trials.many:
         return {}
     features = {label: trials.known[label].features for label in problems}
-    suites = {str(each.get("suite", "")) for each in features.values()}
-    places = {
-        (f"{each.get('suite', '')} {each.get('function', '')}" if len(suites) > 1 else str(each.get("function", "")),
-         trials.dimensions.get(label, 0)): label
-        for label, each in features.items()
-    }  # fmt: skip
+    suites = {str(of_problem.get("suite", "")) for of_problem in features.values()}
+    places = {}
+    for label, of_problem in features.items():
+        function = str(of_problem.get("function", ""))
+        name = f"{of_problem.get('suite', '')} {function}" if len(suites) > 1 else function
+        places[name, trials.dimensions.get(label, 0)] = label
     dimensions = {dimension for _, dimension in places}
-    whole = (
-        len(places) == len(features) and all("function" in each for each in features.values()) and 0 not in dimensions
-    )
+    named = all("function" in of_problem for of_problem in features.values())
+    whole = len(places) == len(features) and named and 0 not in dimensions
     fits = len(dimensions) > 1 and optimizers * len(dimensions) <= MOST_BLOCKS
     return places if whole and fits else {}
 
@@ -110,11 +109,11 @@ def pair_matrix(findings: Findings) -> Table:
             clear.at[first, second] = clear.at[second, first] = True
     texts = chances.map(lambda chance: "" if pd.isna(chance) else f"{chance:.2f}").astype(object)
     left = len(findings.trials.optimizers) - len(order)
-    rest = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
+    of_best = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
     return Table(
         "pair-matrix",
         "The chance that a run of the optimizer of the row ends lower than one of that of the column, averaged over "
-        f"problems.{rest}",
+        f"problems.{of_best}",
         texts.rename_axis(index="optimizer", columns=None),
         bold=clear,
         shades=1 - chances,
@@ -148,9 +147,9 @@ def _beside_first(final: Final) -> pd.DataFrame:
     first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))
     first_ones = best.to_numpy()
     near = first_ones.copy()
-    for one, other in ((first, second), (second, first)):
-        beside = first_ones[row, one]
-        near[row[beside], other[beside]] = True
+    for column, rival in ((first, second), (second, first)):
+        beside = first_ones[row, column]
+        near[row[beside], rival[beside]] = True
     return pd.DataFrame(near, index=best.index, columns=best.columns)
 
 
@@ -183,4 +182,4 @@ def ranking_table(findings: Findings) -> Table:
 
 
 def _with_interval(values: pd.Series[Any], low: pd.Series[Any], high: pd.Series[Any]) -> list[str]:
-    return [f"{one:.2f} [{least:.2f}, {most:.2f}]" for one, least, most in zip(values, low, high, strict=True)]
+    return [f"{value:.2f} [{least:.2f}, {most:.2f}]" for value, least, most in zip(values, low, high, strict=True)]
