@@ -56,8 +56,8 @@ def _again(folder: Folder, study: Study, trial: Trial) -> Again:
     name = printable(f"{trial.optimizer} on {trial.problem}, trial {trial.number}", LONGEST)
     alone = replace(
         study,
-        problems=tuple(each for each in study.problems if each.label == trial.problem),
-        optimizers=tuple(each for each in study.optimizers if each.label == trial.optimizer),
+        problems=tuple(entry for entry in study.problems if entry.label == trial.problem),
+        optimizers=tuple(entry for entry in study.optimizers if entry.label == trial.optimizer),
         controls=(),
         looks=(),
     )
