@@ -98,8 +98,8 @@ def make_runs(
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     with Pool(n_jobs, ready) as pool:
         begun = [_begin(pool, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
-        for each in begun:
-            yield each if isinstance(each, BenchError) else _collect(tasks, each)
+        for futures in begun:
+            yield futures if isinstance(futures, BenchError) else _collect(tasks, futures)
 
 
 def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[CheckRun]) -> list[Future[Any]] | BenchError:
@@ -114,8 +114,8 @@ def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchErr
     """Wait for the runs of one optimizer; with the first that fails the others are given up."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
-        for task, each in zip(tasks, answers(begun), strict=True):
-            made[task.kind].setdefault(task.name, []).append(_summary(each, task.dimension))
+        for task, answer in zip(tasks, answers(begun), strict=True):
+            made[task.kind].setdefault(task.name, []).append(_summary(answer, task.dimension))
     except BenchError as error:
         return error
     return Runs(**made)
@@ -170,7 +170,7 @@ def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
 
 @lru_cache(maxsize=1)
 def _libraries(modules: int) -> ThreadpoolController:  # noqa: ARG001 - they are looked for again after imports
-    """Return what limits the threads of the libraries that are loaded; looking for these takes as long as a short run."""
+    """Return what limits the threads of the libraries that are loaded; looking for them takes as long as a run."""
     return ThreadpoolController()
 
 

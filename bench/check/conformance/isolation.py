@@ -33,10 +33,10 @@ def check_repetition(subject: Subject) -> str:
     )
     run = subject.run()
     expect_same(run.course(), subject.run().course(), "two runs of one seed differ", remedy)
-    others = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
-    if all(other.course() == run.course() for other in others):
+    reseeded = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
+    if all(other_run.course() == run.course() for other_run in reseeded):
         return "deterministic: the seed repeats the run, and so does every other seed"
-    if not any(each.drew for each in (run, *others)):
+    if not any(made.drew for made in (run, *reseeded)):
         return "a seed repeats its run, other seeds give others; nothing is drawn from rng"
     return "a seed repeats its run, other seeds give others"
 
@@ -54,10 +54,10 @@ def check_processes(subject: Subject) -> str:
             packed = subject.packed or pack(subject)
             there = process.call(courses, packed, seeds[::-1], seconds=START_SECONDS, printed=PRINTED)
         except LOST as error:
-            finding, other_mend = explain_lost_process(error, process.note)
-            raise ViolationError(f"in another process, {finding}", other_mend) from error
-    for mine, other in zip(here, reversed(there), strict=True):
-        expect_same(mine, other, "a seed gives another run in another process, after other runs", remedy)
+            finding, remedy_of_loss = explain_lost_process(error, process.note)
+            raise ViolationError(f"in another process, {finding}", remedy_of_loss) from error
+    for course_here, course_there in zip(here, reversed(there), strict=True):
+        expect_same(course_here, course_there, "a seed gives another run in another process, after other runs", remedy)
     return f"{len(seeds)} trials gave the same runs in two processes, in two orders"
 
 
@@ -79,7 +79,7 @@ def check_state(subject: Subject) -> str:
         raise ViolationError(
             f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", remedy
         )
-    new, again = (subject.run(optimizer=each, seed=1) for each in (None, used))
+    new, again = (subject.run(optimizer=instance, seed=1) for instance in (None, used))
     expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", remedy)
     return "a second run of one instance equals that of a new one"
 
@@ -93,8 +93,8 @@ def check_pickling(subject: Subject) -> str:
         raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", remedy)
     if parameters(copy) != parameters(optimizer) and copy != optimizer:
         raise ViolationError("its pickled copy has other parameters", remedy)
-    run, other = (subject.run(optimizer=each) for each in (optimizer, copy))
-    expect_same(run.course(), other.course(), "its pickled copy runs differently", remedy)
+    run, run_of_copy = (subject.run(optimizer=instance) for instance in (optimizer, copy))
+    expect_same(run.course(), run_of_copy.course(), "its pickled copy runs differently", remedy)
     return "a pickled copy has the same parameters and gives the same run"
 
 
@@ -107,17 +107,17 @@ def check_global_states(subject: Subject) -> str:
     run = subject.run()
     if run.touched:
         raise ViolationError(f"a run changes the global random state of {' and '.join(run.touched)}", remedy)
-    other = subject.run(global_seed=1)
-    expect_same(run.course(), other.course(), "a run depends on the global random states", remedy)
+    reseeded = subject.run(global_seed=1)
+    expect_same(run.course(), reseeded.course(), "a run depends on the global random states", remedy)
     return "the global random states of Python and numpy are neither used nor changed"
 
 
 def check_anonymity(subject: Subject) -> str:
     """A problem's name, variables and known optimum change nothing."""
-    run, other = subject.run(), subject.run(bowl(name="other", variables=("a", "b", "c"), optimum=-1.0))
+    run, renamed = subject.run(), subject.run(bowl(name="other", variables=("a", "b", "c"), optimum=-1.0))
     finding = "its run depends on the problem's name, variables or known optimum"
     remedy = "use nothing of the problem but the objective's values and bounds"
-    expect_same(run.course(), other.course(), finding, remedy)
+    expect_same(run.course(), renamed.course(), finding, remedy)
     return "the problem's name, variables and known optimum change nothing"
 
 

@@ -37,8 +37,8 @@ def check_strictly(subject: Subject) -> str:
         try:
             process.finish(seconds=START_SECONDS, printed=PRINTED)
         except LOST as error:
-            finding, other_mend = explain_lost_process(error, process.note)
-            raise ViolationError(f"with the problem in another process, {finding}", other_mend) from error
+            finding, remedy_of_loss = explain_lost_process(error, process.note)
+            raise ViolationError(f"with the problem in another process, {finding}", remedy_of_loss) from error
         process.close()
         apart = keeper.finish(seconds=START_SECONDS)
     expect_same(here, apart, "with problem and budget in another process, its run is another", remedy)
@@ -54,8 +54,8 @@ def keep(budget: int, seed: int, end: int) -> list[int]:
 
 def run_apart(packed: bytes, budget: int, end: int) -> None:
     """Run the optimizer on the problem at the other end of the socket."""
-    subject, known = unpack(packed), bowl()
-    problem = strict.RemoteProblem(end, known.lower, known.upper, integer_flags(known))
+    subject, ordinary = unpack(packed), bowl()
+    problem = strict.RemoteProblem(end, ordinary.lower, ordinary.upper, integer_flags(ordinary))
     start_stream, search_stream = streams(subject.seed)
     objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1), seeded_global_states(0), suppress(BudgetExhausted):
