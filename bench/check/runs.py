@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
-import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import threadpool_limits
 
 from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.conformance.subject import make_subject, pack, unpack
@@ -122,8 +121,12 @@ def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchErr
 
 
 def ready() -> None:
-    """Load this module, and numba for the passes over points: a fork finds both, where each would take a second."""
+    """Load this module and numba, and limit BLAS to one thread, once for all forks.
+
+    Importing numba, for the passes over points, takes about a second; finding the libraries of BLAS, milliseconds.
+    """
     passes(FUNCTION_BUDGET, 1)
+    threadpool_limits(limits=1)
 
 
 def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
@@ -132,7 +135,8 @@ def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
         made = summarise(unpack(packed).fresh(), task)
     except BenchError as error:
         return {"error": str(error)}
-    return vars(made) | {"x": made.x.tolist(), "first": made.first.tobytes().hex()}
+    first = base64.b64encode(made.first.tobytes()).decode()  # thousands of numbers, which would take longer as digits
+    return vars(made) | {"x": made.x.tolist(), "first": first}
 
 
 def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
@@ -151,8 +155,7 @@ def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
         seed = trial_seed(task.seed, label, "centre bias", task.run)
     generation = optimizer.minimum_budget
     try:
-        with _libraries(len(sys.modules)).limit(limits=1):
-            result = search(problem, optimizer, max(task.budget, GENERATIONS * generation), seed, end_if_stuck)
+        result = search(problem, optimizer, max(task.budget, GENERATIONS * generation), seed, end_if_stuck)
     except BenchError:
         raise
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
@@ -168,12 +171,6 @@ def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
     )
 
 
-@lru_cache(maxsize=1)
-def _libraries(modules: int) -> ThreadpoolController:  # noqa: ARG001 - they are looked for again after imports
-    """Return what limits the threads of the libraries that are loaded; looking for them takes as long as a run."""
-    return ThreadpoolController()
-
-
 def on_bound(x: Floats) -> NDArray[np.bool_]:
     """Return where points, as shares of the box, lie exactly on a bound, as a clip leaves them in these boxes."""
     return np.asarray((x == 0) | (x == 1))
@@ -183,7 +180,7 @@ def _summary(answer: Any, dimension: int) -> RunSummary:
     """Return the summary in a process's answer; raises BenchError for what is no summary."""
     try:
         x = np.asarray(answer["x"], dtype=np.float64)
-        first = np.frombuffer(bytes.fromhex(answer["first"])).reshape(-1, dimension)
+        first = np.frombuffer(base64.b64decode(answer["first"]), dtype=np.float64).reshape(-1, dimension)
         made = RunSummary(float(answer["best"]), x, first, float(answer["clamped"]), str(answer["course"]))
         if x.shape != (dimension,):
             raise ValueError
