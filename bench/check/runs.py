@@ -17,6 +17,7 @@ from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.conformance.subject import make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
+from bench.objective import passes
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
 from bench.sandbox.pool import Pool
@@ -120,7 +121,11 @@ def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchErr
 
 
 def ready() -> None:
-    """Load this module, and limit BLAS to one thread: once a process, as finding its libraries takes milliseconds."""
+    """Load this module and numba, and limit BLAS to one thread, once for all forks.
+
+    Importing numba, for the passes over points, takes about a second; finding the libraries of BLAS, milliseconds.
+    """
+    passes(FUNCTION_BUDGET, 1)
     threadpool_limits(limits=1)
 
 

@@ -10,7 +10,7 @@ from bench import Problem
 from bench.errors import BenchError
 from bench.families import Grid, Member
 from bench.typing import Floats
-from problems.common import Suite, SuiteProblem
+from problems.common import Suite, SuiteProblem, features_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 30, 40, 50, 100)
 INSTANCES = 15
@@ -78,12 +78,8 @@ def _problem(name: str, member: Member, rotate: object = True) -> Problem:
 
     evaluate(best[None])  # compile before processes are forked
     separable = function.separable and (not rotate or member.function == "sphere")
-    features: dict[str, str | int] = {
-        "suite": "classical",
-        "function": member.function,
-        "instance": member.instance,
-        "group": f"{function.modality}, {'separable' if separable else 'non-separable'}",
-    }
+    group = f"{function.modality}, {'separable' if separable else 'non-separable'}"
+    features = features_of("classical", member, group)
     options = {} if rotate else {"rotate": False}
     return SuiteProblem(evaluate, lower, upper, name=name, optimum=0.0, features=features, options=options)
 
