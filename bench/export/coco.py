@@ -203,18 +203,18 @@ def _function_files(
     place = places[cells[0].problem]
     index, logs = [], {}
     for dimension, group in groupby(cells, attrgetter("dimension")):
-        own = list(group)
+        in_dimension = list(group)
         path = f"data_f{place.function}/bbobexp_f{place.function}_DIM{dimension}"
         logs[path] = [
             Run(places[cell.problem].instance, optima[cell.problem].value, trial)
-            for cell in own
+            for cell in in_dimension
             for trial in cell.trials
         ]
         head = (
             f"suite = '{place.suite}', funcId = {place.function}, DIM = {dimension}, Precision = {PRECISION:.3e}, "
             f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{place.suite}', data_format = 'bbob-new2'"
         )
-        comment = own[0].problem if place.own else f"{STAND_IN}{own[0].problem}"
+        comment = in_dimension[0].problem if place.own else f"{STAND_IN}{in_dimension[0].problem}"
         index += [head, f"% {comment}", ", ".join([f"{path}.dat", *map(_indexed, logs[path])])]
     yield f"bbobexp_f{place.function}.info", "\n".join([*index, ""])
     for path, runs in logs.items():

@@ -108,11 +108,12 @@ def places_in_ioh(results: Results) -> dict[str, Place]:
             found[entry.label] = Place(results.study.name, number, entry.label, 1, None)
             continue
         if named := re.fullmatch(r"f(\d+)", function):
-            own = int(named[1])
+            function_number = int(named[1])
         else:
-            own = numbers.setdefault((suite, function), sum(known == suite for known, _ in numbers) + 1)
-        name = BBOB[own - 1] if suite in SUITES else function
-        found[entry.label] = Place(SUITES.get(suite, suite), own, name, int(instance), facts.optimum or 0.0)
+            before = sum(numbered_suite == suite for numbered_suite, _ in numbers)
+            function_number = numbers.setdefault((suite, function), before + 1)
+        name = BBOB[function_number - 1] if suite in SUITES else function
+        found[entry.label] = Place(SUITES.get(suite, suite), function_number, name, int(instance), facts.optimum or 0.0)
     return found
 
 
@@ -149,15 +150,16 @@ def _function_files(
 def _run(place: Place, trial: ExportedTrial) -> dict[str, Any]:
     """Return the entry of a trial."""
     trace = _above(place, trial)
-    found = len(trace.values) > 0
+    improved = len(trace.values) > 0
     best = {
-        "evals": int(trace.evaluations[-1]) if found else trial.nfev,
-        "y": float(trace.values[-1]) if found else None,
+        "evals": int(trace.evaluations[-1]) if improved else trial.nfev,
+        "y": float(trace.values[-1]) if improved else None,
         "x": [value if math.isfinite(value) else None for value in trial.x.tolist()],
     }
-    own = {} if place.optimum is None else {F_OPT: place.optimum}
+    attributes = {} if place.optimum is None else {F_OPT: place.optimum}
     return {
-        "instance": place.instance, "evals": trial.nfev, "best": best, "trial": trial.number, "seed": trial.seed, **own
+        "instance": place.instance, "evals": trial.nfev, "best": best, "trial": trial.number,
+        "seed": trial.seed, **attributes,
     }  # fmt: skip
 
 

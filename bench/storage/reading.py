@@ -118,16 +118,16 @@ class Reader:
 
         The note lags behind the store after a kill. Where it is ahead, commits are lost.
         """
-        noted, own, counts = self._noted, self._noted, []
+        noted, stored, counts = self._noted, self._noted, []
         with suppress(sqlite3.DatabaseError):
             counts = self._connection.execute("SELECT commits, trials FROM committed").fetchall()
-        if len(counts) == 1 and all(isinstance(each, int) for each in counts[0]):
-            own = Committed(*counts[0])
+        if len(counts) == 1 and all(isinstance(count, int) for count in counts[0]):
+            stored = Committed(*counts[0])
         else:
             found.structure = "its count of commits cannot be read"
         found.trials = rows
-        found.lost = max(noted.commits - own.commits, 0)
-        found.missing = max((noted if found.lost else own).trials - rows, 0)
+        found.lost = max(noted.commits - stored.commits, 0)
+        found.missing = max((noted if found.lost else stored).trials - rows, 0)
         return found
 
     def check(self, *, structure: bool) -> StoreCheck:
@@ -142,8 +142,8 @@ class Reader:
         for _ in self.chunks(found):
             pass
         if structure:
-            said = _text(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
-            found.structure = found.structure if said == "ok" else " ".join(said.split())
+            answer = _text(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
+            found.structure = found.structure if answer == "ok" else " ".join(answer.split())
         return found
 
     def chunks(self, found: StoreCheck) -> Iterator[list[tuple[Any, ...]]]:
