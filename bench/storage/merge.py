@@ -39,7 +39,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
         BenchError: when the folders hold different studies, data or code, or a trial with different outcomes, and when
             the output holds damaged trials.
     """
-    sources, target = [Folder(folder) for folder in folders], Folder(output)
+    sources, target = [Folder(path) for path in folders], Folder(output)
     if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
         raise BenchError("a folder is given twice; give folders that differ, and another one to write")
     study = _common([(source, source.study()) for source in sources])
@@ -59,9 +59,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
                 if not check.sound:
                     notes.append(f"{source.path}: {check.sentence}")
         target.write_environments()
-        if described := {
-            label: description for source in sources for label, description in source.noted(DESCRIPTIONS).items()
-        }:
+        if described := {label: about for source in sources for label, about in source.noted(DESCRIPTIONS).items()}:
             target.note(DESCRIPTIONS, described)
         rows = sum(cell.done + cell.failed for cell in target.store.cells())
     return Merged(rows, added, same, tuple(notes))
@@ -70,13 +68,13 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
 def _common(studies: list[tuple[Folder, Study]]) -> Study:
     """Return the study of all folders, with the largest number of trials and the controls of all."""
     first, study = studies[0]
-    for folder, part in studies[1:]:
-        if part.identity() != study.identity():
-            how = listed(study.differences(part), between="; ")
+    for folder, other in studies[1:]:
+        if other.identity() != study.identity():
+            how = listed(study.differences(other), between="; ")
             raise BenchError(
                 f"{folder.path} holds another study than {first.path} ({how}); only parts of one study can be merged"
             )
-        study = study.joined(part)
+        study = study.joined(other)
     return study
 
 

@@ -88,17 +88,18 @@ class Results:
         self._sources = _sources([Folder(folder) for folder in (path, *others)])
         self.names = [source.name for source in self._sources]
         self.study = united([source.study for source in self._sources], self.names)
-        optimizers = {
-            entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers
-        }
-        self.budgets = {label: source.study.budget for label, (_, source) in optimizers.items()}
+        shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
+        self.budgets = {label: source.study.budget for label, (_, source) in shown.items()}
         self.looked = [source.name for source in self._sources if source.study.looks and others]
-        self.planned = {}
-        for label, (name, source) in optimizers.items():
-            trials = source.study.looks[0] if source.name in self.looked else source.study.trials
-            self.planned[label] = 0 if is_imported(name) else trials
+        trials = {
+            source.name: source.study.looks[0] if source.name in self.looked else source.study.trials
+            for source in self._sources
+        }
+        self.planned = {
+            label: 0 if is_imported(name) else trials[source.name] for label, (name, source) in shown.items()
+        }
         self._problems = {
-            label: {entry.label for entry in source.study.problems} for label, (_, source) in optimizers.items()
+            label: {entry.label for entry in source.study.problems} for label, (_, source) in shown.items()
         }
         self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
@@ -117,7 +118,7 @@ class Results:
         for source in self._sources:
             for cell in source.folder.store.cells():
                 counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
-        rows = [(label, f"{status['ok']:,}", f"{status.total() - status['ok']:,}") for label, status in counts.items()]
+        rows = [(label, f"{count['ok']:,}", f"{count.total() - count['ok']:,}") for label, count in counts.items()]
         about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
         return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
 
@@ -306,7 +307,7 @@ class _Source:
 
     def read(self, tidy: Tidy, problems: Collection[str]) -> None:
         """Add the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
-        problem_labels = {entry.label for entry in self.study.problems}
+        labels = {entry.label for entry in self.study.problems}
         self.found = StoreCheck()
         self.folder.store.require()
         with self.folder.store.reader() as reader:
@@ -314,13 +315,13 @@ class _Source:
             cells = {
                 cell: (self.study.name, problem, self.shown[optimizer])
                 for cell, (problem, optimizer) in reader.labels.items()
-                if problem in problem_labels and optimizer in self.shown
+                if problem in labels and optimizer in self.shown
             }
             wanted = {cell for cell, (_, problem, _) in cells.items() if problem in problems}
             for rows in reader.chunks(self.found):
                 if strange := {row[CELL] for row in rows} - cells.keys():
                     problem, optimizer = reader.labels[min(strange)]
-                    label = optimizer if problem in problem_labels else problem
+                    label = optimizer if problem in labels else problem
                     raise BenchError(
                         f"{self.folder.path} holds trials of {label!r}, which its "
                         "study.toml does not name; put back the study.toml that the run wrote"
@@ -344,12 +345,12 @@ def _sources(folders: list[Folder]) -> list[_Source]:
     studies = [folder.study() for folder in folders]
     names = _short_names([folder.path for folder in folders])
     labels = Counter(entry.label for study in studies for entry in study.with_controls)
-    every = [
+    labelled = [
         f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
         for study, name in zip(studies, names, strict=True)
         for entry in study.with_controls
     ]
-    distinct = iter(unique(every))  # a label may already equal another one with its folder
+    distinct = iter(unique(labelled))  # a label may already equal another one with its folder
     sources: list[_Source] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.with_controls}
@@ -361,8 +362,8 @@ def _sources(folders: list[Folder]) -> list[_Source]:
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
         before = sum(len(source.environments) for source in sources)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
-        relabelled = dataclasses.replace(study, optimizers=optimizers, controls=controls)
-        sources.append(_Source(folder, name, relabelled, shown, environments, places))
+        renamed = dataclasses.replace(study, optimizers=optimizers, controls=controls)
+        sources.append(_Source(folder, name, renamed, shown, environments, places))
     return sources
 
 
@@ -372,7 +373,7 @@ def _short_names(paths: list[Path]) -> list[str]:
     if len(set(parts)) < len(parts):
         raise BenchError(f"{paths[0]} is given twice; give folders that differ")
     for depth in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(of_path[-depth:]) for of_path in parts]
+        names = ["/".join(path_parts[-depth:]) for path_parts in parts]
         if len(set(names)) == len(names):
             break
     return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
@@ -381,8 +382,8 @@ def _short_names(paths: list[Path]) -> list[str]:
 def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
     """Return the fingerprints of all folders; raises BenchError when a problem's data differs between folders."""
     agreed: dict[str, str] = {}
-    for in_folder, path in zip(fingerprints, paths, strict=True):
-        for label, fingerprint in in_folder.items():
+    for of_folder, path in zip(fingerprints, paths, strict=True):
+        for label, fingerprint in of_folder.items():
             if agreed.setdefault(label, fingerprint) != fingerprint:
                 raise BenchError(
                     f"{path} ran problem {label!r} on other data than {paths[0]}; only runs on the same data can be "
