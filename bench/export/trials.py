@@ -49,7 +49,7 @@ class ExportedCell:
 
 
 def exported_cells(results: Results) -> list[ExportedCell]:
-    """Return the cells that have a finished trial, optimizer by optimizer in the study's order.
+    """Return the cells that have a finished trial, problem by problem in the study's order.
 
     Raises:
         BenchError: when no trial finished.
@@ -59,27 +59,18 @@ def exported_cells(results: Results) -> list[ExportedCell]:
     if finished.empty:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
     cells, traces = [], results.traces
-    by_problem = dict(iter(finished.groupby("problem", observed=True)))
-    names = {problem: variables(rows) for problem, rows in by_problem.items()}
-    by_cell = {
-        (problem, optimizer): rows
-        for problem, here in by_problem.items()
-        for optimizer, rows in here.groupby("optimizer", observed=True)
-    }
-    for optimizer in results.study.optimizers:
-        for problem in results.study.problems:
-            rows = by_cell.get((problem.label, optimizer.label))
-            if rows is None:
-                continue
-            points = rows[names[problem.label]].to_numpy(dtype=np.float64)
+    for _, on_problem in finished.groupby("problem", sort=False):
+        names, problem = variables(on_problem), str(on_problem["problem"].iat[0])
+        for _, rows in on_problem.groupby("optimizer", sort=False):
+            optimizer = str(rows["optimizer"].iat[0])
+            points = rows[names].to_numpy(dtype=np.float64)
             seeds = [None if pd.isna(seed) else int(seed) for seed in rows["seed"]]
-            columns = rows["trial"].tolist(), seeds, rows["nfev"], points
             trials = tuple(
-                ExportedTrial(trial, seed, int(nfev), x, traces[problem.label, optimizer.label, trial])
-                for trial, seed, nfev, x in zip(*columns, strict=True)
+                ExportedTrial(number, seed, int(nfev), x, traces[problem, optimizer, number])
+                for number, seed, nfev, x in zip(rows["trial"].tolist(), seeds, rows["nfev"], points, strict=True)
             )
-            dimension = points.shape[1] or results.dimension(problem.label)
-            cells.append(ExportedCell(problem.label, optimizer.label, dimension, trials))
+            dimension = points.shape[1] or results.dimension(problem)
+            cells.append(ExportedCell(problem, optimizer, dimension, trials))
     return cells
 
 
