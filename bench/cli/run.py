@@ -116,9 +116,9 @@ def command(
     The same command continues where the last one ended: every finished trial is kept. An optimizer that raises, hangs
     or crashes loses only its own trials: they count as failed, and the next run tries them again.
     """
-    from bench.execution.pool import WorkerDiedError
     from bench.execution.progress import Display
     from bench.execution.runner import plan, run
+    from bench.execution.supervisor import WorkerDiedError
     from bench.study import Study
 
     if study is None:

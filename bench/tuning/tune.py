@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from filelock import FileLock, Timeout
 
-from bench.analysis.finished_trials import NO_TRACE
+from bench.analysis.cells import NO_TRACE
 from bench.analysis.target_sets import aocc
 from bench.errors import BenchError, require
 from bench.helpers.console import OnStep

@@ -59,6 +59,5 @@ def run_apart(packed: bytes, budget: int, end: int) -> None:
     start_stream, search_stream = streams(subject.seed)
     objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1), seeded_global_states(0), suppress(BudgetExhausted):
-        problem.begin()
         subject.fresh().minimize(objective, search_stream)
-    problem.end(objective.stop_reason)
+    problem.close()
