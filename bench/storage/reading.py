@@ -149,7 +149,7 @@ class Reader:
     def chunks(self, check: StoreCheck) -> Iterator[list[tuple[Any, ...]]]:
         """Yield the rows that fit their digests, of the columns ``READ``, cell by cell, some at a time.
 
-        Texts are UTF-8. When all rows are read, ``found`` is the outcome of the check.
+        Texts are UTF-8. When all rows are read, ``check`` is the outcome of the check.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
