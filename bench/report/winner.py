@@ -75,7 +75,7 @@ class Standing:
 
     Attributes:
         ranking: of :func:`bench.analysis.ranking`, with rank_low and rank_high of
-            :func:`bench.analysis.ranking_certainty`.
+            :func:`bench.analysis.ranking_certainty`, in the order in which optimizers of one mean rank are named.
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
         across: by (one, other), the comparison over all problems.
         levels: of the tests on problems and over all of them; 0 where no test can be significant.
@@ -132,14 +132,8 @@ class Standing:
 
     @cached_property
     def ordered(self) -> list[str]:
-        """The optimizers by mean rank, and by the mean chance to beat another where they tie."""
-        chances = {pair: 0.5 if math.isnan(seen.chance) else seen.chance for pair, seen in self.across.items()}
-
-        def place(label: str) -> tuple[float, float]:
-            chance = sum(chances[label, rival] for rival in self.mean_ranks if rival != label)
-            return round(self.mean_ranks[label], 9), -round(chance, 9)
-
-        return sorted(self.mean_ranks, key=place)
+        """The optimizers by mean rank, in the order of the ranking where they tie."""
+        return sorted(self.mean_ranks, key=lambda label: round(self.mean_ranks[label], 9))
 
     @property
     def level(self) -> list[str]:

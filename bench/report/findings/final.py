@@ -152,6 +152,14 @@ class Final:
 
     @cached_property
     def ranked(self) -> list[str]:
-        """The labels of the optimizers by mean rank, those without one last."""
+        """The labels of the optimizers in the order of every part of a report; those without a mean rank last.
+
+        They are sorted by mean rank, and by the mean chance to beat another where they tie.
+        """
+        pairs = self.improvement.fillna({"probability": 0.5})
+        won = pairs.groupby("first", observed=True)["probability"].sum()
+        lost = (1 - pairs["probability"]).groupby(pairs["second"], observed=True).sum()
         ranks = self.ranking.set_index("optimizer")["mean_rank"]
-        return list(ranks.sort_values(kind="stable", na_position="last").index)
+        chances = won.add(lost, fill_value=0).reindex(ranks.index)
+        order = pd.DataFrame({"rank": ranks.round(9), "chance": -chances.round(9)})
+        return list(order.sort_values(["rank", "chance"], na_position="last").index)

@@ -66,6 +66,7 @@ def standing(findings: Findings) -> Standing:
     trials, final = findings.trials, findings.final
     complete = list(final.medians.index)
     ranking = final.ranking.merge(final.certainty.drop(columns="problems"), on="optimizer")
+    ranking = ranking.sort_values("optimizer", key=lambda labels: labels.astype(object).map(final.ranked.index))
     clear = final.pairs[final.pairs["problem"].isin(complete) & (final.pairs["lower"] != "")]
     beaten: Counter[tuple[str, str]] = Counter()
     for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):

@@ -212,9 +212,8 @@ def test_who_is_ahead_at_smaller_budgets(lowest, said):
 def test_optimizers_that_share_the_second_rank_are_all_named():
     tied = standing({"a": 1.0, "goa": 2.5, "de": 2.5, "gwo": 4.0})
     for second, other in (("goa", "de"), ("de", "goa")):
-        pair = tied.across[second, "gwo"]._replace(chance=0.9)
-        ahead = replace(tied, across=tied.across | {(second, "gwo"): pair})
-        said = lines(ahead)["By how much"]
+        ordered = tied.ranking.set_index("optimizer").loc[["a", second, other, "gwo"]].reset_index()
+        said = lines(replace(tied, ranking=ordered))["By how much"]
         assert f"beats a run of {second}, which shares the second rank with {other}, with" in said
 
 
