@@ -39,21 +39,21 @@ def near(name: str, known: Iterable[str], cutoff: float = 0.5) -> list[str]:
     They are the name itself in other letters, or else the shortest names that hold it as a word, or that hold it at
     all, or else the one that is spelled most alike, where its ratio of :mod:`difflib` is at least ``cutoff``.
     """
-    names = {each.casefold(): each for each in sorted(known, reverse=True)}
+    names = {text.casefold(): text for text in sorted(known, reverse=True)}
     wanted = name.casefold()
     if wanted in names:
         return [names[wanted]]
     word = re.compile(rf"(?<![^\W_]){re.escape(wanted)}(?![^\W_])")
-    held = [each for each in names if word.search(each)] if len(wanted) > 1 else []
-    held = held or [each for each in names if len(wanted) > 2 and wanted in each]
-    shortest = sorted(held, key=lambda each: (len(each), each))[:3]
-    return [names[each] for each in shortest or get_close_matches(wanted, names, n=1, cutoff=cutoff)]
+    held = [text for text in names if word.search(text)] if len(wanted) > 1 else []
+    held = held or [text for text in names if len(wanted) > 2 and wanted in text]
+    shortest = sorted(held, key=lambda text: (len(text), text))[:3]
+    return [names[text] for text in shortest or get_close_matches(wanted, names, n=1, cutoff=cutoff)]
 
 
 def nearest(name: str, known: Iterable[str], otherwise: str = "") -> str:
     """Return a hint such as ``"; did you mean 'gwo'?"`` or, where none is near, ``otherwise`` or the known names."""
     known = sorted(known)
-    if close := [repr(each) for each in near(name, known)]:
+    if close := [repr(text) for text in near(name, known)]:
         return f"; did you mean {' or '.join(filter(None, (', '.join(close[:-1]), close[-1])))}?"
     if otherwise or not known:
         return otherwise or "; there are none"

@@ -32,8 +32,8 @@ class Member(NamedTuple):
 
 def dimension_in(name: str) -> int | None:
     """Return the dimension that a name of this form has, as in ``bbob-f08-d10-i1``, None for another name."""
-    found = re.search(r"-d([1-9][0-9]{0,6})(?:-i[0-9]+)?$", name)
-    return int(found[1]) if found else None
+    match = re.search(r"-d([1-9][0-9]{0,6})(?:-i[0-9]+)?$", name)
+    return int(match[1]) if match else None
 
 
 def function_of(name: str) -> str:
@@ -66,7 +66,7 @@ class Grid:
     @property
     def dimensions(self) -> list[int]:
         """All dimensions, ascending; some functions may have a part of them only."""
-        return sorted({each for dimensions in self.functions.values() for each in dimensions})
+        return sorted({dimension for dimensions in self.functions.values() for dimension in dimensions})
 
     def names(
         self,
@@ -96,8 +96,8 @@ class Grid:
         if function not in self.functions:
             raise BenchError(f"{self.suite} has no function {function!r}{nearest_function(function, self.functions)}")
         if dimension not in self.functions[function]:
-            known = ", ".join(map(str, self.functions[function]))
-            raise BenchError(f"{function} of {self.suite} has no dimension {dimension}; it has {known}")
+            dimensions = ", ".join(map(str, self.functions[function]))
+            raise BenchError(f"{function} of {self.suite} has no dimension {dimension}; it has {dimensions}")
         if self.instances:
             require_whole(f"the instance of {name!r}", number, 1, LARGEST_INSTANCE)
         return Member(function, dimension, number)

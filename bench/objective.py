@@ -47,8 +47,8 @@ class Trace:
 
     def at(self, evaluations: ArrayLike) -> Floats:
         """Return the best-so-far value after each of the given evaluation counts, +inf before the first."""
-        found = np.searchsorted(self.evaluations, np.asarray(evaluations), side="right")
-        return np.concatenate(([np.inf], self.values))[found]
+        position = np.searchsorted(self.evaluations, np.asarray(evaluations), side="right")
+        return np.concatenate(([np.inf], self.values))[position]
 
 
 class Objective:
@@ -160,12 +160,12 @@ class Objective:
             # try. It could after a call of acquire; an optimizer that goes on after its own time limit would then hang.
             for _ in self._turns:
                 try:
-                    given = empty(self._shape)
-                    place = self._take(x, self._box, given) if x.ndim == 1 else _MISFIT
+                    point = empty(self._shape)
+                    place = self._take(x, self._box, point) if x.ndim == 1 else _MISFIT
                     if place == _MISFIT or self._evaluations >= self._budget:
                         break
                     began = perf_counter()
-                    values = self._problem.evaluate(given)
+                    values = self._problem.evaluate(point)
                     self.seconds += perf_counter() - began
                     try:
                         (value,) = values.tolist() if type(values) is ndarray else _NOT_ONE_FLOAT
@@ -204,9 +204,9 @@ class Objective:
         if not n:
             return empty(0)
         kept = rows.copy()
-        given = kept.copy()
+        points = kept.copy()
         began = perf_counter()
-        returned = self._values(given)
+        returned = self._values(points)
         self.seconds += perf_counter() - began
         values, improved = empty(n), empty(n, dtype=np.int64)
         improvements, outside = self._scan(
@@ -216,11 +216,11 @@ class Objective:
             raise minus_infinity(self._problem)
         self.outside_box += outside
         if improvements:
-            found = improved[:improvements]
-            self._improved_at += (found + (self._evaluations + 1)).tolist()
-            self._improved_to += values[found].tolist()
+            better = improved[:improvements]
+            self._improved_at += (better + (self._evaluations + 1)).tolist()
+            self._improved_to += values[better].tolist()
             self.best_value = self._improved_to[-1]
-            self.best_point = kept[found[-1]].copy()
+            self.best_point = kept[better[-1]].copy()
         elif self.best_point is None:
             self.best_point = kept[0].copy()
         self._evaluations += n
@@ -257,9 +257,9 @@ class Objective:
         return Trace(np.array(self._improved_at, dtype=np.int64), np.array(self._improved_to, dtype=np.float64))
 
 
-def floats(given: ArrayLike, what: str) -> Floats:
+def floats(numbers: ArrayLike, what: str) -> Floats:
     """Return an array of float64; raises TypeError where numpy would drop imaginary parts or parse strings."""
-    array = np.asarray(given)
+    array = np.asarray(numbers)
     if array.dtype.kind not in "fiubO":
         raise TypeError(f"{what} must be real numbers, not {array.dtype}")
     return array.astype(np.float64, copy=False)
@@ -268,18 +268,18 @@ def floats(given: ArrayLike, what: str) -> Floats:
 def repaired(problem: Problem, x: Floats) -> Floats:
     """Return what a problem's rule makes of the (n, d) points; raises ValueError where it changes their shape."""
     shape = np.shape(x)
-    found = floats(problem.repair(x), f"repaired points of problem {problem.name!r}")
-    if found.shape != shape:
-        raise ValueError(f"problem {problem.name!r} repaired points of shape {shape} to {found.shape}")
-    return found
+    points = floats(problem.repair(x), f"repaired points of problem {problem.name!r}")
+    if points.shape != shape:
+        raise ValueError(f"problem {problem.name!r} repaired points of shape {shape} to {points.shape}")
+    return points
 
 
-def as_values(problem: Problem, given: ArrayLike, n: int) -> Floats:
+def as_values(problem: Problem, returned: ArrayLike, n: int) -> Floats:
     """Return what a problem returned for n points as (n,) float64; raises ValueError for another shape."""
-    found = floats(given, f"values of problem {problem.name!r}")
-    if found.shape != (n,):
-        raise ValueError(f"problem {problem.name!r} returned shape {found.shape} for {n} points")
-    return found
+    values = floats(returned, f"values of problem {problem.name!r}")
+    if values.shape != (n,):
+        raise ValueError(f"problem {problem.name!r} returned shape {values.shape} for {n} points")
+    return values
 
 
 def integer_flags(problem: Problem) -> Flags:
@@ -292,27 +292,27 @@ def minus_infinity(problem: Problem) -> ValueError:
     return ValueError(f"problem {problem.name!r} returned -inf; a value must be finite or +inf")
 
 
-def _take(x: Floats, box: Floats, given: Floats) -> int:
-    """Copy the (d,) point to the last row of the (3, d) box and to ``given``, (1, d); return where it is."""
+def _take(x: Floats, box: Floats, batch: Floats) -> int:
+    """Copy the (d,) point to the last row of the (3, d) box and to ``batch``, (1, d); return where it is."""
     if len(x) != box.shape[1]:
         return _MISFIT
     inside = True
     for i in range(len(x)):
         value = x[i]
         box[2, i] = value
-        given[0, i] = value
+        batch[0, i] = value
         inside &= (value >= box[0, i]) & (value <= box[1, i])  # NaN is not
     return _INSIDE if inside else _OUTSIDE
 
 
 def _scan(
-    points: Floats, found: Floats, box: Floats, best: float, values: Floats, improved: NDArray[np.int64]
+    points: Floats, returned: Floats, box: Floats, best: float, values: Floats, improved: NDArray[np.int64]
 ) -> tuple[int, int]:
     """Write what the points are worth to ``values`` and the rows of the improvements on ``best`` to ``improved``.
 
     Args:
         points: (n, d).
-        found: (n,) what the problem returned for them.
+        returned: (n,) what the problem returned for them.
         box: (3, d), its lower and upper ends first.
         best: the best value before.
         values: (n,).
@@ -322,8 +322,8 @@ def _scan(
         The numbers of improvements and of points outside the box; _ILLEGAL and 0 where a value is -inf.
     """
     improvements = outside = 0
-    for row in range(len(found)):
-        value = found[row]
+    for row in range(len(returned)):
+        value = returned[row]
         if value == -np.inf:
             return _ILLEGAL, 0
         inside = True

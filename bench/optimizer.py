@@ -121,13 +121,13 @@ class AskTell(Optimizer):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Ask and tell until the budget is spent."""
-        own = copy.copy(self)
+        copied = copy.copy(self)
         # A frozen dataclass refuses to set attributes that are not its own in its very class alone.
-        object.__setattr__(own, "__class__", type(type(self).__name__, (type(self),), {}))
-        own.start(objective, rng)
+        object.__setattr__(copied, "__class__", type(type(self).__name__, (type(self),), {}))
+        copied.start(objective, rng)
         while True:
-            x = np.array(own.ask(self.minimum_budget), dtype=np.float64, ndmin=2)
-            own.tell(x, objective(x))
+            x = np.array(copied.ask(self.minimum_budget), dtype=np.float64, ndmin=2)
+            copied.tell(x, objective(x))
 
 
 def settings(optimizer: Optimizer) -> dict[str, Any]:
@@ -137,13 +137,13 @@ def settings(optimizer: Optimizer) -> dict[str, Any]:
 
 def defaults(optimizer: Optimizer) -> dict[str, Any]:
     """Return the defaults of an optimizer's parameters, by name, without a parameter that has none."""
-    found = {}
+    values = {}
     for field in dataclasses.fields(optimizer):  # type: ignore[arg-type]
         if field.default is not dataclasses.MISSING:
-            found[field.name] = field.default
+            values[field.name] = field.default
         elif field.default_factory is not dataclasses.MISSING:
-            found[field.name] = field.default_factory()
-    return found
+            values[field.name] = field.default_factory()
+    return values
 
 
 def is_frozen(cls: type) -> bool:
@@ -155,10 +155,10 @@ def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer
     """Return ``cls(**options)``; raises BenchError for an option that is no parameter, naming the nearest one."""
     if not is_frozen(cls) or getattr(cls, "__abstractmethods__", None):
         raise BenchError(f"optimizer {name!r} ({cls.__name__}) must be a frozen dataclass that implements minimize")
-    known = {field.name for field in dataclasses.fields(cls) if field.init}  # type: ignore[arg-type]
+    parameters = {field.name for field in dataclasses.fields(cls) if field.init}  # type: ignore[arg-type]
     for option in options:
-        if option not in known:
-            raise BenchError(f"optimizer {name!r} has no parameter {option!r}{nearest(option, known)}")
+        if option not in parameters:
+            raise BenchError(f"optimizer {name!r} has no parameter {option!r}{nearest(option, parameters)}")
     try:
         return cls(**options)
     except TypeError as error:

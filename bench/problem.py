@@ -195,14 +195,14 @@ class FunctionProblem(Problem):
         """Return the (n,) true values of the (n, d) points ``x``."""
         return self._computed(self._fun if self._noiseless is None else self._noiseless, x)
 
-    def _computed(self, function: Callable[..., Any], x: Floats, *others: Any) -> Floats:
+    def _computed(self, function: Callable[..., Any], x: Floats, *arguments: Any) -> Floats:
         if self._vectorized:
-            return np.asarray(function(x, *others), dtype=np.float64)
-        return np.array([float(function(row, *others)) for row in x], dtype=np.float64)
+            return np.asarray(function(x, *arguments), dtype=np.float64)
+        return np.array([float(function(row, *arguments)) for row in x], dtype=np.float64)
 
     def violations(self, x: Floats) -> Floats | None:
         """Return the (n, m) constraint violations of the (n, d) points ``x``, or None without constraints."""
         if self._violations is None:
             return None
-        found = self._violations(x) if self._vectorized else [np.ravel(self._violations(row)) for row in x]
-        return np.asarray(found, dtype=np.float64)
+        violations = self._violations(x) if self._vectorized else [np.ravel(self._violations(row)) for row in x]
+        return np.asarray(violations, dtype=np.float64)

@@ -128,9 +128,9 @@ def _label(source: Source) -> str:
     """Return the optimizer's part of an id: a name, a class's name, or that with the parameters that were set."""
     if isinstance(source, (str, type)):
         return Subject(source).label
-    given = []
+    parameters = []
     for field in dataclasses.fields(source) if is_frozen(type(source)) else ():  # type: ignore[arg-type]
         value = getattr(source, field.name)
         if isinstance(value, (bool, int, float, str)) and value != field.default:
-            given.append(f"{field.name}={value!r}")  # no others: they may show an address, and ids must repeat
-    return f"{type(source).__name__}({', '.join(given)})"
+            parameters.append(f"{field.name}={value!r}")  # no others: they may show an address, and ids must repeat
+    return f"{type(source).__name__}({', '.join(parameters)})"

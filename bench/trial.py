@@ -81,7 +81,7 @@ class Result:
 
     def __repr__(self) -> str:
         """Return the result in a few lines: the trace and a long point are shortened."""
-        point = listed([f"{each:.6g}" for each in self.x], 10)
+        point = listed([f"{coordinate:.6g}" for coordinate in self.x], 10)
         metrics = "".join(f", {name}={value:.6g}" for name, value in self.metrics.items())
         return (
             f"Result(fun={self.fun!r}, x=[{point}]{metrics},\n"
@@ -93,7 +93,7 @@ class Result:
         """Return the result as a table, for a notebook."""
         rows = [
             ("best value", f"{self.fun:.10g}"),
-            ("best point", listed([f"{each:.6g}" for each in self.x], 10)),
+            ("best point", listed([f"{coordinate:.6g}" for coordinate in self.x], 10)),
             *((name, f"{value:.6g}") for name, value in self.metrics.items()),
             ("evaluations", f"{self.nfev:,} (stopped by: {self.stop})"),
             ("time", f"{self.objective_time:.3f} s in the objective, {self.overhead_time:.3f} s in the optimizer"),

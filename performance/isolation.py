@@ -20,7 +20,8 @@ from _rows import Rows, main, short, times
 
 from bench import Study
 from bench.execution import job
-from bench.execution.supervisor import Supervisor, Task
+from bench.execution.job import Task
+from bench.execution.supervisor import Supervisor
 
 DEFAULT = job.WORTH
 WAYS = (

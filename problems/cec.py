@@ -8,16 +8,19 @@ Sources, all technical reports of Nanyang Technological University, Singapore, u
   minionpy's own comparison with the Matlab code at 1,000 points, 986, 75 and 89 of their values are wrong. 239 values
   of f03 differ by up to 5e-6, relatively
 - 2014: Liang, Qu and Suganthan 2013, Problem Definitions … CEC 2014 …, 201311
-- 2017: Awad, Ali, Liang, Qu and Suganthan 2016, Problem Definitions … CEC 2017 …; f02 was withdrawn by the organisers
+- 2017: Awad, Ali, Liang, Qu and Suganthan 2016, Problem Definitions … CEC 2017 …; f02 was withdrawn by the organisers.
+  The report defines f06 as a rotated expanded Schaffer F6; the organisers' code computes F7 of the shifted point
 - 2019: Price, Awad, Ali and Suganthan 2018, Problem Definitions … for the 100-Digit Challenge …
 - 2020: Yue, Price, Suganthan, Liang, Ali, Qu, Awad and Biswas 2019, Problem Definitions … CEC 2020 …, 201911;
   the competition left f06 and f07 out in 5 dimensions
-- 2022: Kumar, Price, Mohamed, Hadi and Suganthan 2021, Problem Definitions … CEC 2022 …
+- 2022: Kumar, Price, Mohamed, Hadi and Suganthan 2021, Problem Definitions … CEC 2022 …; the same holds for its f03
 """
 
 from __future__ import annotations
 
+import tomllib
 from functools import partial
+from importlib.resources import files
 
 import numpy as np
 
@@ -25,7 +28,7 @@ from bench import Problem
 from bench.errors import require
 from bench.families import Grid, Member
 from bench.typing import Floats
-from problems.common import Suite, SuiteProblem, features_of, group_of
+from problems.common import Suite, SuiteProblem, features_of
 
 LEFT_OUT = {"cec2011": (4, 21, 22), "cec2017": (2,)}
 """The functions that a suite has no problem for, by number."""
@@ -41,24 +44,10 @@ energy of six atoms plus a constant with ten decimals, so that the optimum is 1;
 known (Hoare and Pal 1971), is 9e-12 below it: with s = 1/r⁶, the least of (12 + 3/8²) s² - 2 (12 + 3/8) s.
 """
 
-GROUPS: dict[str, dict[str, range]] = {
-    "cec2011": {"real-world": range(1, 23)},
-    "cec2014": {
-        "unimodal": range(1, 4), "multimodal": range(4, 17), "hybrid": range(17, 23), "composition": range(23, 31),
-    },
-    "cec2017": {
-        "unimodal": range(1, 4), "multimodal": range(4, 11), "hybrid": range(11, 21), "composition": range(21, 31),
-    },
-    "cec2019": {"multimodal": range(1, 11)},
-    "cec2020": {
-        "unimodal": range(1, 2), "multimodal": range(2, 5), "hybrid": range(5, 8), "composition": range(8, 11),
-    },
-    "cec2022": {
-        "unimodal": range(1, 2), "multimodal": range(2, 6), "hybrid": range(6, 9), "composition": range(9, 13),
-    },
-}  # fmt: skip
-"""The functions of each group, by suite, as the technical reports have them; they call the multimodal ones simple or
-basic."""
+SUITES: dict[str, dict[str, list[str]]] = tomllib.loads(
+    files("problems").joinpath("cec.toml").read_text(encoding="utf-8")
+)
+"""What the functions of each group of each suite are called, in the order of their numbers."""
 
 
 def _dimensions(suite: str, number: int) -> tuple[int, ...]:
@@ -73,18 +62,20 @@ def _dimensions(suite: str, number: int) -> tuple[int, ...]:
 
 
 def _suite(suite: str) -> Suite:
-    left_out = LEFT_OUT.get(suite, ())
-    numbers = [number for group in GROUPS[suite].values() for number in group if number not in left_out]
-    grid = Grid(suite, {f"f{number:02d}": _dimensions(suite, number) for number in numbers})
-    return Suite(grid, partial(_problem, suite))
+    functions = [(group, title) for group, titles in SUITES[suite].items() for title in titles]
+    numbers = [number for number in range(1, len(functions) + 1) if number not in LEFT_OUT.get(suite, ())]
+    dimensions = {f"f{number:02d}": _dimensions(suite, number) for number in numbers}
+    titles = {f"f{number:02d}": functions[number - 1][1] for number in numbers}
+    groups = [group for group, _ in functions]
+    return Suite(Grid(suite, dimensions, titles=titles), partial(_problem, suite, groups))
 
 
-def _problem(suite: str, name: str, member: Member) -> Problem:
+def _problem(suite: str, groups: list[str], name: str, member: Member) -> Problem:
     minionpy = require("minionpy", "suites", f"problem {name!r} needs")
     number = int(member.function[1:])
     function = getattr(minionpy, f"CEC{suite[3:]}Functions")(number, member.dimension)
     lower, upper = np.array(function.get_bounds(), dtype=np.float64).T
-    features = features_of(suite, member, group_of(number, GROUPS[suite]))
+    features = features_of(suite, member, groups[number - 1])
     optimum = OPTIMA.get((suite, number), function.get_f_opt())
 
     def evaluate(x: Floats) -> Floats:

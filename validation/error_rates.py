@@ -3,9 +3,9 @@
     python validation/error_rates.py [STUDIES]        # default: 2,000 a row; some minutes
 
 *Claims*: the share of studies that claim any difference where there is none, at the levels that their design gets; and
-the smallest A12 that each kind of test finds with a power of 80 %. In *equal* studies the optimizers are identical, on
+the smallest A12 that each kind of test finds with a power of 80%. In *equal* studies the optimizers are identical, on
 problems of all kinds below; in *spread* studies A12 is 0.5 for every pair and the spread doubles from one optimizer to
-the next. *Intervals*: the share of 95 % intervals that hold the true value. That of a mean rank is the expected mean
+the next. *Intervals*: the share of 95% intervals that hold the true value. That of a mean rank is the expected mean
 rank of studies with as many trials; that of further problems is the mean of A12 over the population of problems.
 """
 

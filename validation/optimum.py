@@ -5,7 +5,7 @@
 The problems are signature-01 … -20 and noisy-00 … -20 with both levels of noise, and some with a T_f whose windows may
 overlap or whose T_d lies between two samples; each optimizer runs in the box or under the constraints, against the
 reference fit in the same space. The output is the largest amount by which a run was better, the share of runs that came
-within 1 % of the reference, and the time of a reference fit. An interrupted run continues when it is started again.
+within 1% of the reference, and the time of a reference fit. An interrupted run continues when it is started again.
 """
 
 import argparse

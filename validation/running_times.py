@@ -1,4 +1,4 @@
-"""Coverage of the 95 % intervals of the expected running time (ERT), by simulation.
+"""Coverage of the 95% intervals of the expected running time (ERT), by simulation.
 
     python validation/running_times.py [CELLS]        # default: 10,000 cells of each kind, a minute of CPU time
 

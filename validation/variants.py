@@ -37,7 +37,7 @@ def main() -> None:
             (load_optimizer(name), load_optimizer(name, variant=variant), f"{name} {variant}")
             for name, variant in VARIANTS
         ]
-    print(f"final bests, median [5 %, 95 %]: d = {D}, {AGENTS} agents, {GENERATIONS} generations, {trials} seeds each")
+    print(f"final bests, median [5%, 95%]: d = {D}, {AGENTS} agents, {GENERATIONS} generations, {trials} seeds each")
     print(f"{'':<20}{'function':<12}{'default':<28}{'the other':<28}{'p (KS)':<10}A12")
     for default, variant, label in pairs:
         for name, problem in PROBLEMS.items():

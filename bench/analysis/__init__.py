@@ -69,7 +69,7 @@ from bench.analysis.cells import (
     timing,
     variables,
 )
-from bench.analysis.certainty import ranking_certainty
+from bench.analysis.certainty import rank_stability, ranking_certainty
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, rank_sum, signs
 from bench.analysis.direction import ALPHA, a12
@@ -100,7 +100,6 @@ from bench.analysis.running_time import (
     simulated_restarts,
 )
 from bench.analysis.selection import best_on, selection_gain, validated_selection
-from bench.analysis.stability import rank_stability
 from bench.analysis.stages import SHARES, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
 from bench.analysis.target_sets import (

@@ -24,6 +24,7 @@ from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
 from bench.analysis.direction import ALPHA, Effects, effects, mean_of, stacked, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
+from bench.analysis.standings import complete_ranks
 from bench.typing import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
@@ -39,8 +40,7 @@ def ranks_by_block(standing: pd.DataFrame, blocks: Blocks | None = None) -> pd.D
 
     ``standing`` is that of :func:`bench.analysis.standings`. Only problems on which every optimizer has a rank count.
     """
-    order = labels(standing, "optimizer")
-    wide = standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order).dropna()
+    wide = complete_ranks(standing)
     return wide.groupby(_owners(wide.index, blocks), sort=False).mean().rename_axis(columns=None)
 
 
@@ -117,7 +117,7 @@ def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[
     last = 0
     for start in range(len(ordered)):
         end = start + 1
-        while end < len(ordered) and not any(frozenset((each, ordered[end])) in apart for each in ordered[start:end]):
+        while end < len(ordered) and not any(frozenset((label, ordered[end])) in apart for label in ordered[start:end]):
             end += 1
         if end > max(last, start + 1):
             groups.append(tuple(ordered[start:end]))
@@ -200,7 +200,7 @@ def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, flo
     """
     if not samples:
         return np.nan, np.nan, np.nan
-    mean = mean_of(stacked([effects(one[np.newaxis], other[np.newaxis]) for one, other in samples]))
+    mean = mean_of(stacked([effects(one[np.newaxis], rival[np.newaxis]) for one, rival in samples]))
     low, high = wilson_form(mean.a12, mean.ratio)
     return float(mean.a12[0]), float(low[0]), float(high[0])
 

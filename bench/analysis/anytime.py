@@ -7,7 +7,7 @@ Expected running time and ECDF are those of COCO (Hansen, Auger, Brockhoff, Tuš
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from math import prod
 from statistics import median
@@ -17,7 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import Budgets, Traces, budgets, labels, reference_values
+from bench.analysis.cells import Budgets, Traces, labels, reference_values, spent, traces_of
 from bench.objective import Trace
 from bench.typing import Floats
 
@@ -64,11 +64,9 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
     A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials. ``evaluations``
     are the counts to look at, such as an :func:`evaluation_grid`.
     """
-    never = np.full(len(evaluations), np.inf)
     bests: dict[str, dict[str, list[Floats]]] = {}
-    for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], _traces_of(frame, traces), strict=True):
-        values = never if trace is None else trace.at(evaluations)
-        bests.setdefault(problem, {}).setdefault(optimizer, []).append(values)
+    for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], traces_of(frame, traces), strict=True):
+        bests.setdefault(problem, {}).setdefault(optimizer, []).append(trace.at(evaluations))
     tables = []
     order = labels(frame, "optimizer")
     for problem in (label for label in labels(frame, "problem") if label in bests):
@@ -130,18 +128,15 @@ def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, bu
         problem: rungs[["tau", "target"]].to_numpy(dtype=float).T
         for problem, rungs in targets.groupby("problem", sort=False, observed=True)
     }
-    spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
-    spent = spent.fillna(budgets(frame, budget))
     ladder_of = [ladders.get(problem, np.empty((2, 0))) for problem in frame["problem"]]
     sizes = np.array([ladder.shape[1] for ladder in ladder_of], dtype=np.int64)
     rows = np.repeat(np.arange(len(frame), dtype=np.int32), sizes)
     hits = frame[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
     reached, ends = np.full(len(rows), np.inf), np.cumsum(sizes)
-    for end, (_, target), trace in zip(ends, ladder_of, _traces_of(frame, traces), strict=True):
-        if trace is not None:
-            reached[end - len(target) : end] = _first_reached(trace, target)
+    for end, (_, target), trace in zip(ends, ladder_of, traces_of(frame, traces), strict=True):
+        reached[end - len(target) : end] = _first_reached(trace, target)
     tau, target = np.concatenate([np.empty((2, 0)), *ladder_of], axis=1)
-    return hits.assign(tau=tau, target=target, evaluations=reached, spent=spent.to_numpy()[rows])
+    return hits.assign(tau=tau, target=target, evaluations=reached, spent=spent(frame, budget)[rows])
 
 
 def expected_running_time(hits: pd.DataFrame) -> pd.DataFrame:
@@ -224,12 +219,6 @@ def data_profiles(
         fraction = _share_within(of_optimizer, grid) if len(of_optimizer) else np.nan
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
     return _stacked(tables, ["optimizer", unit, "fraction"])
-
-
-def _traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace | None]:
-    """Yield the trace of each trial, None where it failed or has none."""
-    keys = zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)
-    return (traces.get(key) if status == "ok" else None for key, status in zip(keys, frame["status"], strict=True))
 
 
 def _first_reached(trace: Trace, ladder: Floats) -> Floats:

@@ -5,7 +5,7 @@ A failed or non-finite trial scores +inf: it is the worst that can happen, and l
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial);
 Budgets = int | Mapping[str, int] | Mapping[tuple[str, str], int]
 """The evaluations of a trial: of all trials, by problem, or by (problem, optimizer)."""
 
+NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 NEAR = 1e-10  # relative: far above rounding, far below any meaningful difference
 BEATEN = 1e-9  # relative: an optimum that was computed, to a tolerance, is beaten by more than this or not at all
 CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
@@ -61,6 +62,19 @@ def budgets(frame: pd.DataFrame, budget: Budgets) -> pd.Series[float]:
     return pd.Series(float(budget), index=frame.index)
 
 
+def spent(frame: pd.DataFrame, budget: Budgets) -> Floats:
+    """Return the evaluations of each trial, (n,): the whole budget of a failed one, so that a crash is not cheaper."""
+    made = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
+    return np.asarray(made.fillna(budgets(frame, budget)), dtype=np.float64)
+
+
+def traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace]:
+    """Yield the trace of each trial, an empty one where it failed or has none: its value is +inf throughout."""
+    keys = zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)
+    for key, status in zip(keys, frame["status"], strict=True):
+        yield traces.get(key, NO_TRACE) if status == "ok" else NO_TRACE
+
+
 def labels(frame: pd.DataFrame, column: str) -> list[str]:
     """Return the labels of ``problem`` or ``optimizer``: the study's where known, else in order of appearance."""
     values = frame[column]
@@ -79,7 +93,7 @@ def scores(frame: pd.DataFrame, merge: bool = False) -> pd.Series[float]:
     values = values.where((frame["status"] == "ok") & np.isfinite(values), np.inf)
     if not merge:
         return values
-    return values.groupby(frame["problem"].astype(object)).transform(lambda own: merge_near_ties(own.to_numpy()))
+    return values.groupby(frame["problem"].astype(object)).transform(lambda group: merge_near_ties(group.to_numpy()))
 
 
 def variables(trials: pd.DataFrame) -> list[str]:
@@ -111,6 +125,11 @@ def merge_near_ties(values: Floats) -> Floats:
     return merged
 
 
+def quantiles(values: Floats, shares: float | Sequence[float]) -> Any:
+    """Return quantiles of scores; where one is infinite, upper order statistics, as nothing lies before infinity."""
+    return np.quantile(values, shares, method="linear" if np.isfinite(values).all() else "higher")
+
+
 def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Floats]:
     """Return the :func:`scores` of each (problem, optimizer), (n,) in order of trials, empty where there is none."""
     problem, optimizer = frame["problem"].astype(object), frame["optimizer"].astype(object)
@@ -127,7 +146,7 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
 def complete_problems(frame: pd.DataFrame) -> list[str]:
     """Return the problems on which every optimizer has a trial."""
     by_cell, optimizers = cells(frame), labels(frame, "optimizer")
-    return [problem for problem in labels(frame, "problem") if all(len(by_cell[problem, each]) for each in optimizers)]
+    return [label for label in labels(frame, "problem") if all(len(by_cell[label, name]) for name in optimizers)]
 
 
 def reference_values(
@@ -157,7 +176,8 @@ def near_best(
     values, optimizers = scores(frame), labels(frame, "optimizer")
     problem, optimizer = (frame[name].astype(object) for name in ("problem", "optimizer"))
     lowest = {str(label): float(least_value) for label, least_value in values.groupby(problem).min().items()}
-    best = problem.map({label: each.value for label, each in reference_values(lowest, optima).items()}).astype(float)
+    references = reference_values(lowest, optima)
+    best = problem.map({label: reference.value for label, reference in references.items()}).astype(float)
     near = pd.Series(np.isfinite(values) & (values <= best + (share * best.abs()).clip(lower=least)), dtype=float)
     shares = near.groupby([problem, optimizer]).mean().unstack().reindex(columns=optimizers).dropna()
     return shares.mean() if len(shares) else pd.Series(dtype=float)
@@ -250,7 +270,7 @@ def _describe(values: Floats) -> dict[str, Any]:
     n, failed = len(values), int(np.isinf(values).sum())
     if n == 0:
         return {"n": 0, "failed": 0}
-    q1, median, q3 = np.quantile(values, [0.25, 0.5, 0.75], method="higher" if failed else "linear")
+    q1, median, q3 = quantiles(values, [0.25, 0.5, 0.75])
     places = _median_interval(n)
     low, high = np.sort(values)[list(places)] if places else (np.nan, np.nan)
     return {

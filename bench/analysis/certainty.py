@@ -1,4 +1,9 @@
-"""How sure mean ranks are: those of other trials on the same problems, with the trials of every cell drawn again."""
+"""How sure mean ranks are: those of other trials on the same problems, and those that fewer trials would have given.
+
+A ranking that still moves with the last trials needs more of them. The ranks of random subsets of the trials show how
+much of a move is chance (subsampling, Politis and Romano 1994, The Annals of Statistics 22). All subsets agree once
+they hold all trials; what other trials would give is shown by all of them drawn again.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, complete_problems, labels
 from bench.analysis.direction import TWO_SIDED
@@ -19,7 +25,13 @@ RESAMPLES = {30: 999, 100: 199}
 AT_ONCE = 2**20  # pairs of optimizers in memory
 FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95 % interval
 
+FIRST = 3  # trials
+STEPS = {30: (12, 39), 100: (8, 19)}
+"""Numbers of trials, and random subsets of each, up to a number of optimizers; the extremes of 39 are 95 % limits."""
+FEWEST_SUBSETS = (4, 9)  # of more optimizers, as the cost grows with their square
+
 COLUMNS = ("optimizer", "problems", "rank_low", "rank_high")
+STABILITY = ("optimizer", "trials", "rank", "low", "high")
 
 
 def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
@@ -37,15 +49,15 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """
     by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    sizes = [len(by_cell[each, one]) for each in problems for one in optimizers]
+    sizes = [len(by_cell[problem, one]) for problem in problems for one in optimizers]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
     drawn = resamples(len(optimizers))
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), 1 + drawn))  # the first column is that of the values themselves
     for problem in problems:
-        values = [by_cell[problem, each] for each in optimizers]
-        total += ranks_of_draws(values, [_times_drawn(len(each), drawn, rng) for each in values])
+        values = [by_cell[problem, optimizer] for optimizer in optimizers]
+        total += ranks_of_draws(values, [_times_drawn(len(sample), drawn, rng) for sample in values])
     mean = total / len(problems)
     reach = TWO_SIDED * mean[:, 1:].std(axis=1, ddof=1) * (min(sizes) / (min(sizes) - 1)) ** 0.5
     low, high = np.array([percentile_interval(draws[1:]) for draws in mean]).T
@@ -57,6 +69,37 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
             "rank_high": np.minimum(np.maximum(high, mean[:, 0] + reach), float(len(optimizers))),
         }
     )
+
+
+def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
+    """Return the mean rank of each optimizer with its first 3, …, all trials: optimizer, trials, rank, low and high.
+
+    ``rank`` is that of :func:`bench.analysis.standings`, the mean over the problems on which every optimizer has a
+    trial; ``low`` to ``high`` is the range of it over 39 random subsets of as many trials (19 with more than 30
+    optimizers, 9 with more than 100). A cell with fewer trials enters with all it has. The first trials of pooled
+    instances are the first of each instance in turn. Empty with fewer than four trials in the largest cell.
+    """
+    by_cell, optimizers = cells(_in_turn(frame), merge=True), labels(frame, "optimizer")
+    problems = complete_problems(frame)
+    most = max((len(by_cell[problem, one]) for problem in problems for one in optimizers), default=0)
+    if most <= FIRST or len(optimizers) < 2:
+        return pd.DataFrame(columns=list(STABILITY))
+    steps, subsets = next((number for limit, number in STEPS.items() if len(optimizers) <= limit), FEWEST_SUBSETS)
+    sizes = np.unique(np.geomspace(FIRST, most, steps).round().astype(int))
+    rng = np.random.default_rng(seed)
+    total = np.zeros((len(optimizers), len(sizes) * (1 + subsets)))
+    for problem in problems:
+        values = [by_cell[problem, optimizer] for optimizer in optimizers]
+        total += ranks_of_draws(values, [_subsets(len(sample), sizes, subsets, rng) for sample in values])
+    means = (total / len(problems)).reshape(len(optimizers), len(sizes), 1 + subsets)
+    rows = {
+        "optimizer": np.repeat(np.array(optimizers, dtype=object), len(sizes)),
+        "trials": np.tile(sizes, len(optimizers)),
+        "rank": means[:, :, 0].ravel(),
+        "low": means.min(axis=2).ravel(),
+        "high": means.max(axis=2).ravel(),
+    }
+    return pd.DataFrame(rows)[list(STABILITY)]
 
 
 def resamples(optimizers: int) -> int:
@@ -71,9 +114,9 @@ def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
         values: the values of each optimizer.
         drawn: how often each of these counts in each draw, (n, B) an optimizer.
     """
-    owner = np.repeat(np.arange(len(values)), [len(each) for each in values])
+    owner = np.repeat(np.arange(len(values)), [len(sample) for sample in values])
     pooled, counts = np.concatenate(values), np.concatenate(drawn)
-    sizes = np.array([each.sum(axis=0, dtype=float) for each in drawn]).T
+    sizes = np.array([counts_of.sum(axis=0, dtype=float) for counts_of in drawn]).T
     beaten, chance = np.zeros((2, *sizes.T.shape))
     at_once = max(AT_ONCE // len(values) ** 2, 1)
     for start in range(0, len(sizes), at_once):
@@ -81,7 +124,7 @@ def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
         lower = won(pooled, owner, counts[:, chosen].T)
         lower = lower / (sizes[chosen, :, np.newaxis] * sizes[chosen, np.newaxis, :])
         lower[:, np.arange(len(values)), np.arange(len(values))] = 0.5
-        beaten[:, chosen], chance[:, chosen] = (each.T for each in against_rivals(lower, axis=1))
+        beaten[:, chosen], chance[:, chosen] = (sums.T for sums in against_rivals(lower, axis=1))
     return ranks(beaten, chance)
 
 
@@ -89,3 +132,19 @@ def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> Floats:
     """Return how often each of n values counts, (n, 1 + B): once, and as it is drawn in each resample."""
     drawn = rng.multinomial(n, np.full(n, 1 / n), size=resamples).T
     return np.concatenate((np.ones((n, 1)), drawn), axis=1)
+
+
+def _in_turn(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the trials in the order of their numbers within an instance, where instances are pooled."""
+    if "instance" not in frame:
+        return frame
+    turn = frame.groupby(["problem", "optimizer", "instance"], observed=True, dropna=False).cumcount()
+    return frame.iloc[np.argsort(turn.to_numpy(), kind="stable")]
+
+
+def _subsets(n: int, sizes: NDArray[np.int_], subsets: int, rng: np.random.Generator) -> Floats:
+    """Return which of n values count, (n, sizes x (1 + subsets)): the first ones, and random subsets of each size."""
+    place = np.arange(n)
+    orders = np.stack([place, *(rng.permutation(n) for _ in range(subsets))], axis=1)
+    counted = orders[:, np.newaxis, :] < sizes[np.newaxis, :, np.newaxis]
+    return np.asarray(counted.reshape(n, -1), dtype=np.float64)

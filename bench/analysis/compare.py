@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.direction import ALPHA
-from bench.analysis.standings import mean_ranks, outstanding, standings
+from bench.analysis.standings import matrices, mean_ranks, outstanding, standings
 
 
 def comparison_matrix(
@@ -44,15 +44,12 @@ def comparison_matrix(
     else:
         winners = _first(summary, standings(summary, pairs) if standing is None else standing)
     open_pairs = pairs["ks_p"] > ALPHA if by == "value" else pairs["lower"] == ""
-    unclear = pairs.loc[open_pairs, ["problem", "first", "second"]].astype(object)
-    index = pd.MultiIndex.from_tuples(list(winners), names=["problem", "optimizer"])
-    near = {
-        cell
-        for one, other in (("first", "second"), ("second", "first"))
-        for cell in unclear.loc[
-            pd.MultiIndex.from_frame(unclear[["problem", other]]).isin(index), ["problem", one]
-        ].itertuples(index=False, name=None)
-    } - winners
+    unclear = list(
+        pairs.loc[open_pairs, ["problem", "first", "second"]].astype(object).itertuples(index=False, name=None)
+    )
+    near = {(problem, first) for problem, first, second in unclear if (problem, second) in winners}
+    near |= {(problem, second) for problem, first, second in unclear if (problem, first) in winners}
+    near -= winners
     return summary[["problem", "optimizer"]].assign(
         value=summary[statistic],
         best=[cell in winners for cell in cells],
@@ -98,13 +95,10 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame) -> dict[str, str]:
     """Return the letters of each optimizer of one problem, the first one's from "a" on."""
     from scikit_posthocs import compact_letter_display  # slow: it imports the drawing libraries
 
-    place = {optimizer: i for i, optimizer in enumerate(optimizers)}
-    alike = np.ones((len(place), len(place)))
-    rows = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
-    first, second = (rows[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
-    alike[first, second] = alike[second, first] = rows["lower"].to_numpy(dtype=object) == ""
+    separable = matrices(pairs, optimizers)[1]
+    alike = ~(separable | separable.T)
     try:
-        shown = compact_letter_display(alike, alpha=0.5, names=optimizers)
+        shown = compact_letter_display(alike.astype(float), alpha=0.5, names=optimizers)
     except ValueError:  # more groups than letters
         return dict.fromkeys(optimizers, "?")
     return {optimizer: text.replace(" ", "") for optimizer, text in shown.items()}
@@ -129,7 +123,7 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFram
         {
             "optimizer": optimizers,
             "problems": len(complete),
-            "first": [sum(optimizer == each for _, optimizer in first) for each in optimizers],
+            "first": [sum(optimizer == label for _, optimizer in first) for label in optimizers],
             **{
                 name: by_optimizer[name].sum().reindex(optimizers, fill_value=0).to_numpy(dtype=int)
                 for name in ("separable", "worse")

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import PermutationMethod, mannwhitneyu
 
-from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties
+from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, quantiles, traces_of
 from bench.analysis.instances import SOLVED
 from bench.typing import Floats
 
@@ -67,12 +67,12 @@ def signs(frame: pd.DataFrame, optima: Mapping[str, float], reference: str) -> p
     """
     by_cell, rows = cells(frame), []
     for problem in labels(frame, "problem"):
-        mine = by_cell.get((problem, reference), np.empty(0))
+        of_reference = by_cell.get((problem, reference), np.empty(0))
         for optimizer in labels(frame, "optimizer"):
-            theirs = by_cell.get((problem, optimizer), np.empty(0))
-            if optimizer != reference and len(mine) and len(theirs):
-                both = merge_near_ties(_errors(np.concatenate((mine, theirs)), problem, optima))
-                p, lower = rank_sum(both[: len(mine)], both[len(mine) :])
+            of_optimizer = by_cell.get((problem, optimizer), np.empty(0))
+            if optimizer != reference and len(of_reference) and len(of_optimizer):
+                both = merge_near_ties(_errors(np.concatenate((of_reference, of_optimizer)), problem, optima))
+                p, lower = rank_sum(both[: len(of_reference)], both[len(of_reference) :])
                 rows.append((problem, optimizer, p, "=" if p >= ALPHA else "+" if lower else "-"))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "p", "sign"])
 
@@ -96,19 +96,15 @@ def checkpoints(
         shares: the shares by problem; others have no row.
         budget: the evaluations that a trial was allowed.
     """
-    allowed, rows = budgets(frame, budget), []
+    rows = []
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
     for key, trials in frame.groupby(keys, sort=False):
         problem, optimizer = map(str, cast("tuple[str, str]", key))
         part = np.asarray(shares.get(problem, ()), dtype=np.float64)
         if problem not in optima or not len(part):
             continue
-        spent = np.maximum(np.floor(np.outer(allowed[trials.index], part) + 1e-9), 1).astype(np.int64)
-        values = np.full(spent.shape, np.inf)
-        for row, at, trial, status in zip(values, spent, trials["trial"], trials["status"], strict=True):
-            trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
-            if trace is not None:
-                row[:] = trace.at(at)
+        spent = np.maximum(np.floor(np.outer(budgets(trials, budget), part) + 1e-9), 1).astype(np.int64)
+        values = np.array([trace.at(at) for at, trace in zip(spent, traces_of(trials, traces), strict=True)])
         for share, most, column in zip(part, spent.max(axis=0), values.T, strict=True):
             cell = {"problem": problem, "optimizer": optimizer, "share": share, "evaluations": most}
             rows.append(cell | _statistics(_errors(column, problem, optima)))
@@ -126,9 +122,9 @@ def _errors(values: Floats, problem: str, optima: Mapping[str, float]) -> Floats
 def _statistics(errors: Floats) -> dict[str, float]:
     failed = int(np.isposinf(errors).sum())
     spread = float(np.std(errors, ddof=1)) if len(errors) > 1 and not failed else np.nan
-    middle = float(np.quantile(errors, 0.5, method="higher" if failed else "linear"))
-    return {"trials": len(errors), "failed": failed, "mean": float(errors.mean()), "sd": spread, "median": middle,
-            "best": float(errors.min()), "worst": float(errors.max())}  # fmt: skip
+    return {"trials": len(errors), "failed": failed, "mean": float(errors.mean()), "sd": spread,
+            "median": float(quantiles(errors, 0.5)), "best": float(errors.min()),
+            "worst": float(errors.max())}  # fmt: skip
 
 
 def rank_sum(these: Floats, others: Floats) -> tuple[float, bool]:

@@ -23,8 +23,7 @@ below 2^(1 - min(n, m)), and its interval reaches as far as this chance does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,8 +83,9 @@ def effects(these: Floats, others: Floats) -> Effects:
     (g, n), m = these.shape, others.shape[1]
     this, other = np.sort(these, axis=1), np.sort(others, axis=1)
     lost, won = np.empty((2, g, 2), dtype=np.int64)
-    _compiled_placements()(this, other, lost)
-    _compiled_placements()(other, this, won)
+    placements = compiled(_placements, "void(float64[:, ::1], float64[:, ::1], int64[:, ::1])")
+    placements(this, other, lost)
+    placements(other, this, won)
     return _estimated(n, m, lost, won)
 
 
@@ -142,18 +142,11 @@ def _placements(these: Floats, others: Floats, sums: NDArray[np.int64]) -> None:
         sums[pair, 0], sums[pair, 1] = total, squares
 
 
-@cache
-def _compiled_placements() -> Callable[..., None]:
-    from numba import types
-
-    plane = types.float64[:, ::1]
-    return compiled(_placements, types.void(plane, plane, types.int64[:, ::1]))
-
-
 def stacked(estimates: Sequence[Effects]) -> Effects:
     """Return the estimates of several problems, (g,) each, as one of (problems, g)."""
-    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in estimates], dtype=np.float64)
-    return Effects(np.array([each.a12 for each in estimates]), np.array([each.ratio for each in estimates]), smaller)
+    chances, ratios, sizes = zip(*estimates, strict=True)
+    smaller = [np.broadcast_to(size, chance.shape) for size, chance in zip(sizes, chances, strict=True)]
+    return Effects(np.array(chances), np.array(ratios), np.array(smaller, dtype=np.float64))
 
 
 def mean_of(estimates: Effects) -> Effects:

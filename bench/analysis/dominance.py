@@ -16,9 +16,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
-from bench.analysis.cells import Traces, labels, merge_near_ties, scores
+from bench.analysis.cells import Traces, labels, merge_near_ties, scores, traces_of
 from bench.analysis.instances import SOLVED
-from bench.typing import Floats
 
 COLUMNS = ("problem", "optimizer", "trials", "reached", "u", "pairs")
 
@@ -42,24 +41,18 @@ def u_scores(
         optima: the optimum by problem; no trial may be below it by more than rounding.
         precision: the target, as a distance from the optimum.
     """
-    optimizers = labels(frame, "optimizer")
-    values = scores(frame)
-    rows = []
-    for problem in labels(frame, "problem"):
-        at = frame["problem"] == problem
-        trials = frame.loc[at, ["optimizer", "trial"]]
-        counts = trials["optimizer"].astype(object).value_counts().reindex(optimizers, fill_value=0)
-        if problem not in optima or counts.nunique() != 1 or not counts.iloc[0]:
+    optimizers, rows = labels(frame, "optimizer"), []
+    ordered = _placed(frame, traces, optima, precision)
+    for problem in (label for label in labels(frame, "problem") if label in optima):
+        trials = ordered[ordered["problem"] == problem]
+        cells = [trials[trials["optimizer"] == optimizer] for optimizer in optimizers]
+        n = len(cells[0]) if cells else 0
+        if not n or any(len(cell) != n for cell in cells):
             continue
-        reached, points = _points(
-            trials, np.asarray(values[at], dtype=np.float64), traces, problem, optima[problem], precision
-        )
-        n = int(counts.iloc[0])
-        for optimizer in optimizers:
-            mine = (trials["optimizer"] == optimizer).to_numpy()
-            u = float(points[mine].sum()) - n * (n + 1) / 2  # less the pairs among its own trials
+        for optimizer, cell in zip(optimizers, cells, strict=True):
+            u = float(cell["points"].sum()) - n * (n + 1) / 2  # less the pairs among its own trials
             pairs = n * n * (len(optimizers) - 1)
-            rows.append((problem, optimizer, n, int(np.isfinite(reached[mine]).sum()), u, pairs))
+            rows.append((problem, optimizer, n, int(np.isfinite(cell["reached"]).sum()), u, pairs))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -71,33 +64,29 @@ def ordered_trials(
     The ranks are those of trial-based dominance, so that any comparison of values by rank compares speed and accuracy.
     Arguments as of :func:`u_scores`.
     """
-    values, rank = scores(frame), pd.Series(np.nan, index=frame.index)
-    for problem, optimum in optima.items():
-        at = frame["problem"] == problem
-        trials = frame.loc[at, ["optimizer", "trial"]]
-        rank[at] = (
-            len(trials)
-            + 1
-            - _points(trials, np.asarray(values[at], dtype=np.float64), traces, problem, optimum, precision)[1]
-        )
-    return frame.assign(fun=rank)[frame["problem"].isin(optima)]
+    ordered = _placed(frame, traces, optima, precision)
+    trials = ordered.groupby("problem", observed=True)["points"].transform("size")
+    return ordered.assign(fun=trials + 1 - ordered["points"]).drop(columns=["reached", "points"])
 
 
-def _points(
-    trials: pd.DataFrame, values: Floats, traces: Traces, problem: str, optimum: float, precision: float
-) -> tuple[Floats, Floats]:
-    """Return the evaluations of each trial to the target, and its rank from the worst, 1; ties share their mean."""
-    errors = np.maximum(values - optimum, 0.0)
-    trial_traces = (
-        traces.get((problem, optimizer, trial)) for optimizer, trial in trials.itertuples(index=False, name=None)
-    )
-    # A failed trial may have left a trace; its +inf says that it counts for nothing.
-    reached = np.array([
-        np.inf if trace is None or not np.isfinite(error)
-        else np.append(trace.evaluations[trace.values - optimum <= precision].astype(float), np.inf)[0]
-        for trace, error in zip(trial_traces, errors, strict=True)
-    ])  # fmt: skip
-    late = ~np.isfinite(reached)
-    outcomes = np.column_stack((reached, np.where(late, merge_near_ties(errors), 0.0)))
-    _, place = np.unique(outcomes, axis=0, return_inverse=True)  # in the order of evaluations, then of errors
-    return reached, np.asarray(rankdata(-place.ravel()), dtype=np.float64)
+def _placed(frame: pd.DataFrame, traces: Traces, optima: Mapping[str, float], precision: float) -> pd.DataFrame:
+    """Return the trials on problems of ``optima`` with two more columns.
+
+    ``reached`` is the evaluation at which a trial was within the precision, infinite where it never was; ``points`` its
+    rank on its problem from the worst, 1. Ties share their mean.
+    """
+    trials = frame[frame["problem"].isin(optima)]
+    optimum = trials["problem"].astype(object).map(optima).astype(float)
+    errors = (scores(trials) - optimum).clip(lower=0.0)
+    reached = [
+        np.append(trace.evaluations[trace.values - zero <= precision], np.inf)[0]
+        for trace, zero in zip(traces_of(trials, traces), optimum, strict=True)
+    ]
+    outcomes, points = np.column_stack((np.array(reached), errors)), np.empty(len(trials))
+    for rows in trials.groupby("problem", observed=True).indices.values():
+        of_problem = outcomes[rows]
+        late = np.isinf(of_problem[:, 0])
+        of_problem[:, 1] = np.where(late, merge_near_ties(of_problem[:, 1]), 0.0)
+        _, place = np.unique(of_problem, axis=0, return_inverse=True)  # in the order of evaluations, then of errors
+        points[rows] = rankdata(-place.ravel())
+    return trials.assign(reached=outcomes[:, 0], points=points)

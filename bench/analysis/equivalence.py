@@ -19,13 +19,14 @@ bootstrap.
 from __future__ import annotations
 
 from itertools import combinations
+from math import comb
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from bench.analysis.cells import cells, labels
+from bench.analysis.cells import cells, labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import percentile_interval
 from bench.study.rope import Rope, share
@@ -52,24 +53,21 @@ def differences(frame: pd.DataFrame, rope: Rope, alpha: float = ALPHA, seed: int
     near-ties are ties; two infinite medians do not differ.
     """
     by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
-    pairs = list(combinations(optimizers, 2))
+    level = 1 - 2 * alpha / max(comb(len(optimizers), 2), 1)
     rows: list[tuple[Any, ...]] = []
     for problem in labels(frame, "problem"):
-        samples = {each: by_cell[problem, each] for each in optimizers if len(by_cell[problem, each])}
-        finite = (
-            np.concatenate([values[np.isfinite(values)] for values in samples.values()]) if samples else np.empty(0)
-        )
-        reach = float(np.ptp(finite)) if len(finite) else 0.0
+        samples = {label: by_cell[problem, label] for label in optimizers if len(by_cell[problem, label])}
+        finite = [values[np.isfinite(values)] for values in samples.values()]
+        reach = float(np.ptp(np.concatenate(finite))) if sum(map(len, finite)) else 0.0
         rng = np.random.default_rng(seed)
-        resampled = {each: _medians(values, rng) for each, values in samples.items() if len(values) >= FEWEST}
-        for first, second in pairs:
-            if first not in samples or second not in samples:
-                continue
-            here = np.array([_median(samples[first])]), np.array([_median(samples[second])])
+        resampled = {label: _medians(values, rng) for label, values in samples.items() if len(values) >= FEWEST}
+        medians = {label: np.array([quantiles(values, 0.5)]) for label, values in samples.items()}
+        for first, second in combinations(samples, 2):
+            here = medians[first], medians[second]
             width = float(_width(rope, *here)[0])
             inference = np.nan, np.nan, np.nan, False
             if first in resampled and second in resampled:
-                inference = _inference(resampled[first], resampled[second], rope, 1 - 2 * alpha / len(pairs))
+                inference = _inference(resampled[first], resampled[second], rope, level)
             *interval, equivalent = inference
             wide = bool(0 < reach <= width)
             rows.append((problem, first, second, float(_less(*here)[0]), *interval, width, wide, equivalent))
@@ -89,10 +87,8 @@ def probabilities(table: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """
     rows = []
     for (first, second), of_pair in table.groupby(["first", "second"], sort=False):
-        z = in_ropes(of_pair["difference"].to_numpy(dtype=float), of_pair["rope"].to_numpy(dtype=float))
-        errors = of_pair["error"].to_numpy(dtype=float) / of_pair["rope"].where(of_pair["rope"] > 0).to_numpy(
-            dtype=float
-        )
+        difference, error, rope = of_pair[["difference", "error", "rope"]].to_numpy(dtype=float).T
+        z, errors = in_ropes(difference, rope), error / np.where(rope > 0, rope, np.nan)
         usable = np.isfinite(errors) & (np.abs(z) < FAR)
         further = hierarchical(z[usable], errors[usable], seed) if usable.sum() > 2 else (np.nan,) * 3
         rows.append((first, second, len(of_pair), *signed_rank(z, seed), *further))
@@ -119,9 +115,9 @@ def signed_rank(z: Floats, seed: int = 0) -> tuple[float, float, float]:
     rng, counts = np.random.default_rng(seed), np.zeros(3)
     for _ in range(DRAWS // BATCH):
         weights = rng.dirichlet(np.append(PRIOR, np.ones(len(z))), BATCH)
-        left, right = (((weights @ each) * weights).sum(axis=1) for each in (below, above))
+        left, right = (((weights @ side) * weights).sum(axis=1) for side in (below, above))
         counts += np.bincount(np.argmax([left, 1 - left - right, right], axis=0), minlength=3)
-    return tuple(float(each) for each in counts / counts.sum())  # type: ignore[return-value]
+    return tuple(float(chance) for chance in counts / counts.sum())  # type: ignore[return-value]
 
 
 def hierarchical(z: Floats, errors: Floats, seed: int = 0) -> tuple[float, float, float]:
@@ -149,7 +145,7 @@ def hierarchical(z: Floats, errors: Floats, seed: int = 0) -> tuple[float, float
     spread = np.maximum(spreads[drawn], 1e-12)
     left, right = norm.cdf((-1 - centre) / spread), norm.sf((1 - centre) / spread)
     winners = np.argmax([left, 1 - left - right, right], axis=0)
-    return tuple(float(each) for each in np.bincount(winners, minlength=3) / DRAWS)  # type: ignore[return-value]
+    return tuple(float(chance) for chance in np.bincount(winners, minlength=3) / DRAWS)  # type: ignore[return-value]
 
 
 def _inference(first: Floats, second: Floats, rope: Rope, level: float) -> tuple[float, float, float, bool]:
@@ -159,11 +155,6 @@ def _inference(first: Floats, second: Floats, rope: Rope, level: float) -> tuple
     error = float(np.std(moved, ddof=1)) if np.isfinite(moved).all() else np.inf
     least, most = percentile_interval(in_ropes(moved, widths), level)
     return error, low, high, bool(least >= -1 and most <= 1)
-
-
-def _median(values: Floats) -> float:
-    """Return the median score; the upper middle one where failed trials are next to it."""
-    return float(np.quantile(values, 0.5, method="linear" if np.isfinite(values).all() else "higher"))
 
 
 def _medians(values: Floats, rng: np.random.Generator) -> Floats:

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.stats import norm
 
 from bench.analysis.across import signed_ranks
-from bench.analysis.direction import ALPHA, effects, least_p, p_values, standardised
-from bench.typing import Floats
+from bench.analysis.direction import ALPHA, Effects, effects, least_p, p_values, standardised
+from bench.typing import Flags, Floats
 
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
 WORK = 20_000_000  # values of pairs of samples in all: a few seconds
@@ -73,8 +73,9 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: flo
         alpha: the level of all claims.
     """
     on_problems = float(least_p(max(sizes, default=0))) * max(tests, 1)
-    further = least_across(blocks, pairs) <= alpha / 2
-    over = least_across(blocks, pairs) if further else 1.0
+    across = float(2.0 ** (1 - blocks) * max(pairs, 1))  # where all blocks have one sign
+    further = across <= alpha / 2
+    over = across if further else 1.0
     if not further and len(sizes) > 1 and min(sizes) > 1:
         over = float(least_p(sum(sizes))) * max(pairs, 1)
     if max(on_problems, over) <= alpha / 2:
@@ -82,11 +83,6 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: flo
     if over <= alpha / 2:  # a part that can reject at complete separation only must not silence the other one
         return Levels(0.0, alpha, further)
     return Levels(alpha if on_problems <= alpha else 0.0, 0.0, further)
-
-
-def least_across(blocks: int, pairs: int) -> float:
-    """Return the smallest p of the test across blocks after Holm's adjustment: where all of them have one sign."""
-    return float(2.0 ** (1 - blocks) * max(pairs, 1))
 
 
 def rates_of_equals(
@@ -130,13 +126,11 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
     at_once = max(AT_ONCE // work, 1)
     for start in range(0, studies, at_once):
         values = draw(min(at_once, studies - start))
-        p, chance, ratio = np.empty((3, len(values), problems, len(one)))
-        for pair, (i, j) in enumerate(zip(one, other, strict=True)):
-            sides = (values[:, :, each].reshape(-1, trials) for each in (i, j))
-            effect = effects(*sides)
-            p[:, :, pair] = p_values(effect).reshape(len(values), problems)
-            chance[:, :, pair] = effect.a12.reshape(len(values), problems)
-            ratio[:, :, pair] = effect.ratio.reshape(len(values), problems)
+        effect = effects(*(values[:, :, places].reshape(-1, trials) for places in (one, other)))
+        p, chance, ratio = (
+            of_pairs.reshape(len(values), problems, len(one))
+            for of_pairs in (p_values(effect), effect.a12, effect.ratio)
+        )
         means = np.round(weights @ (chance - 0.5), 12)
         size = np.abs(standardised(chance, ratio, axis=1))
         now = slice(start, start + len(values))
@@ -145,7 +139,7 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
             claimed[1, now] = [_across(study_means, level.across) for study_means in means]
         else:
             claimed[1, now] = 2 * norm.sf(size.max(axis=1)) * len(one) <= level.across
-    return Rates(studies, *(float(each.mean()) for each in (*claimed, claimed.any(axis=0))))
+    return Rates(studies, *(float(claims.mean()) for claims in (*claimed, claimed.any(axis=0))))
 
 
 def _across(means: Floats, level: float) -> bool:
@@ -163,13 +157,7 @@ def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
     """
     if trials < 2 or least_p(trials) > level:
         return float("nan")
-    this, other = np.random.default_rng(20_250_101).standard_normal((2, DRAWS, trials))
-
-    def found(chance: float) -> bool:
-        shift = np.sqrt(2) * norm.ppf(chance)
-        return bool(np.mean(p_values(effects(this, other + shift)) <= level) >= power)
-
-    return _smallest(found)
+    return _smallest(DRAWS, trials, power, lambda effect: p_values(effect) <= level)
 
 
 @lru_cache
@@ -182,21 +170,25 @@ def detectable_across(trials: int, blocks: int, level: float, further: bool = Tr
     if further and 2.0 ** (1 - blocks) > level:
         return float("nan")
     draws = max(DRAWS // blocks, 200)
-    this, other = np.random.default_rng(20_250_101).standard_normal((2, draws * blocks, trials))
 
-    def found(chance: float) -> bool:
-        shift = np.sqrt(2) * norm.ppf(chance)
-        effect = effects(this, other + shift)
+    def rejects(effect: Effects) -> Flags:
         means = effect.a12.reshape(draws, blocks) - 0.5
         if not further:
             size = standardised(means + 0.5, effect.ratio.reshape(draws, blocks), axis=1)
-            return bool(np.mean(2 * norm.sf(size) <= level) >= power)
-        return bool(np.mean([signed_ranks(draw, level)["p"] <= level for draw in means]) >= power)
+            return np.asarray(2 * norm.sf(size) <= level)
+        return np.array([signed_ranks(draw, level)["p"] <= level for draw in means])
 
-    return _smallest(found)
+    return _smallest(draws * blocks, trials, power, rejects)
 
 
-def _smallest(is_found: Callable[[float], bool]) -> float:
+def _smallest(pairs: int, trials: int, power: float, rejects: Callable[[Effects], Flags]) -> float:
+    """Return the smallest A12 of pairs of samples with which a test rejects often enough; NaN where there is none."""
+    this, other = np.random.default_rng(20_250_101).standard_normal((2, pairs, trials))
+
+    def is_found(chance: float) -> bool:
+        shift = np.sqrt(2) * norm.ppf(chance)
+        return bool(np.mean(rejects(effects(this, other + shift))) >= power)
+
     low, high = 0.5, 1.0 - 1e-6
     if not is_found(high):
         return float("nan")

@@ -71,7 +71,8 @@ def contributions(frame: pd.DataFrame, sweep: Sweep) -> Contributions:
                 left_out.append(problem)
             continue
         chances_of = dict(zip(samples, chances(list(samples.values())), strict=True))
-        parts = decomposed(_grid({key: float(each.mean()) for key, each in chances_of.items()}, factors))
+        means = [float(chances_of[key].mean()) for key in product(*factors.values())]
+        parts = decomposed(np.reshape(means, [len(values) for values in factors.values()]))
         for axis, (name, own_levels) in enumerate(factors.items()):
             main = 0.5 + parts[(axis,)].ravel()
             levels += [(problem, name, level, chance) for level, chance in zip(own_levels, main, strict=True)]
@@ -92,11 +93,13 @@ def chances(samples: list[Floats]) -> list[Floats]:
 
     Each sample counts once, whatever its size.
     """
-    ordered = [np.sort(each) for each in samples]
+    ordered = [np.sort(values) for values in samples]
     chances_of = []
     for values in samples:
-        below = [np.searchsorted(each, values, "left") + np.searchsorted(each, values, "right") for each in ordered]
-        shares = [1 - each / (2 * len(other)) for each, other in zip(below, ordered, strict=True)]
+        below = [
+            np.searchsorted(sample, values, "left") + np.searchsorted(sample, values, "right") for sample in ordered
+        ]
+        shares = [1 - count / (2 * len(sample)) for count, sample in zip(below, ordered, strict=True)]
         chances_of.append(np.mean(shares, axis=0))
     return chances_of
 
@@ -110,8 +113,8 @@ def decomposed(grid: Floats) -> dict[tuple[int, ...], Floats]:
     parts: dict[tuple[int, ...], Floats] = {}
     for size in range(grid.ndim + 1):
         for axes in combinations(range(grid.ndim), size):
-            others = tuple(set(range(grid.ndim)) - set(axes))
-            part = grid.mean(axis=others, keepdims=True) if others else grid.copy()
+            averaged = tuple(set(range(grid.ndim)) - set(axes))
+            part = grid.mean(axis=averaged, keepdims=True) if averaged else grid.copy()
             for less, smaller in parts.items():
                 if set(less) < set(axes):
                     part = part - smaller
@@ -130,10 +133,10 @@ def stratified_test(strata: list[list[Floats]]) -> float:
     k = len(strata[0])
     total, variance = np.zeros(k), np.zeros((k, k))
     for samples in strata:
-        sizes = np.array([len(each) for each in samples], dtype=float)
+        sizes = np.array([len(sample) for sample in samples], dtype=float)
         n = sizes.sum()
         ranks = rankdata(np.concatenate(samples))
-        sums = np.array([each.sum() for each in np.split(ranks, np.cumsum([len(each) for each in samples])[:-1])])
+        sums = np.array([part.sum() for part in np.split(ranks, np.cumsum([len(sample) for sample in samples])[:-1])])
         total += (sums - sizes * ranks.mean()) / (n + 1)
         spread = ranks.var() * n / max(n - 1, 1)
         variance += spread * (np.diag(sizes) - np.outer(sizes, sizes) / n) / (n + 1) ** 2
@@ -181,12 +184,6 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     return tests.assign(p_holm=holm(tests["p"].to_numpy(dtype=float)))
 
 
-def _grid(means: Mapping[Levels, float], factors: Mapping[str, Levels]) -> Floats:
-    return np.array([means[key] for key in product(*factors.values())]).reshape(
-        [len(each) for each in factors.values()]
-    )
-
-
 def _strata(samples: Mapping[Levels, Floats], factors: Mapping[str, Levels], name: str) -> list[list[Floats]]:
     """Return the samples of each value of a parameter, by the combinations of all others."""
     axis = list(factors).index(name)
@@ -202,8 +199,9 @@ def _shares(
     """Return the share of each component of the variance among single trials, all missing where it is not known."""
     count = len(chances_of)
     if min(map(len, chances_of.values())) > 1:
-        within = np.array([each.var(ddof=1) for each in chances_of.values()])
-        noise = float((within / [len(each) for each in chances_of.values()]).mean())  # variance of a combination's mean
+        within = np.array([values.var(ddof=1) for values in chances_of.values()])
+        # The variance of a combination's mean.
+        noise = float((within / [len(values) for values in chances_of.values()]).mean())
         random = float(within.mean())
     else:
         noise = random = np.nan
@@ -218,4 +216,4 @@ def _shares(
         variances[component] = variances.get(component, 0.0) + variance
     variances[TRIALS] = random
     total = sum(variances.values())
-    return {name: each / total if total > 1e-12 else np.nan for name, each in variances.items()}
+    return {name: variance / total if total > 1e-12 else np.nan for name, variance in variances.items()}

@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 import pandas as pd
 
-from bench.analysis.cells import Traces, labels, scores
+from bench.analysis.cells import Traces, cells, traces_of
 
 
 def feasibility(frame: pd.DataFrame, traces: Traces, problems: Collection[str]) -> pd.DataFrame:
@@ -27,21 +27,10 @@ def feasibility(frame: pd.DataFrame, traces: Traces, problems: Collection[str]) 
         trials found none, NaN without a trial).
     """
     rows = []
-    feasible = scores(frame).lt(np.inf)
-    for problem in (label for label in labels(frame, "problem") if label in problems):
-        for optimizer in labels(frame, "optimizer"):
-            mine = feasible[(frame["problem"] == problem) & (frame["optimizer"] == optimizer)]
-            numbers = frame.loc[mine.index[mine], "trial"]
-            first = [int(traces[problem, optimizer, trial].evaluations[0]) for trial in numbers]
-            every = sorted(first) + [np.inf] * (len(mine) - len(first))
-            rows.append(
-                {
-                    "problem": problem,
-                    "optimizer": optimizer,
-                    "trials": len(mine),
-                    "feasible": len(first),
-                    "rate": len(first) / len(mine) if len(mine) else np.nan,
-                    "first": float(np.median(every)) if every else np.nan,
-                }
-            )
+    firsts = [np.append(trace.evaluations, np.inf)[0] for trace in traces_of(frame, traces)]
+    for (problem, optimizer), first in cells(frame.assign(fun=firsts)).items():
+        if problem in problems:
+            feasible = int(np.isfinite(first).sum())
+            rate, median = (feasible / len(first), float(np.median(first))) if len(first) else (np.nan, np.nan)
+            rows.append((problem, optimizer, len(first), feasible, rate, median))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "trials", "feasible", "rate", "first"])

@@ -19,10 +19,10 @@ from bench.analysis.cells import (
     scores,
     stopped_early,
     timing,
+    traces_of,
     variables,
 )
 from bench.helpers.text import listed
-from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling
@@ -36,7 +36,6 @@ Verdict = Literal["pass", "note", "warning", "error", "not checked"]
 Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
 CELL = ["problem", "optimizer"]
 NUMBERS = ["fun", "nfev", "outside_box"]
-NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
 class CheckResult(NamedTuple):
@@ -71,8 +70,7 @@ class Evidence:
         finished = self.frame[self.frame["status"] == "ok"]
         finished = finished.astype(dict.fromkeys(CELL, object)).reset_index(drop=True)
         numbers = finished[NUMBERS].apply(pd.to_numeric, errors="coerce").astype(float)
-        keys = zip(finished["problem"], finished["optimizer"], finished["trial"], strict=True)
-        traces = pd.Series([self.traces.get(key, NO_TRACE) for key in keys], dtype=object)
+        traces = pd.Series(list(traces_of(finished, self.traces)), dtype=object)
         return finished.assign(**numbers, trace=traces)
 
 
@@ -257,16 +255,16 @@ def _clamping(evidence: Evidence) -> CheckResult:
     share = by_optimizer.sum().sum(axis=1) / by_optimizer.count().sum(axis=1)
     high = share[share > CLAMPED]
     unknown = sorted(set(trials["problem"]) - set(evidence.boxes))
-    rest = f" The box is unknown for {listed(unknown)}." if unknown else ""
+    unknown_boxes = f" The box is unknown for {listed(unknown)}." if unknown else ""
     if high.empty:
         least = f"At most {percent(share.max())} of the final coordinates of any optimizer lie on a bound of the box."
-        return CheckResult("pass", least + rest)
-    worst = {name: _percentages(each[each > 0].nlargest(2)) for name, each in by_optimizer.mean().T.items()}
+        return CheckResult("pass", least + unknown_boxes)
+    worst = {name: _percentages(shares[shares > 0].nlargest(2)) for name, shares in by_optimizer.mean().T.items()}
     named = [f"{name} {percent(value)} ({worst[name]})" for name, value in high.items()]
     return CheckResult(
         "warning",
         f"Final coordinates on a bound of the box: {listed(named)}. The optimum may lie there, or a repair may "
-        f"move points there.{rest}",
+        f"move points there.{unknown_boxes}",
         cell_names(trials[trials["optimizer"].isin(high.index) & (bound.sum(axis=1) > 0)]),
     )
 

@@ -75,10 +75,11 @@ def pool_instances(
     trials = int(frame["trial"].max()) + 1 if len(frame) else 1
     offset = {label: trials * number for instances in pools.values() for number, label in enumerate(instances)}
     problem = frame["problem"].astype(object)
+    above = values - problem.map(optima).astype(float)
     changed = frame.assign(
         problem=problem.map(function_of).fillna(problem),
         trial=frame["trial"] + problem.map(offset).fillna(0).astype(int),
-        fun=values.where(~problem.isin(function_of), _precision(values - problem.map(optima).astype(float))),
+        fun=values.where(~problem.isin(function_of), above.mask(above <= SOLVED, 0.0)),
         instance=problem.map({label: features[label]["instance"] for label in function_of}),
     )
     moved = _Precisions(traces, pools, offset, optima, trials)
@@ -92,11 +93,6 @@ def precision_targets(functions: Iterable[str], precisions: Iterable[float] = PR
     """
     rows = [(function, precision, precision) for function in functions for precision in precisions]
     return pd.DataFrame(rows, columns=["problem", "tau", "target"])
-
-
-def _precision(above: pd.Series[float]) -> pd.Series[float]:
-    """Return differences from the optimum, 0 where they are within the last target."""
-    return above.mask(above <= SOLVED, 0.0)
 
 
 @dataclass(frozen=True)

@@ -193,16 +193,16 @@ def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
 def _trait(name: str, diagnoses: Diagnoses) -> CheckResult:
     """Return which optimizers have a trait that ``bench check`` looks for."""
     trait = TRAITS[name]
-    diagnosed = [(label, each) for label, checks in diagnoses.items() for each in checks if each["check"] == name]
+    diagnosed = [(label, check) for label, checks in diagnoses.items() for check in checks if check["check"] == name]
     if not diagnosed:
         return CheckResult("not checked", "Run 'bench check' with this folder to check the optimizers for it.")
-    numbers = [(label, each.get("figure")) for label, each in diagnosed if not each["passed"]]
+    numbers = [(label, check.get("figure")) for label, check in diagnosed if not check["passed"]]
     if not numbers:
-        tested = [label for label, each in diagnosed if each.get("figure") is not None]
-        other = [label for label, each in diagnosed if each.get("figure") is None]
+        tested = [label for label, check in diagnosed if check.get("figure") is not None]
+        untested = [label for label, check in diagnosed if check.get("figure") is None]
         whom = f"any of the {len(tested):,} optimizers" if len(tested) > 1 else "".join(tested)
-        said = [f"{trait.well} {whom}."] if tested else []
-        said += [f"There was nothing to test for {listed(other)}."] if other else []
-        return CheckResult("pass", " ".join(said))
+        sentences = [f"{trait.well} {whom}."] if tested else []
+        sentences += [f"There was nothing to test for {listed(untested)}."] if untested else []
+        return CheckResult("pass", " ".join(sentences))
     named = [label if number is None else f"{label} {trait.shown(number)}" for label, number in numbers]
     return CheckResult("warning", f"{trait.trouble}: {listed(named)}. {trait.meaning}")

@@ -11,7 +11,6 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
 from bench.typing import Floats
@@ -71,18 +70,7 @@ def permutation_p(these: Floats, others: Floats) -> Floats:
     pooled = np.sort(np.concatenate((these, others), axis=1), axis=1)
     changes = np.pad(pooled[:, 1:] != pooled[:, :-1], ((0, 0), (0, 1)), constant_values=True)
     n, m = these.shape[1], others.shape[1]
-    return _share_as_far(changes, np.rint(n * m * ks_distance(these, others)), n)
-
-
-def _share_as_far(changes: NDArray[np.bool_], reached: Floats, n: int) -> Floats:
-    """Return the share of the arrangements of n values and others whose distance is as large, (g,).
-
-    Args:
-        changes: (g, n + m), whether the value changes after each of the sorted values.
-        reached: (g,) distances times n m.
-        n: the values of the first sample.
-    """
-    m = changes.shape[1] - n
+    reached = np.rint(n * m * ks_distance(these, others))
     taken = np.arange(n + 1)  # values of the first sample among those passed
     inside, outside = np.zeros((len(changes), n + 1)), np.zeros(len(changes))
     inside[:, 0] = 1.0

@@ -112,7 +112,7 @@ def distribution(y: Floats) -> dict[str, float]:
     return {
         "ela_distr.skewness": skew(y) * (1 - 1 / n) ** 1.5,
         "ela_distr.kurtosis": (kurtosis(y) + 3) * (1 - 1 / n) ** 2 - 3,
-        "ela_distr.number_of_peaks": sum(each > PEAK for each in mass),
+        "ela_distr.number_of_peaks": sum(share > PEAK for share in mass),
     }
 
 
@@ -149,9 +149,9 @@ def dispersion(x: Floats, y: Floats) -> dict[str, float]:
 
 def nearest_better(distances: Floats, y: Floats) -> dict[str, float]:
     """Return how distances to the nearest and to the nearest better point relate; the best point has the former."""
-    others = distances + np.diag(np.full(len(y), np.inf))
-    nearest = others.min(axis=1)
-    better = np.where(y[np.newaxis] < y[:, np.newaxis], others, np.inf)
+    between = distances + np.diag(np.full(len(y), np.inf))
+    nearest = between.min(axis=1)
+    better = np.where(y[np.newaxis] < y[:, np.newaxis], between, np.inf)
     target, reach = better.argmin(axis=1), better.min(axis=1)
     has = np.isfinite(reach)
     popular = np.bincount(target[has], minlength=len(y))

@@ -15,13 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA, effects, least_p, p_values
-from bench.analysis.pairwise import AT_ONCE, adjusted, holm
+from bench.analysis.pairwise import adjusted, alike, holm
 from bench.analysis.sequential import repeated_p
-from bench.typing import Floats
 
 COLUMNS = ("problem", "first", "second", "look", "p")
 
@@ -69,10 +67,15 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
             there = np.array([len(sample) == look for sample in samples], dtype=bool)
             active = there & (ends == 0)
             tested = np.flatnonzero(active[one] & active[other])
-            now = repeated_p(_p(samples, one[tested], other[tested]), looks, place)
+            p_now = np.ones(len(tested))
+            for part, these, others in alike([samples[cell] for cell in np.flatnonzero(active)]):
+                p_now[part] = p_values(effects(these, others))
+            now = repeated_p(p_now, looks, place)
             better = now < p[tested]
             p[tested[better]], look_of[tested[better]] = now[better], look
-            ends[_decided(holm(p) <= level, one, other, len(names)) & active] = look
+            still_open = holm(p) > level
+            active[one[still_open]] = active[other[still_open]] = False
+            ends[active] = look
             if (there | (ends > 0)).all():
                 reached[problem] = look
         stopped |= {(problem, name): int(end) for name, end in zip(optimizers, ends, strict=True) if end}
@@ -100,34 +103,12 @@ def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) ->
     """
     keys = ["problem", "first", "second"]
     decided = pairs[keys].astype(object).merge(decisions.pairs, on=keys, how="left")
-    stopped = np.array(
-        [
-            any((problem, optimizer) in decisions.stopped for optimizer in pair)
-            for problem, *pair in decided[keys].itertuples(index=False, name=None)
-        ],
-        dtype=bool,
-    )
+    stopped = np.zeros(len(pairs), dtype=bool)
+    for name in ("first", "second"):
+        cells_of = zip(pairs["problem"], pairs[name], strict=True)
+        stopped |= np.array([cell in decisions.stopped for cell in cells_of], dtype=bool)
     ends = ["a12_low", "a12_high", "joint_low", "joint_high"]
     unknown = {name: pairs[name].mask(stopped) for name in ends}
     return adjusted(
         pairs.assign(p=decided["p"].to_numpy(), look=decided["look"].to_numpy(), stopped=stopped, **unknown), alpha
     )
-
-
-def _p(samples: Sequence[Floats], one: NDArray[np.intp], other: NDArray[np.intp]) -> Floats:
-    """Return the p-values of pairs of samples, all of one size."""
-    p = np.ones(len(one))
-    for start in range(0, len(one), AT_ONCE):
-        part = slice(start, start + AT_ONCE)
-        these, others = (np.array([samples[place] for place in places[part]]) for places in (one, other))
-        p[part] = p_values(effects(these, others))
-    return p
-
-
-def _decided(
-    decided: NDArray[np.bool_], one: NDArray[np.intp], other: NDArray[np.intp], number: int
-) -> NDArray[np.bool_]:
-    """Return which of a number of optimizers have no pair that is open."""
-    still_open = np.zeros(number, dtype=bool)
-    still_open[one[~decided]] = still_open[other[~decided]] = True
-    return ~still_open

@@ -105,9 +105,9 @@ def noninferiority(
         BenchError: for a margin or level that cannot be, and where no problem has two trials of both.
     """
     by_cell = cells(frame, merge=True)
-    samples = {each: (by_cell[each, old], by_cell[each, new]) for each in labels(frame, "problem")}
+    samples = {problem: (by_cell[problem, old], by_cell[problem, new]) for problem in labels(frame, "problem")}
     return compare_samples(
-        {each: both for each, both in samples.items() if min(map(len, both)) > 0}, margin, alpha, every
+        {problem: both for problem, both in samples.items() if min(map(len, both)) > 0}, margin, alpha, every
     )
 
 
@@ -161,6 +161,8 @@ def _inference(estimate: Effects, bound: float, level: float) -> tuple[float, fl
 
 def _needed(estimates: Sequence[Effects], margin: float, level: float, every: bool) -> int:
     """Return about how many trials a problem make equal versions pass; a variance falls as one over the trials."""
-    each = np.array([0.25 * estimate.ratio[0] * estimate.smaller for estimate in estimates])
-    variance, power = (each.max(), POWER ** (1 / len(estimates))) if every else (each.mean() / len(estimates), POWER)
+    variances = np.array([0.25 * estimate.ratio[0] * estimate.smaller for estimate in estimates])
+    variance, power = (
+        (variances.max(), POWER ** (1 / len(estimates))) if every else (variances.mean() / len(estimates), POWER)
+    )
     return ceil(float(variance) * float((norm.ppf(level) + norm.ppf(power)) / margin) ** 2)

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis import direction
-from bench.analysis.cells import cells, labels
+from bench.analysis.cells import cells, labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.typing import Floats
@@ -47,7 +47,7 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     Names are categories: texts would take most of the memory.
     """
     by_cell, optimizers, problems = cells(frame, merge=True), labels(frame, "optimizer"), labels(frame, "problem")
-    sizes = np.array([[len(by_cell[each, one]) for one in optimizers] for each in problems], dtype=np.int64)
+    sizes = np.array([[len(by_cell[problem, one]) for one in optimizers] for problem in problems], dtype=np.int64)
     one, other = np.triu_indices(len(optimizers), 1)
     tests = int(np.sum(np.minimum(sizes[:, one], sizes[:, other]) > 0)) if len(problems) else 0
     # Of each column one array from the beginning: many small ones would leave gaps in the memory.
@@ -97,8 +97,7 @@ def holm(p: Floats) -> Floats:
 
 def percentile_interval(replicates: Floats, level: float = 0.95) -> tuple[float, float]:
     """Return the percentile bootstrap interval (Efron 1981); its ends are upper order statistics among +inf."""
-    ends = [(1 - level) / 2, (1 + level) / 2]
-    low, high = np.quantile(replicates, ends, method="linear" if np.isfinite(replicates).all() else "higher")
+    low, high = quantiles(replicates, [(1 - level) / 2, (1 + level) / 2])
     return float(low), float(high)
 
 
@@ -124,7 +123,13 @@ def compare_all(samples: Sequence[Floats], joint: float = 0.95) -> dict[str, Any
         "ks_tied": np.zeros(len(one), dtype=bool), **{name: np.full(len(one), np.nan) for name in numbers},
     }  # fmt: skip
     for places, these, others in alike(samples):
-        for name, values in _compare(these, others, joint).items():
+        if not min(these.shape[1], others.shape[1]):
+            continue
+        estimates = direction.effects(these, others)
+        values_of = {"a12": estimates.a12, "ratio": estimates.ratio, "p": direction.p_values(estimates)}
+        values_of["a12_low"], values_of["a12_high"] = direction.intervals(estimates)
+        values_of["joint_low"], values_of["joint_high"] = direction.intervals(estimates, joint)
+        for name, values in (values_of | ks_tests(these, others)).items():
             columns[name][places] = values
     return columns
 
@@ -142,21 +147,3 @@ def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats,
         for part in np.split(same, range(AT_ONCE, len(same), AT_ONCE)):
             these, others = (np.array([samples[i] for i in places[part]]) for places in (one, other))
             yield part, these, others
-
-
-def _compare(these: Floats, others: Floats, joint: float) -> dict[str, Any]:
-    """Compare pairs of samples, (g, n) and (g, m); an array a column."""
-    if not min(these.shape[1], others.shape[1]):
-        return {}
-    estimates = direction.effects(these, others)
-    ends = {"a12": direction.intervals(estimates), "joint": direction.intervals(estimates, joint)}
-    sides = {
-        f"{name}_{side}": end for name, both in ends.items() for side, end in zip(("low", "high"), both, strict=True)
-    }
-    return {
-        "a12": estimates.a12,
-        "ratio": estimates.ratio,
-        "p": direction.p_values(estimates),
-        **sides,
-        **ks_tests(these, others),
-    }

@@ -64,10 +64,10 @@ def target_shares(
         budget: the evaluations that count, by problem; other problems are left out.
         charge: evaluations of it that are spent before the search begins, by problem.
     """
-    own = hits[hits["problem"].astype(object).isin(list(budget))].astype({"problem": object})
-    before = own["problem"].map(charge or {}).fillna(0.0).astype(float)
-    within = own["evaluations"].astype(float) <= own["problem"].map(budget).astype(float) - before
-    groups = within.groupby([own["problem"], own["optimizer"], own["trial"]], sort=False, observed=True)
+    counted = hits[hits["problem"].astype(object).isin(list(budget))].astype({"problem": object})
+    before = counted["problem"].map(charge or {}).fillna(0.0).astype(float)
+    within = counted["evaluations"].astype(float) <= counted["problem"].map(budget).astype(float) - before
+    groups = within.groupby([counted["problem"], counted["optimizer"], counted["trial"]], sort=False, observed=True)
     return groups.mean().round(ROUNDING).rename("score").reset_index()
 
 
@@ -90,11 +90,11 @@ def portfolio_of(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SE
 
 def student(values: Sequence[float] | Floats, alpha: float = ALPHA) -> tuple[float, float, float]:
     """Return the mean of independent values and Student's interval; its ends are missing for one value."""
-    own = np.asarray(values, dtype=np.float64)
-    mean = float(own.mean())
-    if len(own) < 2:
+    sample = np.asarray(values, dtype=np.float64)
+    mean = float(sample.mean())
+    if len(sample) < 2:
         return mean, np.nan, np.nan
-    reach = float(stdtrit(len(own) - 1, 1 - alpha / 2) * own.std(ddof=1) / np.sqrt(len(own)))
+    reach = float(stdtrit(len(sample) - 1, 1 - alpha / 2) * sample.std(ddof=1) / np.sqrt(len(sample)))
     return mean, mean - reach, mean + reach
 
 
@@ -151,15 +151,15 @@ class Halves:
 
     def chosen(self, members: Sequence[int]) -> Floats:
         """Return the share of each of these optimizers in what a set of them takes, (H, P, members); ties are equal."""
-        own = self.choose[..., list(members)]
-        best = own == own.max(axis=-1, keepdims=True)
+        choosing = self.choose[..., list(members)]
+        best = choosing == choosing.max(axis=-1, keepdims=True)
         shares: Floats = best / best.sum(axis=-1, keepdims=True)
         return shares
 
     def scores_of(self, members: Sequence[int]) -> Floats:
         """Return the score of a set of optimizers on each problem, (P,)."""
-        found: Floats = (self.chosen(members) * self.score[..., list(members)]).sum(axis=-1).mean(axis=0)
-        return found
+        scores: Floats = (self.chosen(members) * self.score[..., list(members)]).sum(axis=-1).mean(axis=0)
+        return scores
 
     def value(self, members: Sequence[int]) -> float:
         """Return the mean score of a set of optimizers over functions, 0 of none."""
@@ -201,11 +201,11 @@ def _best_sets(halves: Halves) -> pd.DataFrame:
     members: tuple[int, ...] = ()
     rows: list[tuple[Any, ...]] = []
     while not rows or halves.value(members) < NEAR * virtual:
-        adding = [(*members, each) for each in everyone if each not in members]
+        adding = [(*members, member) for member in everyone if member not in members]
         few = len(everyone) <= MOST_EXACT
         members = max(combinations(everyone, len(members) + 1) if few else adding, key=halves.value)
         score = halves.value(members)
-        names = tuple(halves.optimizers[each] for each in members)
+        names = tuple(halves.optimizers[member] for member in members)
         rows.append((len(members), names, score, score / virtual if virtual > 0 else 1.0))
     return pd.DataFrame(rows, columns=["size", "optimizers", "score", "ratio"])
 
@@ -214,7 +214,7 @@ def _members(halves: Halves) -> pd.DataFrame:
     everyone = list(range(len(halves.optimizers)))
     virtual = halves.value(everyone)
     worth = [shapley(choose, score) for choose, score in zip(halves.choose, halves.score, strict=True)]
-    without = [halves.value([each for each in everyone if each != member]) for member in everyone]
+    without = [halves.value([left for left in everyone if left != member]) for member in everyone]
     return pd.DataFrame(
         {
             "optimizer": halves.optimizers,

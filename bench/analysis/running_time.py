@@ -25,14 +25,13 @@ from scipy.special import betaincinv, stdtrit
 from bench.analysis.anytime import Counts, expected_running_time
 from bench.analysis.cells import labels
 from bench.analysis.competition import ALPHA, rank_sum
-from bench.typing import Floats
+from bench.typing import Flags, Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
 DRAWN = 100  # simulated restarts a target of an ECDF
 SEED = 1
 _AT_ONCE = 2_000_000  # simulated restarts that are held in memory
 
-Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 SPREAD = ("low", "high", "p10", "p90")
@@ -83,14 +82,14 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
             unsuccessful = np.nanmedian(np.where(batch.reached, np.nan, batch.paid), axis=1)
         low, high = _intervals(batch)
         drawn = _percentiles(simulated_restarts(batch, restarts), (10, 90))
-        p10, p90 = (np.where(np.isfinite(ert), each, np.nan) for each in drawn)
+        p10, p90 = (np.where(np.isfinite(ert), percentile, np.nan) for percentile in drawn)
         problem, optimizer = np.repeat(np.array(batch.cells, dtype=object), targets, axis=0).T
         columns = {
             "tau": batch.tau, "target": batch.target, "trials": np.full((count, targets), trials),
             "successes": successes, "ert": ert, "unsuccessful": unsuccessful,
             "low": low, "high": high, "p10": p10, "p90": p90,
         }  # fmt: skip
-        flat = {name: each.ravel() for name, each in columns.items()}
+        flat = {name: values.ravel() for name, values in columns.items()}
         tables.append(pd.DataFrame({"problem": problem, "optimizer": optimizer} | flat))
     names = ["problem", "optimizer", "tau", "target", "trials", "successes", "ert", "unsuccessful", *SPREAD]
     return _in_order(tables, hits, names)
@@ -111,8 +110,8 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
     for (problem, tau), rows_of_target in hits.groupby(["problem", "tau"], sort=False, observed=True):
         cells = {
-            str(label): np.asarray(each["evaluations"], dtype=np.float64)
-            for label, each in rows_of_target.groupby("optimizer", sort=False, observed=True)
+            str(label): np.asarray(times["evaluations"], dtype=np.float64)
+            for label, times in rows_of_target.groupby("optimizer", sort=False, observed=True)
         }
         table = running_times[problem, tau].dropna(subset="ert")
         if len(cells) < 2 or not np.isfinite(table["ert"].astype(float)).any():
@@ -134,8 +133,8 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
 
 def _least_p(sizes: list[int]) -> float:
     """Return the smallest p there is for any one of some samples that is compared with each other one."""
-    others = [(one, sizes[:place] + sizes[place + 1 :]) for place, one in enumerate(sizes)]
-    return min(max((_separation_p(one, size) for size in rivals), default=1.0) for one, rivals in others)
+    with_rivals = [(one, sizes[:place] + sizes[place + 1 :]) for place, one in enumerate(sizes)]
+    return min(max((_separation_p(one, size) for size in rivals), default=1.0) for one, rivals in with_rivals)
 
 
 def _separation_p(one: int, other: int) -> float:
@@ -155,9 +154,9 @@ def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
     pace = pace.fillna(pace.groupby(keys).transform("median"))
     index = pd.MultiIndex.from_arrays([*keys, frame["trial"]])
     trial_of_hit = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
-    each = pace.to_numpy()[index.get_indexer(trial_of_hit)] if len(hits) else np.empty(0)
-    times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * each, np.inf)
-    return hits.assign(evaluations=times, **{name: hits[name] * each for name in ("spent", "budget") if name in hits})
+    paces = pace.to_numpy()[index.get_indexer(trial_of_hit)] if len(hits) else np.empty(0)
+    times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * paces, np.inf)
+    return hits.assign(evaluations=times, **{name: hits[name] * paces for name in ("spent", "budget") if name in hits})
 
 
 def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
@@ -268,7 +267,7 @@ def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
     return percentiles
 
 
-def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:
+def _batches(hits: pd.DataFrame, numbers: int) -> Iterator[Batch]:
     """Yield the cells that have trials, those of one shape together; ``each`` numbers a target are held in memory."""
     groups: dict[Any, Any] = dict(hits.groupby(["problem", "optimizer"], sort=False, observed=True).indices)
     tau, target, evaluations, spent, budget = (
@@ -282,7 +281,7 @@ def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:
         targets = int(np.count_nonzero(trial[rows] == trial[rows[0]]))
         alike.setdefault((len(rows) // targets, targets), []).append(((str(problem), str(optimizer)), ordered))
     for (trials, targets), cells in alike.items():
-        at_once = max(_AT_ONCE // (targets * max(each, trials)), 1)
+        at_once = max(_AT_ONCE // (targets * max(numbers, trials)), 1)
         for start in range(0, len(cells), at_once):
             names, rows_of = zip(*cells[start : start + at_once], strict=True)
             rows = np.array(rows_of).reshape(len(names), trials, targets)

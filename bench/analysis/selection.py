@@ -8,7 +8,7 @@ nearly the same problem (Bischl, Mersmann, Trautmann and Preuss 2012, GECCO).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,48 +16,30 @@ from scipy.spatial.distance import cdist
 
 from bench.analysis.cells import labels
 from bench.analysis.portfolio import over_functions, student
-from bench.typing import Floats
 
 NEIGHBOURS = 5
 LEAST_FUNCTIONS = 6  # for a validation
 SHOWN = 3  # optimizers of an advice
 
 
-class Space(NamedTuple):
-    """Where the features of problems lie: standardised, each group of features with the same weight.
+def feature_distances(features: pd.DataFrame, problems: pd.DataFrame) -> pd.DataFrame:
+    """Return the distance of each of the ``problems`` (rows) to each problem that ``features`` has (columns).
 
-    Features enter as their asinh, since ratios reach 1e10, a dimension as its logarithm. A feature that is missing or
-    equal on all problems is left out, and one that a problem lacks counts as the mean. A distance is the root of the
-    mean over groups of the mean squared difference, 1.4 between problems that have nothing in common.
-
-    Attributes:
-        table: features by problem, those in use.
-        mean: (M,); scale: (M,).
+    Both have features by problem, ``dimension`` among them. They are standardised by those of ``features``, each group
+    with the same weight. Features enter as their asinh, since ratios reach 1e10, a dimension as its logarithm. A
+    feature that is missing or equal on all problems is left out, and one that a problem lacks counts as the mean. A
+    distance is the root of the mean over groups of the mean squared difference, 1.4 between problems that have nothing
+    in common.
     """
-
-    table: pd.DataFrame
-    mean: Floats
-    scale: Floats
-
-    @classmethod
-    def of(cls, table: pd.DataFrame) -> Space:
-        """Return the space of the features by problem, (P, M), in which ``dimension`` is one of them."""
-        values = _moderate(table)
-        varying = [name for name in values if values[name].max() > values[name].min()]
-        used = values[varying]
-        groups = pd.Series([str(name).partition(".")[0] for name in varying], dtype=object)
-        sizes = groups.map(groups.value_counts()).to_numpy(dtype=float)
-        scale = used.std(ddof=0).to_numpy(dtype=float) * np.sqrt(sizes * max(groups.nunique(), 1))
-        return cls(table[varying], used.mean().to_numpy(dtype=float), scale)
-
-    def distances(self, others: pd.DataFrame) -> pd.DataFrame:
-        """Return the distance of each of the others (rows) to each problem of the space (columns)."""
-        own, given = (self._places(each) for each in (self.table, others))
-        return pd.DataFrame(cdist(given, own), index=others.index, columns=self.table.index)
-
-    def _places(self, table: pd.DataFrame) -> Floats:
-        places = (_moderate(table.reindex(columns=self.table.columns)).to_numpy(dtype=float) - self.mean) / self.scale
-        return np.nan_to_num(places)
+    values = _moderate(features)
+    used = values[[name for name in values if values[name].max() > values[name].min()]]
+    groups = pd.Series([str(name).partition(".")[0] for name in used], dtype=object)
+    sizes = groups.map(groups.value_counts()).to_numpy(dtype=float)
+    scale = used.std(ddof=0).to_numpy(dtype=float) * np.sqrt(sizes * max(groups.nunique(), 1))
+    mean = used.mean().to_numpy(dtype=float)
+    tables = used, _moderate(problems).reindex(columns=used.columns)
+    here, there = (np.nan_to_num((table.to_numpy(dtype=float) - mean) / scale) for table in tables)
+    return pd.DataFrame(cdist(there, here), index=problems.index, columns=features.index)
 
 
 def _moderate(table: pd.DataFrame) -> pd.DataFrame:
@@ -99,21 +81,21 @@ def validated_selection(
         charged: the same with the evaluations of the feature sample charged.
         blocks: the function of each problem.
     """
-    plain, paid = (cell_scores(each) for each in (scores, charged))
-    known = [problem for problem in plain.index if problem in features.index and problem in paid.index]
-    functions = np.array([blocks.get(problem, problem) for problem in known], dtype=object)
-    plain, paid, own = plain.loc[known], paid.loc[known], features.loc[known]
+    plain, paid = (cell_scores(trial_scores) for trial_scores in (scores, charged))
+    compared = [problem for problem in plain.index if problem in features.index and problem in paid.index]
+    functions = np.array([blocks.get(problem, problem) for problem in compared], dtype=object)
+    plain, paid, described = plain.loc[compared], paid.loc[compared], features.loc[compared]
     rows: list[tuple[Any, ...]] = []
     if len(set(functions)) >= LEAST_FUNCTIONS:
         values, single = paid.to_numpy(dtype=float), plain[single_best(plain, blocks)].to_numpy(dtype=float)
         for function in dict.fromkeys(functions):
             test, train = np.flatnonzero(functions == function), np.flatnonzero(functions != function)
-            apart = Space.of(own.iloc[train]).distances(own.iloc[test]).to_numpy()
+            apart = feature_distances(described.iloc[train], described.iloc[test]).to_numpy()
             near = train[apart.argsort(axis=1, kind="stable")[:, :NEIGHBOURS]]
-            for place, others in zip(test, near, strict=True):
-                chosen = values[others].mean(axis=0).round(12).argmax()
+            for place, neighbours in zip(test, near, strict=True):
+                chosen = values[neighbours].mean(axis=0).round(12).argmax()
                 score = values[place, chosen]
-                names = (known[place], function, known[others[0]], paid.columns[chosen])
+                names = (compared[place], function, compared[neighbours[0]], paid.columns[chosen])
                 rows.append((*names, score, single[place], score - single[place]))
     columns = ["problem", "function", "nearest", "chosen", "score", "single_score", "gain"]
     return pd.DataFrame(rows, columns=columns)
@@ -128,10 +110,10 @@ def selection_gain(validated: pd.DataFrame) -> tuple[float, float, float]:
 
 def usual_reach(features: pd.DataFrame, blocks: Mapping[str, str]) -> float:
     """Return how far a problem is from the nearest problem of another function, at most; missing for one function."""
-    apart = Space.of(features).distances(features)
+    apart = feature_distances(features, features)
     functions = np.array([blocks.get(str(problem), str(problem)) for problem in apart.index], dtype=object)
-    others = apart.where(functions[:, np.newaxis] != functions[np.newaxis])
-    return float(others.min(axis=1).max())
+    apart_by_function = apart.where(functions[:, np.newaxis] != functions[np.newaxis])
+    return float(apart_by_function.min(axis=1).max())
 
 
 def best_on(
@@ -149,9 +131,9 @@ def best_on(
         charged: likewise, or ``scores`` where nothing is charged.
         blocks: likewise.
     """
-    plain, paid = (cell_scores(each) for each in (scores, charged))
-    own = paid.loc[[problem for problem in problems if problem in plain.index]]
-    gains = own.sub(plain.loc[own.index, single_best(plain, blocks)], axis=0)
-    best = own.mean().round(12).sort_values(ascending=False, kind="stable").index[:SHOWN]
-    rows = [(each, own[each].mean(), *student(over_functions(gains[each], blocks).to_list())) for each in best]
+    plain, paid = (cell_scores(trial_scores) for trial_scores in (scores, charged))
+    here = paid.loc[[problem for problem in problems if problem in plain.index]]
+    gains = here.sub(plain.loc[here.index, single_best(plain, blocks)], axis=0)
+    best = here.mean().round(12).sort_values(ascending=False, kind="stable").index[:SHOWN]
+    rows = [(label, here[label].mean(), *student(over_functions(gains[label], blocks).to_list())) for label in best]
     return pd.DataFrame(rows, columns=["optimizer", "score", "gain", "low", "high"])

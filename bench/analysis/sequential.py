@@ -52,9 +52,9 @@ def boundaries(shares: Sequence[float], alpha: float) -> list[float]:
         alpha: the level over all looks.
     """
     limits: list[float] = []
-    nodes, density, before, used = np.zeros(1), np.ones(1), 0.0, 0.0  # of the sums that crossed no boundary so far
-    for share in shares:
-        step = np.sqrt(share - before)
+    nodes, density, used = np.zeros(1), np.ones(1), 0.0  # of the sums that crossed no boundary so far
+    steps = np.sqrt(np.diff([0.0, *shares, 2.0 * shares[-1]]))  # the standard deviations of the steps to the looks
+    for share, step, next_step in zip(shares, steps, steps[1:], strict=False):
         wanted = spent(alpha, share) - used
         arguments = nodes / step, density, np.sqrt(share) / step, wanted
         beyond = _excess(FURTHEST, *arguments) >= 0
@@ -63,10 +63,11 @@ def boundaries(shares: Sequence[float], alpha: float) -> list[float]:
         used += wanted if np.isfinite(limit) else 0.0
         # The density beyond 9 standard deviations does not matter, and nodes there would be missed inside.
         reach = min(limit, 9.0) * np.sqrt(share)
-        places, weights = _quadrature(NODES * reach / min(step, _next_step(shares, share)))
+        least = NODES * reach / min(step, next_step)
+        places, weights = _gauss(next((size for size in SIZES if size >= least), SIZES[-1]))
         places, weights = places * reach, weights * reach
         moved = np.exp(-0.5 * ((places[:, np.newaxis] - nodes) / step) ** 2) / (step * np.sqrt(2 * np.pi))
-        nodes, density, before = places, weights * (moved @ density), share
+        nodes, density = places, weights * (moved @ density)
     return limits
 
 
@@ -78,18 +79,9 @@ def _excess(limit: float, places: Floats, density: Floats, unit: float, wanted: 
     return float(density @ (ndtr(places - limit * unit) + ndtr(-places - limit * unit))) - wanted
 
 
-def _next_step(shares: Sequence[float], share: float) -> float:
-    """Return the standard deviation of the step to the look after that of a share."""
-    return float(np.sqrt(min((each for each in shares if each > share), default=2.0 * share) - share))
-
-
-def _quadrature(least: float) -> tuple[Floats, Floats]:
-    """Return places and weights on (-1, 1) of at least so many nodes, as far as that is possible."""
-    return _gauss(next((each for each in SIZES if each >= least), SIZES[-1]))
-
-
 @lru_cache
 def _gauss(number: int) -> tuple[Floats, Floats]:
+    """Return places and weights of a quadrature on (-1, 1)."""
     places, weights = np.polynomial.legendre.leggauss(number)
     return places, weights
 

@@ -118,24 +118,26 @@ def similarity(behaviours: Mapping[str, Sequence[Floats]], alpha: float = ALPHA,
     names = list(behaviours)
     if len(names) < 2:
         raise BenchError("similarity needs at least two optimizers")
-    trials = min((len(own) for each in behaviours.values() for own in each), default=0)
+    trials = min((len(numbers) for by_problem in behaviours.values() for numbers in by_problem), default=0)
     if trials < 10:
         raise BenchError(
             f"similarity needs at least 10 trials of each optimizer, half of them against itself, not {trials}"
         )
     half = trials // 2
-    stacked = {name: np.concatenate([own[:trials].T for own in each]) for name, each in behaviours.items()}
+    stacked = {
+        name: np.concatenate([numbers[:trials].T for numbers in by_problem]) for name, by_problem in behaviours.items()
+    }
     distances = pd.DataFrame(0.0, index=names, columns=names)
     itself = np.arange(2 * half)[np.newaxis] < half
-    for name, own in stacked.items():
-        distances.loc[name, name] = _distances(own[:, : 2 * half], itself)[0]
+    for name, numbers in stacked.items():
+        distances.loc[name, name] = _distances(numbers[:, : 2 * half], itself)[0]
     number = len(names) * (len(names) - 1) // 2
     divided = _divisions(half, max(SHUFFLES, ceil(MARGIN * number / alpha) - 1), np.random.default_rng(seed))
     rows = []
     for one, other in combinations(names, 2):
-        found = _distances(np.concatenate((stacked[one][:, :half], stacked[other][:, :half]), axis=1), divided)
-        distances.loc[one, other] = distances.loc[other, one] = found[0]
-        rows.append((one, other, found[0], found.mean(), (found >= found[0]).mean()))
+        between = _distances(np.concatenate((stacked[one][:, :half], stacked[other][:, :half]), axis=1), divided)
+        distances.loc[one, other] = distances.loc[other, one] = between[0]
+        rows.append((one, other, between[0], between.mean(), (between >= between[0]).mean()))
     pairs = pd.DataFrame(rows, columns=["first", "second", "distance", "floor", "p"])
     pairs["p_holm"] = holm(pairs["p"].to_numpy(dtype=float))
     pairs["alike"] = pairs["p_holm"] > alpha
@@ -148,7 +150,7 @@ def similarity(behaviours: Mapping[str, Sequence[Floats]], alpha: float = ALPHA,
         pairs=pairs,
         least=1 / len(divided),
         needed=2 * next(size for size in count(5) if number <= alpha * comb(2 * size, size) / 2),
-        clusters=_renumbered(pd.Series(groups, index=names)),
+        clusters=pd.Series(pd.factorize(groups)[0] + 1, index=names),
         tree=linkage(excess, method="average"),
         places=pd.DataFrame(places, index=names, columns=["x", "y"]),
         stress=stress,
@@ -164,10 +166,10 @@ def _divisions(half: int, most: int, rng: np.random.Generator) -> NDArray[np.boo
     if comb(2 * half, half) // 2 > most:
         ranks = rng.random((most, 2 * half)).argsort(axis=1)
         return np.concatenate((np.arange(2 * half)[np.newaxis], ranks)) < half
-    others = np.array(list(combinations(range(1, 2 * half), half - 1)))  # of the half that holds the first trial
-    divided = np.zeros((len(others), 2 * half), dtype=bool)
+    chosen = np.array(list(combinations(range(1, 2 * half), half - 1)))  # of the half that holds the first trial
+    divided = np.zeros((len(chosen), 2 * half), dtype=bool)
     divided[:, 0] = True
-    np.put_along_axis(divided, others, True, axis=1)
+    np.put_along_axis(divided, chosen, True, axis=1)
     return divided
 
 
@@ -185,7 +187,7 @@ def _distances(values: Floats, divided: NDArray[np.bool_]) -> Floats:
     last = np.pad(values[:, 1:] != values[:, :-1], ((0, 0), (0, 1)), constant_values=True)  # tied values are one step
     half = values.shape[1] // 2
     kind = np.int8 if half <= np.iinfo(np.int8).max else np.int32  # small numbers are several times as fast
-    found = np.empty(len(divided))
+    distances = np.empty(len(divided))
     for start in range(0, len(divided), AT_ONCE):
         steps = np.where(divided[start : start + AT_ONCE].T, 1, -1).astype(kind)
         above = np.zeros((len(values), steps.shape[1]), dtype=kind)  # trials of the first half less those of the other
@@ -196,8 +198,8 @@ def _distances(values: Floats, divided: NDArray[np.bool_]) -> Floats:
             if not ends.all():
                 reached *= ends[:, np.newaxis]
             np.maximum(furthest, reached, out=furthest)
-        found[start : start + AT_ONCE] = furthest.sum(axis=0, dtype=np.int64) / (half * len(values))
-    return found
+        distances[start : start + AT_ONCE] = furthest.sum(axis=0, dtype=np.int64) / (half * len(values))
+    return distances
 
 
 def _map(distances: Floats) -> tuple[Floats, float]:
@@ -210,9 +212,3 @@ def _map(distances: Floats) -> tuple[Floats, float]:
     whole = float((distances**2).sum())
     places *= np.where(places[np.abs(places).argmax(axis=0), [0, 1]] < 0, -1.0, 1.0)  # the sign is arbitrary
     return np.asarray(places, dtype=np.float64), float(((distances - shown) ** 2).sum() / whole) if whole else 0.0
-
-
-def _renumbered(clusters: pd.Series[int]) -> pd.Series[int]:
-    """Return clusters numbered by their first member."""
-    order = {cluster: number for number, cluster in enumerate(dict.fromkeys(clusters), 1)}
-    return clusters.map(order).astype(int)

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from bench.analysis.cells import Budgets, Traces, budgets, labels, merge_near_ties, scores
-from bench.analysis.standings import against_rivals, ranks, won
+from bench.analysis.cells import Budgets, Traces, budgets, complete_problems, labels, merge_near_ties, traces_of
+from bench.analysis.certainty import ranks_of_draws
 
 SHARES = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)  # of the budget
 
@@ -24,28 +24,18 @@ def stage_ranks(
     trial counts as +inf throughout, as does one without a trace. Only problems on which every optimizer has a trial
     have rows. ``budget`` is the number of evaluations by problem; a trial that ended early keeps its last value.
     """
-    final, optimizers = scores(frame), labels(frame, "optimizer")
-    keys = [frame[name].astype(object).to_numpy() for name in ("problem", "optimizer", "trial")]
-    values = np.full((len(frame), len(shares)), np.inf)
-    for row, (problem, optimizer, trial, end) in enumerate(zip(*keys, final, strict=True)):
-        trace = traces.get((problem, optimizer, trial)) if np.isfinite(end) else None
-        if trace is not None and len(trace.values):
-            values[row] = trace.at(_spent(budget[problem], shares))
-    tables = []
-    rows_of = frame.groupby([keys[0], keys[1]], sort=False).indices
-    for problem in labels(frame, "problem"):
-        cells = [rows_of.get((problem, optimizer), np.empty(0, dtype=np.intp)) for optimizer in optimizers]
-        if not cells or not all(map(len, cells)):
-            continue
-        sizes = np.array(list(map(len, cells)))
-        owner, once = np.repeat(np.arange(len(cells)), sizes), np.ones((1, sizes.sum()))
-        spent = _spent(budget[problem], shares)
+    optimizers, tables = labels(frame, "optimizer"), []
+    for problem in complete_problems(frame):
+        trials = frame[frame["problem"] == problem]
+        spent = np.maximum(np.round(np.array(shares) * budget[problem]), 1).astype(np.int64)
+        values = np.array([trace.at(spent) for trace in traces_of(trials, traces)])
+        cells = [np.flatnonzero(trials["optimizer"] == optimizer) for optimizer in optimizers]
+        once = [np.ones((len(rows), 1)) for rows in cells]
         for place, share in enumerate(shares):
-            merged = merge_near_ties(values[np.concatenate(cells), place])
-            chances = won(merged, owner, once)[0] / np.multiply.outer(sizes, sizes)
-            rank = ranks(*against_rivals(chances, axis=0))
-            rows = {"problem": problem, "optimizer": optimizers, "share": share, "evaluations": spent[place]}
-            tables.append(pd.DataFrame(rows | {"rank": rank}))
+            merged = merge_near_ties(values[:, place])
+            rank = ranks_of_draws([merged[rows] for rows in cells], once)[:, 0]
+            table = {"problem": problem, "optimizer": optimizers, "share": share, "evaluations": spent[place]}
+            tables.append(pd.DataFrame(table | {"rank": rank}))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 
 
@@ -61,7 +51,3 @@ def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
         left_of = left[frame["optimizer"] == optimizer].dropna()
         rows.append((optimizer, len(left_of), left_of.mean(), (left_of > 0.01).mean()))
     return pd.DataFrame(rows, columns=["optimizer", "trials", "unused", "early"])
-
-
-def _spent(budget: int, shares: Sequence[float]) -> np.ndarray:
-    return np.maximum(np.round(np.array(shares) * budget), 1).astype(np.int64)

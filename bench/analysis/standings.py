@@ -9,8 +9,7 @@ other, and so may rank an optimizer first whose trials mostly end higher.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -40,7 +39,7 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
     for problem, of_problem in summary.groupby("problem", sort=False, observed=True):
         present = of_problem.loc[of_problem["n"] > 0, "optimizer"].astype(object)
-        chances, separable = _matrices(own_pairs.get(problem, pairs.head(0)), list(present))
+        chances, separable = matrices(own_pairs.get(problem, pairs.head(0)), list(present))
         rivals = len(present) - 1
         beaten, chance = against_rivals(chances, axis=1)
         chance = chance if rivals > 0 else np.full(len(present), np.nan)
@@ -76,7 +75,7 @@ def won(pooled: Floats, owner: NDArray[np.intp], counts: Floats) -> Floats:
     order = pooled.argsort(kind="stable")
     ends = pooled[order].searchsorted(pooled[order], "right")
     pairs = np.zeros((len(counts), owner.max() + 1, owner.max() + 1))
-    _compiled_pass()(
+    compiled(_pass, "void(int64[::1], int64[::1], float64[:, ::1], float64[:, :, ::1])")(
         owner[order].astype(np.int64),
         ends.astype(np.int64),
         np.ascontiguousarray(counts[:, order], dtype=np.float64),
@@ -98,19 +97,11 @@ def _pass(owner: NDArray[np.int64], ends: NDArray[np.int64], counts: Floats, pai
         while start < len(owner):
             for after in range(2):
                 for place in range(start, ends[start]):
-                    for other in range(len(below)):
-                        pairs[draw, owner[place], other] += counts[draw, place] * below[other]
+                    for rival in range(len(below)):
+                        pairs[draw, owner[place], rival] += counts[draw, place] * below[rival]
                 for place in range(start, ends[start] * (1 - after)):
                     below[owner[place]] += counts[draw, place]
             start = ends[start]
-
-
-@cache
-def _compiled_pass() -> Callable[..., None]:
-    from numba import types
-
-    whole, plane = types.int64[::1], types.float64[:, ::1]
-    return compiled(_pass, types.void(whole, whole, plane, types.float64[:, :, ::1]))
 
 
 def ranks(beaten: Floats, chance: Floats) -> Floats:
@@ -131,7 +122,7 @@ def disagreements(summary: pd.DataFrame, standing: pd.DataFrame) -> pd.DataFrame
     for problem, of_problem in table[table["n"] > 0].groupby("problem", sort=False, observed=True):
         best = {"standing": _lowest(of_problem, "rank"), "median": _lowest(of_problem, "median")}
         best["mean"] = _lowest(of_problem, "mean") if of_problem["mean"].notna().all() else []
-        named = [set(each) for each in best.values() if each]
+        named = [set(labels_of) for labels_of in best.values() if labels_of]
         if len(named) > 1 and not set.intersection(*named):
             rows.append({"problem": problem, **best})
     return pd.DataFrame(rows, columns=["problem", "standing", "median", "mean"])
@@ -145,7 +136,7 @@ def _lowest(of_problem: pd.DataFrame, column: str) -> list[str]:
     return list(of_problem.loc[np.isclose(values, least, rtol=1e-10, atol=0), "optimizer"])
 
 
-def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, NDArray[np.bool_]]:
+def matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, NDArray[np.bool_]]:
     """Return (k, k) A12 of the first against the second, and whether the first is separably lower."""
     place = {optimizer: i for i, optimizer in enumerate(optimizers)}
     rows = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
@@ -155,9 +146,9 @@ def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, N
     chances[first, second], chances[second, first] = a12, 1 - a12
     separable = np.zeros(chances.shape, dtype=bool)
     lower = rows["lower"].to_numpy(dtype=object)
-    for one, other, name in ((first, second, "first"), (second, first, "second")):
+    for one, rival, name in ((first, second, "first"), (second, first, "second")):
         wins = lower == rows[name].to_numpy(dtype=object)
-        separable[one[wins], other[wins]] = True
+        separable[one[wins], rival[wins]] = True
     return chances, separable
 
 
@@ -173,6 +164,10 @@ def outstanding(sharing: Any, optimizers: Any) -> Any:
 
 def mean_ranks(standing: pd.DataFrame) -> pd.Series[float]:
     """Return the mean rank of each optimizer over the problems on which every optimizer has a rank."""
+    return complete_ranks(standing).mean().rename_axis(None)
+
+
+def complete_ranks(standing: pd.DataFrame) -> pd.DataFrame:
+    """Return the ranks, problems by optimizers, on the problems on which every optimizer has one."""
     order = labels(standing, "optimizer")
-    wide = standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order)
-    return wide.dropna().mean().rename_axis(None)
+    return standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order).dropna()

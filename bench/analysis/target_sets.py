@@ -13,7 +13,7 @@ import pandas as pd
 
 from bench.analysis.anytime import AT_ONCE
 from bench.analysis.anytime import targets as relative_targets
-from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores
+from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores, spent, traces_of
 from bench.study.targets import Targets, percentages, precisions
 from bench.typing import Floats
 
@@ -63,8 +63,8 @@ def target_table(
             lowest[problem] = min(lowest.get(problem, np.inf), float(trace.values[-1]))
     values = scores(frame)
     finals = {
-        str(problem): np.asarray(each, dtype=np.float64)
-        for problem, each in values.groupby(frame["problem"].astype(object))
+        str(problem): np.asarray(of_problem, dtype=np.float64)
+        for problem, of_problem in values.groupby(frame["problem"].astype(object))
     }
     tables = []
     for problem, (reference, known) in reference_values(lowest, optima).items():
@@ -82,29 +82,19 @@ def tolerance_times(frame: pd.DataFrame, traces: Traces, expected: Expected, bud
     are not recorded. Trials of a problem without an expected metric have no row.
     """
     trials = frame[frame["problem"].isin([problem for problem, metrics in expected.items() if metrics])]
-    spent = pd.to_numeric(trials["nfev"], errors="coerce").astype(float).where(trials["status"] == "ok")
-    used = spent.fillna(budgets(trials, budget)).to_numpy()
-    off = np.full(len(trials), np.inf)
+    off, unknown = np.zeros(len(trials)), pd.Series(np.nan, index=trials.index)
     for problem, metrics in expected.items():
         here = (trials["problem"] == problem).to_numpy()
-        apart = np.zeros((here.sum(), 1))
         for metric, (true, tolerance) in metrics.items():
-            metric_values = (
-                trials.loc[here, metric] if metric in trials else pd.Series(np.nan, index=trials.index[here])
-            )
-            difference = (pd.to_numeric(metric_values, errors="coerce").astype(float) - true).abs().to_numpy()
+            metric_values = pd.to_numeric(trials.get(metric, unknown)[here], errors="coerce")
+            difference = (metric_values.astype(float) - true).abs().to_numpy()
             share = difference / tolerance if tolerance > 0 else np.where(difference == 0, 0.0, np.inf)
-            apart = np.column_stack([apart, np.where(np.isfinite(share), share, np.inf)])
-        off[here] = apart.max(axis=1)
-    off[(trials["status"] != "ok").to_numpy()] = np.inf
-    ends = [
-        float(trace.evaluations[-1]) if (trace := traces.get(key)) is not None and len(trace.evaluations) else np.inf
-        for key in zip(trials["problem"], trials["optimizer"], trials["trial"], strict=True)
-    ]
+            off[here] = np.maximum(off[here], np.where(np.isfinite(share), share, np.inf))
+    ends = [np.append(np.inf, trace.evaluations)[-1] for trace in traces_of(trials, traces)]
     rows, tau = np.repeat(np.arange(len(trials)), len(MULTIPLES)), np.tile(MULTIPLES, len(trials))
     reached = np.where(off[rows] <= tau * (1 + 1e-12), np.array(ends)[rows], np.inf)
     hits = trials[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
-    return hits.assign(tau=tau, target=tau, evaluations=reached, spent=used[rows])
+    return hits.assign(tau=tau, target=tau, evaluations=reached, spent=spent(trials, budget)[rows])
 
 
 def aocc(
@@ -121,10 +111,8 @@ def aocc(
     trials = frame[frame["problem"].isin(optima)]
     allowed = budgets(trials, budget).to_numpy()
     area, start, end = np.zeros((3, len(trials)))
-    keys = zip(trials["problem"], trials["optimizer"], trials["trial"], trials["status"], strict=True)
-    for row, (problem, optimizer, trial, status) in enumerate(keys):
-        trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
-        if trace is not None and len(trace.values):
+    for row, (problem, trace) in enumerate(zip(trials["problem"], traces_of(trials, traces), strict=True)):
+        if len(trace.values):
             share = 1 - (np.log10(np.clip(trace.values - optima[problem], LOWEST, HIGHEST)) + 8) / 10
             held = np.diff(trace.evaluations, append=allowed[row] + 1)
             area[row] = (share * held).sum() / allowed[row]
@@ -149,8 +137,8 @@ def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Data
         return pd.DataFrame(columns=columns)
     times = hits["evaluations"].to_numpy(dtype=float)
     (problem, problems), (optimizer, optimizers) = (pd.factorize(hits[name]) for name in ("problem", "optimizer"))
-    each = [budget if isinstance(budget, int) else budget[label] for label in problems]
-    allowed = np.log(np.maximum(np.array(each, dtype=float), 2.0))
+    budgets_of = [budget if isinstance(budget, int) else budget[label] for label in problems]
+    allowed = np.log(np.maximum(np.array(budgets_of, dtype=float), 2.0))
     sums, counts = np.zeros((2, len(problems) * len(optimizers)))
     for start in range(0, len(times), AT_ONCE):
         part = slice(start, start + AT_ONCE)
@@ -160,7 +148,7 @@ def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Data
         np.add.at(sums, cell, np.where(np.isfinite(times[part]), area, 0.0))
         np.add.at(counts, cell, 1)
     at = np.flatnonzero(counts)
-    names = [np.array(each, dtype=object) for each in (problems, optimizers)]
+    names = [np.array(labels, dtype=object) for labels in (problems, optimizers)]
     names = [names[0][at // len(optimizers)], names[1][at % len(optimizers)]]
     return pd.DataFrame({"problem": names[0], "optimizer": names[1], "area": sums[at] / counts[at]})
 
@@ -174,18 +162,12 @@ def compare_sets(areas: Mapping[str, pd.DataFrame], optimizers: list[str]) -> pd
     tables = []
     for name, table in areas.items():
         wide = table.pivot(index="problem", columns="optimizer", values="area").reindex(columns=optimizers).dropna()
-        mean = wide.mean()
-        tables.append(
-            pd.DataFrame(
-                {
-                    "set": name,
-                    "problems": len(wide),
-                    "optimizer": optimizers,
-                    "area": mean.to_numpy(dtype=float),
-                    "rank": mean.round(12).rank(ascending=False).to_numpy(dtype=float),
-                }
-            )
-        )
+        area = wide.mean()
+        numbers = {
+            "area": area.to_numpy(dtype=float),
+            "rank": area.round(12).rank(ascending=False).to_numpy(dtype=float),
+        }
+        tables.append(pd.DataFrame({"set": name, "problems": len(wide), "optimizer": optimizers} | numbers))
     columns = ["set", "problems", "optimizer", "area", "rank"]
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
 

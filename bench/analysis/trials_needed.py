@@ -67,7 +67,9 @@ def trials_needed(
     level = levels(tuple(looks), level)[-1] if looks else level
     if not (simulated := chosen.sum() <= MOST_PAIRS):
         best = standing[standing["rank"] == standing.groupby("problem", observed=True)["rank"].transform("min")]
-        chosen = chosen & _holds_one(pairs, best)
+        leaders = pd.MultiIndex.from_frame(best[["problem", "optimizer"]].astype(object))
+        first, second = (pd.MultiIndex.from_frame(pairs[["problem", name]].astype(object)) for name in PAIR)
+        chosen = chosen & (first.isin(leaders) | second.isin(leaders))
     table = pairs[chosen].assign(level=level, method="simulation" if simulated else "formula")
     chance, low, high = (table[name].to_numpy(dtype=float) for name in ("a12", "a12_low", "a12_high"))
     smaller = table[["n_first", "n_second"]].min(axis=1).to_numpy()
@@ -96,20 +98,6 @@ def trials_needed(
     return table.assign(**columns)[list(COLUMNS)].reset_index(drop=True)
 
 
-def _holds_one(pairs: pd.DataFrame, best: pd.DataFrame) -> NDArray[np.bool_]:
-    """Return whether each pair holds an optimizer that is listed as ``best`` on its problem."""
-    problems, optimizers = (list(dict.fromkeys(best[name])) for name in ("problem", "optimizer"))
-    listed = np.zeros((len(problems) + 1, len(optimizers) + 1), dtype=bool)  # the last ones are of none, of code -1
-    listed[_codes(best["problem"], problems), _codes(best["optimizer"], optimizers)] = True
-    problem = _codes(pairs["problem"], problems)
-    first, second = (listed[problem, _codes(pairs[name], optimizers)] for name in PAIR)
-    return np.asarray(first | second)
-
-
-def _codes(labels: pd.Series[str], categories: list[str]) -> NDArray[np.intp]:
-    return np.asarray(labels.astype("category").cat.set_categories(categories).cat.codes, dtype=np.intp)
-
-
 def noether(a12: ArrayLike, level: float, power: float) -> Floats:
     """Return the trials of each of two optimizers with which the test of Mann and Whitney has a power.
 
@@ -123,7 +111,7 @@ def noether(a12: ArrayLike, level: float, power: float) -> Floats:
 
 def _simulated(this: Floats, other: Floats, trials: int, level: float, power: float, seed: int) -> float:
     """Return the smallest number of trials in the grid, above those made, with the power; infinite above all."""
-    tried = [trials + 1, *(each for each in GRID if each > trials + 1)]
+    tried = [trials + 1, *(number for number in GRID if number > trials + 1)]
     place = bisect_left(tried, True, key=lambda n: power_of(this, other, n, level, seed) >= power)
     return float(tried[place]) if place < len(tried) else np.inf
 

@@ -82,34 +82,36 @@ def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool
     Raises:
         BenchError: where all implementations failed.
     """
-    alive = [each for each in surveyed if not each.failed]
+    alive = [seen for seen in surveyed if not seen.failed]
     if not alive:
-        reasons = [f"{each.implementation.label}: {each.failed}" for each in surveyed]
+        reasons = [f"{seen.implementation.label}: {seen.failed}" for seen in surveyed]
         raise BenchError(f"no implementation could be run; {'; '.join(reasons[:1])}")
     couples = [
-        couple for _, own in groupby(alive, lambda each: each.implementation.method) for couple in combinations(own, 2)
+        couple
+        for _, of_method in groupby(alive, lambda seen: seen.implementation.method)
+        for couple in combinations(of_method, 2)
     ]
     tests = _tests(couples)
-    trials = min((len(values) for each in alive for values in each.measures.values()), default=0)
-    found = None
+    trials = min((len(values) for seen in alive for values in seen.measures.values()), default=0)
+    searches = None
     if similar and len(alive) > 1 and trials >= 10:
         # No test of it is used: with this level it makes the fewest divisions.
-        found = similarity({each.implementation.key: [*each.behaviours.values()] for each in alive}, alpha=1.0)
-    pairs = pd.DataFrame([_pair(*couple, tests, found, alpha) for couple in couples], columns=list(COLUMNS))
+        searches = similarity({seen.implementation.key: [*seen.behaviours.values()] for seen in alive}, alpha=1.0)
+    pairs = pd.DataFrame([_pair(*couple, tests, searches, alpha) for couple in couples], columns=list(COLUMNS))
     enough = 2 / comb(2 * trials, trials) * max(len(tests), 1) <= alpha
-    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), found, enough)
+    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), searches, enough)
 
 
 def _tests(couples: Sequence[tuple[Surveyed, Surveyed]]) -> pd.DataFrame:
     """Return a row for each test of each pair, adjusted over all."""
     rows = []
-    for one, other in couples:
-        names = one.implementation.method, one.implementation.label, other.implementation.label
+    for one, rival in couples:
+        names = one.implementation.method, one.implementation.label, rival.implementation.label
         for problem, these in one.measures.items():
-            own = ks_tests(these.T, other.measures[problem].T)
+            tested = ks_tests(these.T, rival.measures[problem].T)
             rows += [
                 (*names, problem, measure, float(distance), float(p))
-                for measure, distance, p in zip(MEASURES, own["ks_distance"], own["ks_p"], strict=True)
+                for measure, distance, p in zip(MEASURES, tested["ks_distance"], tested["ks_p"], strict=True)
             ]
     columns = ["method", "first", "second", "problem", "measure", "ks_distance", "p"]
     frame = pd.DataFrame(rows, columns=columns)
@@ -117,23 +119,23 @@ def _tests(couples: Sequence[tuple[Surveyed, Surveyed]]) -> pd.DataFrame:
 
 
 def _pair(
-    one: Surveyed, other: Surveyed, tests: pd.DataFrame, found: Similarity | None, alpha: float
+    one: Surveyed, rival: Surveyed, tests: pd.DataFrame, searches: Similarity | None, alpha: float
 ) -> dict[str, object]:
-    first, second = one.implementation, other.implementation
-    own = tests[(tests["method"] == first.method) & (tests["first"] == first.label) & (tests["second"] == second.label)]
-    significant = own[own["p_holm"] <= alpha]
+    first, second = one.implementation, rival.implementation
+    of_pair = (tests[["method", "first", "second"]] == [first.method, first.label, second.label]).all(axis=1)
+    significant = tests[of_pair & (tests["p_holm"] <= alpha)]
     orders = {
-        str(problem): _median_log(other.measures[str(problem)]) - _median_log(one.measures[str(problem)])
+        str(problem): _median_log(rival.measures[str(problem)]) - _median_log(one.measures[str(problem)])
         for problem in significant.loc[significant["measure"] == "final", "problem"]
     }
-    where = max(orders, key=lambda each: abs(orders[each]), default="")
+    where = max(orders, key=lambda problem: abs(orders[problem]), default="")
     row: dict[str, object] = {
         "method": first.method, "first": first.label, "second": second.label, "different": len(significant) > 0,
         "orders": orders.get(where, 0.0), "problem": where,
     }  # fmt: skip
     row |= {name: int((significant["measure"] == name).sum()) for name in MEASURES}
-    if found is not None:
-        between = found.pairs[(found.pairs["first"] == first.key) & (found.pairs["second"] == second.key)]
+    if searches is not None:
+        between = searches.pairs[(searches.pairs["first"] == first.key) & (searches.pairs["second"] == second.key)]
         row |= {name: float(between[name].iloc[0]) for name in ("distance", "floor")}
     return row
 
@@ -151,32 +153,32 @@ def centre_bias(measures: Mapping[str, Floats]) -> float:
     """
     logs = {problem: mean_log_error(values[:, MEASURES.index("final")]) for problem, values in measures.items()}
     functions = sorted({problem.rsplit(" ", 1)[0] for problem in logs})
-    differences = [logs[f"{each} moved"] - logs[f"{each} centred"] for each in functions]
+    differences = [logs[f"{function} moved"] - logs[f"{function} centred"] for function in functions]
     return float(np.exp(np.mean(differences))) if differences else np.nan
 
 
-def findings(each: Surveyed) -> list[str]:
+def findings(seen: Surveyed) -> list[str]:
     """Return what was found of an implementation alone, in words: biases, parameters without effect, or its failure."""
-    if each.failed:
-        return [f"failed: {each.failed}"]
-    found = []
-    if (ratio := centre_bias(each.measures)) > LIMIT:
-        found.append(f"biased to the centre (errors are {ratio:.3g} times as high away from it)")
-    if each.clamped > CLAMPED:
-        found.append(f"biased to the bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
-    if each.dead:
-        found.append("without effect: " + ", ".join(f"{name} (tried {tried})" for name, tried in each.dead.items()))
-    if not each.repeatable:
-        found.append("a seed does not repeat its runs")
-    return found
+    if seen.failed:
+        return [f"failed: {seen.failed}"]
+    sentences = []
+    if (ratio := centre_bias(seen.measures)) > LIMIT:
+        sentences.append(f"biased to the centre (errors are {ratio:.3g} times as high away from it)")
+    if seen.clamped > CLAMPED:
+        sentences.append(f"biased to the bounds ({seen.clamped:.0%} of the best points' coordinates lie on them)")
+    if seen.dead:
+        sentences.append("without effect: " + ", ".join(f"{name} (tried {tried})" for name, tried in seen.dead.items()))
+    if not seen.repeatable:
+        sentences.append("a seed does not repeat its runs")
+    return sentences
 
 
 def _groups(alive: Sequence[Surveyed], pairs: pd.DataFrame) -> dict[str, str]:
     """Return, for each implementation, the first letter that none of those before it has from which it differs."""
     different = pairs[pairs["different"].astype(bool)]
-    found: dict[str, str] = {}
-    for own in (each.implementation for each in alive):
-        before = different[(different["method"] == own.method) & (different["second"] == own.label)]["first"]
-        taken = {found[replace(own, label=label).key] for label in before}
-        found[own.key] = next((letter for letter in GROUPS if letter not in taken), GROUPS[-1])
-    return found
+    groups: dict[str, str] = {}
+    for entry in (seen.implementation for seen in alive):
+        before = different[(different["method"] == entry.method) & (different["second"] == entry.label)]["first"]
+        taken = {groups[replace(entry, label=label).key] for label in before}
+        groups[entry.key] = next((letter for letter in GROUPS if letter not in taken), GROUPS[-1])
+    return groups

@@ -111,17 +111,14 @@ def survey(
     """
     with Pool(n_jobs, ready) as pool:
         begun = [
-            _begin(pool, each, method, trials, budget, seed) for method in methods for each in method.implementations
+            _begin(pool, entry, method, trials, budget, seed) for method in methods for entry in method.implementations
         ]
         total, done = sum(len(runs) for _, runs, _ in begun), count()
-        return [
-            _collect(own, runs, probes, lambda own=own: on_progress(own.implementation.key, next(done), total))  # type: ignore[misc]
-            for own, runs, probes in begun
-        ]
+        return [_collect(*calls, lambda key: on_progress(key, next(done), total)) for calls in begun]
 
 
 def _begin(
-    pool: Pool, own: Implementation, method: Method, trials: int, budget: int, seed: int
+    pool: Pool, implementation: Implementation, method: Method, trials: int, budget: int, seed: int
 ) -> tuple[Surveyed, list[Future[Any]], dict[str, Future[Any]]]:
     """Begin the calls of an implementation and return what is known of it before they end.
 
@@ -129,52 +126,54 @@ def _begin(
     probe of its other values.
     """
     try:
-        optimizer = load_optimizer(own.name, **own.options)
-        optimizer.check_budget(budget, own.label)
+        optimizer = load_optimizer(implementation.name, **implementation.options)
+        optimizer.check_budget(budget, implementation.label)
     except BenchError as error:
-        return Surveyed(own, failed=printable(str(error), LONGEST)), [], {}
+        return Surveyed(implementation, failed=printable(str(error), LONGEST)), [], {}
     except Exception as error:  # a plug-in may raise anything
-        return Surveyed(own, failed=f"it cannot be loaded: {describe_error(error)}"), [], {}
+        return Surveyed(implementation, failed=f"it cannot be loaded: {describe_error(error)}"), [], {}
     tasks = [
-        Task(problem, budget, trial_seed(seed, problem, own.key, trial), method.generation)
+        Task(problem, budget, trial_seed(seed, problem, implementation.key, trial), method.generation)
         for problem in PROBLEMS
         for trial in range(trials)
     ]
-    firsts = [tasks[PROBLEMS.index(each) * trials] for each in PROBES]
-    call = partial(submit, pool, own.key, seconds=TIMEOUT)
-    runs = [call(run, own.name, own.options, task) for task in [*tasks, firsts[0]]]
-    others = alternatives(optimizer, method.technical)
-    probes = {name: call(probe, own.name, own.options, name, values, firsts) for name, values in others.items()}
-    return Surveyed(own, optimizer.code), runs, probes
+    firsts = [tasks[PROBLEMS.index(problem) * trials] for problem in PROBES]
+    call = partial(submit, pool, implementation.key, seconds=TIMEOUT)
+    runs = [call(run, implementation.name, implementation.options, task) for task in [*tasks, firsts[0]]]
+    probes = {
+        name: call(probe, implementation.name, implementation.options, name, values, firsts)
+        for name, values in alternatives(optimizer, method.technical).items()
+    }
+    return Surveyed(implementation, optimizer.code), runs, probes
 
 
 def _collect(
-    own: Surveyed, runs: Sequence[Future[Any]], probes: Mapping[str, Future[Any]], on_made: Callable[[], None]
+    surveyed: Surveyed, runs: Sequence[Future[Any]], probes: Mapping[str, Future[Any]], on_made: Callable[[str], None]
 ) -> Surveyed:
     """Wait for the calls of an implementation; the first run that fails ends the others."""
-    if own.failed:
-        return own
+    if surveyed.failed:
+        return surveyed
     rows = []
     try:
         for row in answers(runs):
-            on_made()
+            on_made(surveyed.implementation.key)
             rows.append(row)
         points, numbers = _columns(rows)
     except BenchError as error:
-        for each in probes.values():
-            each.cancel()
-        return replace(own, failed=str(error))
+        for probed in probes.values():
+            probed.cancel()
+        return replace(surveyed, failed=str(error))
     *trials, again = points
     repeatable = again == trials[PROBLEMS.index(PROBES[0]) * len(trials) // len(PROBLEMS)]
-    tried = {name: _without_effect(each) for name, each in probes.items()}
+    tried = {name: _without_effect(probed) for name, probed in probes.items()}
     return replace(
-        own,
+        surveyed,
         measures=dict(zip(PROBLEMS, numbers["measures"], strict=True)),
         behaviours=dict(zip(PROBLEMS, numbers["behaviour"], strict=True)),
         clamped=float(numbers["clamped"].mean()),
         evaluations=float(np.median(numbers["evaluations"])),
         repeatable=repeatable,
-        dead={name: each for name, each in tried.items() if each and repeatable},
+        dead={name: values for name, values in tried.items() if values and repeatable},
         microseconds=float(np.median(1e6 * numbers["seconds"] / numbers["evaluations"])),
     )
 
@@ -211,26 +210,26 @@ def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[st
     parameter that is declared as not worth trying is left out, such as a tolerance that only ends a search.
     """
     hints = get_type_hints(type(optimizer))
-    found = {}
-    for each in fields(optimizer):  # type: ignore[arg-type]
-        if each.name in (*CONDITIONS, *technical) or not each.init or each.metadata.get("tune") == []:
+    alternatives_of = {}
+    for parameter in fields(optimizer):  # type: ignore[arg-type]
+        if parameter.name in (*CONDITIONS, *technical) or not parameter.init or parameter.metadata.get("tune") == []:
             continue
-        now, hint = getattr(optimizer, each.name), hints[each.name]
+        now, hint = getattr(optimizer, parameter.name), hints[parameter.name]
         if isinstance(now, bool):
             values: list[Any] = [not now]
         elif get_origin(hint) is Literal:
             values = [choice for choice in get_args(hint) if choice is not None]
         elif isinstance(now, int | float):
-            ends = [each.metadata.get(end) for end in ("minimum", "maximum")]
+            ends = [parameter.metadata.get(end) for end in ("minimum", "maximum")]
             values = [2 * now, now / 2, *(end for end in ends if end is not None), now + 1, now - 1]
             if isinstance(now, int) and hint is not float:
                 values = [int(value) for value in values]
         else:
             continue
-        others = [value for value in dict.fromkeys(values) if value != now and _accepted(optimizer, each.name, value)]
-        if others:
-            found[each.name] = others[:4]
-    return found
+        values = [value for value in dict.fromkeys(values) if value != now]
+        if accepted := [value for value in values if _accepted(optimizer, parameter.name, value)]:
+            alternatives_of[parameter.name] = accepted[:4]
+    return alternatives_of
 
 
 def _accepted(optimizer: Optimizer, name: str, value: Any) -> bool:
@@ -279,19 +278,20 @@ def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
     """Make one run and return its numbers; see :class:`Surveyed` and ``MEASURES``."""
     name, place = task.problem.rsplit(" ", 1)
     problem = classic(name, DIMENSION, moved=place == "moved")
-    found = make_run(problem, optimizer, budget=task.budget, seed=task.seed)
+    result = make_run(problem, optimizer, budget=task.budget, seed=task.seed)
     points = problem.points[: task.budget]
     values = np.asarray(problem.noiseless(points), dtype=np.float64)
     numbers = behaviour(problem.share(points), values, 0.0, task.budget)
     generation = min(task.generation, len(values))
     first, following = values[:generation], values[generation : 3 * generation]
-    logs = [float(np.log10(max(np.median(each), LEAST))) for each in (first, following if len(following) else first)]
+    medians = np.median(first), np.median(following if len(following) else first)
+    logs = [float(np.log10(max(median, LEAST))) for median in medians]
     course = float(numbers.reshape(STAGES, len(TRAITS))[:, TRAITS.index("best")].mean())
     return {
-        "measures": [*logs, course, float(found.fun)],
+        "measures": [*logs, course, float(result.fun)],
         "behaviour": numbers.tolist(),
-        "clamped": float(on_bound(problem.share(found.x)).mean()),
+        "clamped": float(on_bound(problem.share(result.x)).mean()),
         "evaluations": len(points),
         "points": hashlib.sha256(points.tobytes()).hexdigest(),
-        "seconds": found.cpu_time,
+        "seconds": result.cpu_time,
     }

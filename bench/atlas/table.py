@@ -73,7 +73,7 @@ class Method:
 
     def __post_init__(self) -> None:
         """Raise BenchError where two implementations have one label."""
-        labels = [each.label for each in self.implementations]
+        labels = [implementation.label for implementation in self.implementations]
         for label in labels:
             if labels.count(label) > 1:
                 raise BenchError(
@@ -99,18 +99,18 @@ def methods(file: Path | None = None, names: Sequence[str] = ()) -> list[Method]
     sources = {
         f"the table {name!r} of bench.atlases": registry.load("atlases", name) for name in registry.entries("atlases")
     }
-    found: dict[str, Method] = {}
-    own: list[Method] = []
+    by_name: dict[str, Method] = {}
+    of_source: list[Method] = []
     for where, source in [*sources.items(), *([(str(file), file)] if file is not None else [])]:
-        own = _read(source, where)
-        for method in own:
-            found[method.name] = found[method.name].joined(method) if method.name in found else method
+        of_source = _read(source, where)
+        for method in of_source:
+            by_name[method.name] = by_name[method.name].joined(method) if method.name in by_name else method
     if file is not None:
-        found = {each.name: found[each.name] for each in own}
+        by_name = {method.name: by_name[method.name] for method in of_source}
     for name in names:
-        if name not in found:
-            raise BenchError(f"the atlas has no method {name!r}{nearest(name, found)}")
-    chosen = [found[name] for name in dict.fromkeys(names)] if names else list(found.values())
+        if name not in by_name:
+            raise BenchError(f"the atlas has no method {name!r}{nearest(name, by_name)}")
+    chosen = [by_name[name] for name in dict.fromkeys(names)] if names else list(by_name.values())
     if not chosen:
         raise BenchError("no installed package has a table of methods (bench.atlases); give a file")
     return chosen
@@ -124,7 +124,7 @@ def parse(text: str, where: str) -> list[Method]:
         raise BenchError(f"{where} is no TOML: {error}") from error
     _check(tables, {"technical": list, "methods": dict}, f"{where}:", required="methods")
     technical = tuple(map(str, tables.get("technical", ())))
-    return [_method(name, each, technical, where) for name, each in tables["methods"].items()]
+    return [_method(name, method, technical, where) for name, method in tables["methods"].items()]
 
 
 def _read(source: Any, where: str) -> list[Method]:
@@ -142,20 +142,21 @@ def _method(name: str, table: Any, technical: tuple[str, ...], where: str) -> Me
         raise BenchError(f"{here} must have a name of small letters, digits and hyphens that is no other page's")
     kinds = {"title": str, "conditions": str, "generation": int, "implementations": list}
     _check(table, kinds, here, required="implementations")
-    own = {"title": "", "conditions": "", "generation": GENERATION} | table
-    if not own["implementations"]:
+    settings = {"title": "", "conditions": "", "generation": GENERATION} | table
+    if not settings["implementations"]:
         raise BenchError(f"{here} has no implementation")
-    if not is_whole(own["generation"]) or own["generation"] < 1:
-        raise BenchError(f"{here} has a generation of {own['generation']!r}; it must be a whole number of at least 1")
+    generation = settings["generation"]
+    if not is_whole(generation) or generation < 1:
+        raise BenchError(f"{here} has a generation of {generation!r}; it must be a whole number of at least 1")
     kinds = {"name": str, "label": str, "options": dict, "differs": str, "source": str}
-    for each in own["implementations"]:
-        _check(each, kinds, f"an implementation of {here}", required="name")
+    for entry in settings["implementations"]:
+        _check(entry, kinds, f"an implementation of {here}", required="name")
     made = [
-        Implementation(name, **each | {"label": each.get("label") or default_label(each["name"])})
-        for each in own["implementations"]
+        Implementation(name, **entry | {"label": entry.get("label") or default_label(entry["name"])})
+        for entry in settings["implementations"]
     ]
-    own["title"] = own["title"] or name
-    return Method(name, **own | {"implementations": tuple(made)}, technical=technical)
+    settings["title"] = settings["title"] or name
+    return Method(name, **settings | {"implementations": tuple(made)}, technical=technical)
 
 
 def _check(table: Any, kinds: Mapping[str, type], here: str, required: str) -> None:

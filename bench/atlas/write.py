@@ -48,7 +48,7 @@ MAP = (
 )
 
 
-def write_atlas(found: Atlas, methods: Sequence[Method], output: Path, *, trials: int, budget: int, seed: int) -> Path:
+def write_atlas(atlas: Atlas, methods: Sequence[Method], output: Path, *, trials: int, budget: int, seed: int) -> Path:
     """Write the folder of an atlas and return the path of its first page.
 
     Args:
@@ -66,164 +66,169 @@ def write_atlas(found: Atlas, methods: Sequence[Method], output: Path, *, trials
     size = f"{count(trials, 'trial')} of {budget:,} evaluations on each of {len(PROBLEMS)} functions, d = {DIMENSION}"
     with replacing(output.resolve()) as temporary:
         temporary.mkdir(parents=True)
-        for name, frame in frames(found).items():
+        for name, frame in frames(atlas).items():
             frame.to_csv(temporary / f"{name}.csv", index=False, lineterminator="\n", encoding="utf-8")
-        if found.similarity is not None:
+        if atlas.similarity is not None:
             with style.context():
-                drawn = similarity_map(_named(found.similarity, found.surveyed))
+                drawn = similarity_map(_named(atlas.similarity, atlas.surveyed))
                 drawn.savefig(temporary / MAP_FILE, metadata={"Date": None})
-        pages = {INDEX: index_page(found, methods, f"{size}; seed {seed}")}
-        pages |= {f"{each.name}.md": method_page(found, each, size) for each in methods}
+        pages = {INDEX: index_page(atlas, methods, f"{size}; seed {seed}")}
+        pages |= {f"{method.name}.md": method_page(atlas, method, size) for method in methods}
         for name, text in pages.items():
             (temporary / name).write_text(text, encoding="utf-8", newline="\n")
     return output / INDEX
 
 
-def _named(found: Similarity, surveyed: Sequence[Surveyed]) -> Similarity:
+def _named(searches: Similarity, surveyed: Sequence[Surveyed]) -> Similarity:
     """Return the similarity with labels as names, where they are unique, and methods in place of clusters."""
-    own = [each.implementation for each in surveyed if not each.failed]
-    times = Counter(each.label for each in own)
-    names = [each.label if times[each.label] == 1 else each.key for each in own]
-    methods = list(dict.fromkeys(each.method for each in own))
-    colours = pd.Series([methods.index(each.method) + 1 for each in own], index=names)
-    return replace(found, places=found.places.set_axis(names), clusters=colours)
+    implementations = [seen.implementation for seen in surveyed if not seen.failed]
+    times = Counter(entry.label for entry in implementations)
+    names = [entry.label if times[entry.label] == 1 else entry.key for entry in implementations]
+    methods = list(dict.fromkeys(entry.method for entry in implementations))
+    colours = pd.Series([methods.index(entry.method) + 1 for entry in implementations], index=names)
+    return replace(searches, places=searches.places.set_axis(names), clusters=colours)
 
 
 def check_output(output: Path) -> None:
     """Raise BenchError for a folder that is neither new, nor empty, nor holds an atlas and nothing else."""
     present = names_in(output)
-    known = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
+    expected = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
     if MARK in present:
         try:
-            known |= {f"{each}.md" for each in pd.read_csv(output / MARK)["method"]}
+            expected |= {f"{method}.md" for method in pd.read_csv(output / MARK)["method"]}
         except (OSError, ValueError, KeyError) as error:
             raise BenchError(f"{output} cannot be read as an atlas, which would be replaced: {error}") from error
-    if others := sorted(present - known):
-        raise BenchError(f"{output} holds other files than an atlas, such as {others[0]}; give a new one by --output")
+    if foreign := sorted(present - expected):
+        raise BenchError(f"{output} holds other files than an atlas, such as {foreign[0]}; give a new one by --output")
 
 
-def frames(found: Atlas) -> dict[str, pd.DataFrame]:
+def frames(atlas: Atlas) -> dict[str, pd.DataFrame]:
     """Return the tables of an atlas with all digits, by name."""
     rows, medians, times = [], [], []
-    for each in found.surveyed:
-        own = each.implementation
-        names = {"method": own.method, "label": own.label}
+    for seen in atlas.surveyed:
+        entry = seen.implementation
+        names = {"method": entry.method, "label": entry.label}
         rows.append(names | {
-            "optimizer": own.name, "options": json.dumps(dict(own.options)), "code": each.code,
-            "group": found.groups.get(own.key, ""), "evaluations": each.evaluations,
-            "centre_bias": centre_bias(each.measures), "on_bounds": each.clamped,
-            "repeatable": each.repeatable, "without_effect": json.dumps(dict(each.dead)), "failed": each.failed,
+            "optimizer": entry.name, "options": json.dumps(dict(entry.options)), "code": seen.code,
+            "group": atlas.groups.get(entry.key, ""), "evaluations": seen.evaluations,
+            "centre_bias": centre_bias(seen.measures), "on_bounds": seen.clamped,
+            "repeatable": seen.repeatable, "without_effect": json.dumps(dict(seen.dead)), "failed": seen.failed,
         })  # fmt: skip
-        times.append(names | {"microseconds_an_evaluation": each.microseconds})
+        times.append(names | {"microseconds_an_evaluation": seen.microseconds})
         medians += [
             names | {"problem": problem} | dict(zip(MEASURES, np.median(values, axis=0).tolist(), strict=True))
-            for problem, values in each.measures.items()
+            for problem, values in seen.measures.items()
         ]
     tables = {"implementations": rows, "medians": medians, "times": times}
-    made = {name: pd.DataFrame(own) for name, own in tables.items()}
-    return made | {"pairs": found.pairs, "tests": found.tests}
+    made = {name: pd.DataFrame(rows_of) for name, rows_of in tables.items()}
+    return made | {"pairs": atlas.pairs, "tests": atlas.tests}
 
 
-def index_page(found: Atlas, methods: Sequence[Method], size: str) -> str:
+def index_page(atlas: Atlas, methods: Sequence[Method], size: str) -> str:
     """Return the first page: methods by libraries, what else was found, and the map."""
-    own = {method.name: [each for each in found.surveyed if each.implementation.method == method.name]
+    of_method = {method.name: [seen for seen in atlas.surveyed if seen.implementation.method == method.name]
            for method in methods}  # fmt: skip
-    libraries = list(dict.fromkeys(each.implementation.library for each in found.surveyed))
+    libraries = list(dict.fromkeys(seen.implementation.library for seen in atlas.surveyed))
     rows = [
         [f"[{plain(method.title)}]({method.name}.md)"]
         + [
-            ", ".join(_cell(found, each) for each in own[method.name] if each.implementation.library == library)
+            ", ".join(_cell(atlas, seen) for seen in of_method[method.name] if seen.implementation.library == library)
             for library in libraries
         ]
         for method in methods
     ]
-    several = found.pairs.groupby("method", sort=False)["different"].sum()
+    several = atlas.pairs.groupby("method", sort=False)["different"].sum()
     counted = (
-        f"{found.counted}. In {int((several == 0).sum())} of {count(len(several), 'method')} with several "
+        f"{atlas.counted}. In {int((several == 0).sum())} of {count(len(several), 'method')} with several "
         "implementations, no pair is."
     )
     parts = [
         "# An atlas of implementations",
-        f"{count(len(found.surveyed), 'implementation')} of {count(len(methods), 'method')}: {size}.",
+        f"{count(len(atlas.surveyed), 'implementation')} of {count(len(methods), 'method')}: {size}.",
         " ".join(
-            filter(None, (RULE.format(tests=f"{len(found.tests):,}"), found.doubt, counted if len(several) else ""))
+            filter(None, (RULE.format(tests=f"{len(atlas.tests):,}"), atlas.doubt, counted if len(several) else ""))
         ),
         table(["method", *map(plain, libraries)], rows),
     ]
     noted = [
-        [plain(own.method), code(own.label), plain(said)]
-        for each in found.surveyed
-        for own in [each.implementation]
-        for said in findings(each)
+        [plain(entry.method), code(entry.label), plain(finding)]
+        for seen in atlas.surveyed
+        for entry in [seen.implementation]
+        for finding in findings(seen)
     ]
     if noted:
         parts += ["## Biases, parameters without effect, failures",
                   table(["method", "implementation", "finding"], noted)]  # fmt: skip
-    if found.similarity is not None:
+    if atlas.similarity is not None:
         parts += [
             "## The map",
-            MAP.format(stress=found.similarity.stress),
+            MAP.format(stress=atlas.similarity.stress),
             "![A map of all implementations by how alike they search, and a tree of their distances](map.svg)",
         ]
-    versions = sorted({each.code for each in found.surveyed if each.code and not each.failed})
-    parts += ["## Versions", "\n".join(f"- {plain(each)}" for each in versions)]
+    versions = sorted({seen.code for seen in atlas.surveyed if seen.code and not seen.failed})
+    parts += ["## Versions", "\n".join(f"- {plain(version)}" for version in versions)]
     return "\n\n".join(parts) + "\n"
 
 
-def method_page(found: Atlas, method: Method, size: str) -> str:
+def method_page(atlas: Atlas, method: Method, size: str) -> str:
     """Return the page of a method: its implementations, their differences, and median final bests."""
-    own = [each for each in found.surveyed if each.implementation.method == method.name]
-    alive = [each for each in own if not each.failed]
-    pairs = found.pairs[found.pairs["method"] == method.name]
+    of_method = [seen for seen in atlas.surveyed if seen.implementation.method == method.name]
+    alive = [seen for seen in of_method if not seen.failed]
+    pairs = atlas.pairs[atlas.pairs["method"] == method.name]
     parts = [f"# {plain(method.title)}", plain(f"{size}. {method.conditions}".strip())]
     parts += [table(
         ["implementation", "letter", "code", "evaluations", "finding"],
-        [_implementation_row(found, each) for each in own],
+        [_implementation_row(atlas, seen) for seen in of_method],
     )]  # fmt: skip
     if len(pairs):
         parts += [
             "## Which of them differ",
-            " ".join(filter(None, (PAIRS, found.doubt))),
+            " ".join(filter(None, (PAIRS, atlas.doubt))),
             table(
                 ["pair", "verdict", "start", "next", "course", "final", "largest difference", "distance"],
                 [_pair_row(row) for row in pairs.to_dict("records")],
             ),
         ]
-    parts += ["## Options, and what is documented", "\n".join(map(_documented, own))]
-    known = {each.implementation.label for each in own if each.implementation.differs}
-    if unexplained := _unexplained(pairs, known):
+    parts += ["## Options, and what is documented", "\n".join(map(_documented, of_method))]
+    explained = {seen.implementation.label for seen in of_method if seen.implementation.differs}
+    unexplained = [
+        f"{code(row['first'])} against {code(row['second'])}"
+        for row in pairs.to_dict("records")
+        if row["different"] and not explained & {row["first"], row["second"]}
+    ]
+    if unexplained:
         parts.append(f"No documented difference is known here for {joined(unexplained)}.")
     if alive:
         parts += ["## Median final bests", table(
-            ["function", *(code(each.implementation.label) for each in alive)],
+            ["function", *(code(seen.implementation.label) for seen in alive)],
             [
-                [problem, *(cell_text(float(np.median(each.measures[problem][:, MEASURES.index("final")])))
-                            for each in alive)]
+                [problem, *(cell_text(float(np.median(seen.measures[problem][:, MEASURES.index("final")])))
+                            for seen in alive)]
                 for problem in PROBLEMS
             ],
         )]  # fmt: skip
     return "\n\n".join(parts) + "\n"
 
 
-def _cell(found: Atlas, each: Surveyed) -> str:
-    short = each.implementation.label.rpartition(":")[2]
-    return f"{code(short)} " + ("failed" if each.failed else f"**{found.groups[each.implementation.key]}**")
+def _cell(atlas: Atlas, seen: Surveyed) -> str:
+    short = seen.implementation.label.rpartition(":")[2]
+    return f"{code(short)} " + ("failed" if seen.failed else f"**{atlas.groups[seen.implementation.key]}**")
 
 
-def _implementation_row(found: Atlas, each: Surveyed) -> list[str]:
-    own = each.implementation
-    evaluations = "–" if each.failed else cell_text(round(each.evaluations))
-    finding = plain("; ".join(findings(each)))
-    return [code(own.label), found.groups.get(own.key, "–"), plain(each.code), evaluations, finding]
+def _implementation_row(atlas: Atlas, seen: Surveyed) -> list[str]:
+    entry = seen.implementation
+    evaluations = "–" if seen.failed else cell_text(round(seen.evaluations))
+    finding = plain("; ".join(findings(seen)))
+    return [code(entry.label), atlas.groups.get(entry.key, "–"), plain(seen.code), evaluations, finding]
 
 
-def _documented(each: Surveyed) -> str:
+def _documented(seen: Surveyed) -> str:
     """Return what an implementation is, its options, and what is known of it, as an item of a list."""
-    own = each.implementation
-    options = ", ".join(f"{name} = {value!r}" for name, value in own.options.items()) or "default options"
-    name = "" if own.label == own.name else f"{code(own.name)}, "
-    source = f" ({plain(own.source)})" if own.source else ""
-    return f"- {code(own.label)}: {name}{plain(options)}. {plain(own.differs)}{source}".rstrip()
+    entry = seen.implementation
+    options = ", ".join(f"{name} = {value!r}" for name, value in entry.options.items()) or "default options"
+    name = "" if entry.label == entry.name else f"{code(entry.name)}, "
+    source = f" ({plain(entry.source)})" if entry.source else ""
+    return f"- {code(entry.label)}: {name}{plain(options)}. {plain(entry.differs)}{source}".rstrip()
 
 
 def _pair_row(row: Mapping[Any, Any]) -> list[str]:
@@ -234,12 +239,4 @@ def _pair_row(row: Mapping[Any, Any]) -> list[str]:
         largest = f"{abs(row['orders']):.1f} orders of magnitude on {row['problem']}, {code(lower)} lower"
     distance = "–" if np.isnan(row["distance"]) else f"{row['distance']:.2f} ({row['floor']:.2f})"
     verdict = "**different**" if row["different"] else "not found different"
-    return [f"{code(first)}, {code(second)}", verdict, *(str(row[each]) for each in MEASURES), largest, distance]
-
-
-def _unexplained(pairs: pd.DataFrame, known: set[str]) -> list[str]:
-    return [
-        f"{code(row['first'])} against {code(row['second'])}"
-        for row in pairs.to_dict("records")
-        if row["different"] and not known & {row["first"], row["second"]}
-    ]
+    return [f"{code(first)}, {code(second)}", verdict, *(str(row[measure]) for measure in MEASURES), largest, distance]

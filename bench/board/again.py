@@ -10,8 +10,8 @@ from pathlib import Path
 from bench.board.archive import LONGEST, Again
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.job import Task
 from bench.execution.runner import prepare
-from bench.execution.supervisor import Task
 from bench.execution.verify import HASH_SEED, difference
 from bench.helpers.text import printable
 from bench.sandbox import bubblewrap
@@ -56,8 +56,8 @@ def _again(folder: Folder, study: Study, trial: Trial) -> Again:
     name = printable(f"{trial.optimizer} on {trial.problem}, trial {trial.number}", LONGEST)
     alone = replace(
         study,
-        problems=tuple(each for each in study.problems if each.label == trial.problem),
-        optimizers=tuple(each for each in study.optimizers if each.label == trial.optimizer),
+        problems=tuple(entry for entry in study.problems if entry.label == trial.problem),
+        optimizers=tuple(entry for entry in study.optimizers if entry.label == trial.optimizer),
         controls=(),
         looks=(),
     )

@@ -50,13 +50,13 @@ class Setting:
     @property
     def title(self) -> str:
         """What is shared, in words."""
-        said = f"{printable(self.suite, LONGEST)}, d = {self.dimension:,}, {self.budget:,} evaluations"
-        return f"{said}, {count(len(self.problems), 'problem')}" + f", imported in {self.alone}" * bool(self.alone)
+        shared = f"{printable(self.suite, LONGEST)}, d = {self.dimension:,}, {self.budget:,} evaluations"
+        return f"{shared}, {count(len(self.problems), 'problem')}" + f", imported in {self.alone}" * bool(self.alone)
 
     @property
     def labels(self) -> list[str]:
         """The labels of the problems, in order."""
-        return [json.loads(each)[0] for each in self.problems]
+        return [json.loads(problem)[0] for problem in self.problems]
 
 
 @dataclass(frozen=True)
@@ -104,16 +104,16 @@ class Archive:
     def settings(self) -> list[Setting]:
         """The settings of the study, one for each suite and dimension."""
         problems: dict[tuple[str, int], list[str]] = {}
-        for each in self.study.problems:
-            if each.label in self.dimensions:
-                key = (family(each.name), self.dimensions[each.label])
-                said = [each.label, each.name, each.options, self.data.get(each.label, "")]
-                problems.setdefault(key, []).append(json.dumps(said, sort_keys=True, default=str))
+        for entry in self.study.problems:
+            if entry.label in self.dimensions:
+                key = (family(entry.name), self.dimensions[entry.label])
+                identity = [entry.label, entry.name, entry.options, self.data.get(entry.label, "")]
+                problems.setdefault(key, []).append(json.dumps(identity, sort_keys=True, default=str))
         alone = self.name if self.study.imported else ""
         same = (self.study.constraints, tuple(self.study.looks), alone)
         return [
-            Setting(suite, dimension, self.study.evaluations(dimension), tuple(sorted(own)), *same)
-            for (suite, dimension), own in sorted(problems.items())
+            Setting(suite, dimension, self.study.evaluations(dimension), tuple(sorted(members)), *same)
+            for (suite, dimension), members in sorted(problems.items())
         ]
 
     @property
@@ -128,26 +128,26 @@ class Archive:
     def versions(self) -> str:
         """The versions of this harness and of Python that made the trials."""
         packages = (record.get("packages") for record in self.records)
-        own = _texts(each.get(DISTRIBUTION) for each in packages if isinstance(each, Mapping))
+        harness = _texts(versions.get(DISTRIBUTION) for versions in packages if isinstance(versions, Mapping))
         python = _texts(record.get("python") for record in self.records)
-        return ", ".join(filter(None, (own and f"bench {own}", python and f"Python {python}"))) or "unknown"
+        return ", ".join(filter(None, (harness and f"bench {harness}", python and f"Python {python}"))) or "unknown"
 
     @property
     def date(self) -> str:
         """The day on which the last run ended, or began where that is not noted."""
-        noted = (record.get("ended") or record.get("started") for record in self.records)
-        return max((printable(str(each), 10).rstrip("…") for each in noted if each), default="unknown")
+        times = (record.get("ended") or record.get("started") for record in self.records)
+        return max((printable(str(time), 10).rstrip("…") for time in times if time), default="unknown")
 
     @property
     def verified(self) -> str:
         """How many trials of those chosen were the same when they were made again; "" where none was chosen."""
         if not self.again:
             return ""
-        same = sum(not each.different and not each.reason for each in self.again)
-        differ = sum(bool(each.different) for each in self.again)
-        reasons = sorted({each.reason for each in self.again if each.reason})
-        said = [f"{same} of {len(self.again)}", f"{differ} differ" if differ else "", *reasons[:1]]
-        return "; ".join(filter(None, said))
+        same = sum(not trial.different and not trial.reason for trial in self.again)
+        differ = sum(bool(trial.different) for trial in self.again)
+        reasons = sorted({trial.reason for trial in self.again if trial.reason})
+        parts = [f"{same} of {len(self.again)}", f"{differ} differ" if differ else "", *reasons[:1]]
+        return "; ".join(filter(None, parts))
 
 
 def read(source: Path, temporary: Path) -> Archive:
@@ -159,7 +159,7 @@ def read(source: Path, temporary: Path) -> Archive:
     unpack(source, temporary)
     folder = Folder(temporary)
     study = folder.study()
-    dimensions = {each.label: size for each in study.problems if (size := dimension_in(each.name))}
+    dimensions = {entry.label: size for entry in study.problems if (size := dimension_in(entry.name))}
     cells: dict[tuple[str, str], list[float]] = {}
     for row in folder.store.rows(columns=("problem", "optimizer", "status", "fun", "variables")):
         fun = row["fun"]
@@ -184,18 +184,18 @@ def refuse_twins(archives: Iterable[Archive]) -> None:
     """Raise BenchError where two archives have one name, or hold one study, whose trials would count twice."""
     names: dict[str, Archive] = {}
     studies: dict[str, Archive] = {}
-    for each in archives:
-        if names.setdefault(each.name.lower(), each) is not each:
-            raise BenchError(f"two archives have the name {each.name}; rename one of them")
+    for archive in archives:
+        if names.setdefault(archive.name.lower(), archive) is not archive:
+            raise BenchError(f"two archives have the name {archive.name}; rename one of them")
         # The name of a study decides no trial, and an archive may hold it under another one.
-        key = each.sha256 if each.study.imported else replace(each.study, name="study").identity()
-        first = studies.setdefault(key, each)
-        if first is not each:
+        key = archive.sha256 if archive.study.imported else replace(archive.study, name="study").identity()
+        first = studies.setdefault(key, archive)
+        if first is not archive:
             raise BenchError(
-                f"{first.name} and {each.name} hold the same study with the same seed, so their trials would count "
+                f"{first.name} and {archive.name} hold the same study with the same seed, so their trials would count "
                 "twice; give one of them, or join their folders by 'bench merge'"
             )
 
 
 def _texts(values: Iterable[object]) -> str:
-    return ", ".join(sorted({printable(str(each), LONGEST) for each in values if each}))
+    return ", ".join(sorted({printable(str(value), LONGEST) for value in values if value}))

@@ -21,13 +21,13 @@ def write_index(
 ) -> None:
     """Write the first page: the rule, the archives, and a table for each setting."""
     rows = [
-        {"archive": each.name, "study": each.study.title or each.study.name, "trials": f"{each.trials:,}"}
-        | each.provenance
-        for each in archives
+        {"archive": archive.name, "study": archive.study.title or archive.study.name, "trials": f"{archive.trials:,}"}
+        | archive.provenance
+        for archive in archives
     ]
     caption = f"{count(len(archives), 'archive')}, each unpacked and compared with its checksums and digests."
     table = _table("archives", caption, pd.DataFrame(rows), archives, addresses)
-    settings = [_setting(each, archives, addresses) for each in standings]
+    settings = [_setting(standing, archives, addresses) for standing in standings]
     lead = f"{count(len(archives), 'archive')}; a section below for each of {count(len(standings), 'setting')}."
     write_page(path, "A board of packed studies", lead, [Section("The rule", (RULE,), (table,)), *settings])
 
@@ -38,17 +38,17 @@ def write_study(path: Path, archive: Archive) -> None:
     facts = {"board": "index.html", "archive": archive.name, "study": f"{study.name}, identity {study.identity()}"}
     facts |= {"trials": f"{archive.trials:,}"} | archive.provenance
     links = pd.DataFrame({"value": ["../index.html", *[""] * (len(facts) - 1)]}, index=pd.Index(facts))
-    unknown = listed([each.label for each in study.problems if each.label not in archive.dimensions])
+    unknown = listed([entry.label for entry in study.problems if entry.label not in archive.dimensions])
     warnings = (f"No table has {unknown}: no trial ended there, so the dimension is unknown.",) if unknown else ()
     sections = [Section("Provenance", items=(_pairs("Where the trials come from.", facts, links),), warnings=warnings)]
-    sections += [_setting(each, [archive], {}) for each in standings([archive])]
+    sections += [_setting(standing, [archive], {}) for standing in standings([archive])]
     if archive.again:
-        outcomes = {each.trial: each.sentence for each in archive.again}
+        outcomes = {again.trial: again.sentence for again in archive.again}
         sections.append(Section("Trials made again", items=(_pairs("What became of each.", outcomes),)))
     for number, record in enumerate(archive.records, start=1):
-        said = {key: printable(option(record[key]), 2_000) for key in sorted(record) if key not in ("data", "code")}
+        pairs = {key: printable(option(record[key]), 2_000) for key in sorted(record) if key not in ("data", "code")}
         sections.append(
-            Section(f"Environment {number}", items=(_pairs(f"Environment {number}, as the run noted it.", said),))
+            Section(f"Environment {number}", items=(_pairs(f"Environment {number}, as the run noted it.", pairs),))
         )
     sections.append(Section("The study as it was frozen", code=study.to_toml()))
     lead = (
@@ -86,14 +86,14 @@ def _table(
     name: str, caption: str, rows: pd.DataFrame, archives: Sequence[Archive], addresses: Mapping[str, str]
 ) -> Table:
     """Return a table whose archives link to the ``addresses`` of their pages, with those that differ in red."""
-    differ = {each.name for each in archives if any(one.different for one in each.again)}
-    shown = rows if any(each.again for each in archives) else rows.drop(columns="made again")
+    differ = {archive.name for archive in archives if any(again.different for again in archive.again)}
+    shown = rows if any(archive.again for archive in archives) else rows.drop(columns="made again")
     return Table(
         name,
         caption,
         shown.assign(**{"SHA-256": rows["SHA-256"].str[:SHORT]}),
         decimals={"mean rank": 2, "chance to end lower": 3},
-        links=pd.DataFrame({"archive": rows["archive"].map(lambda each: addresses.get(each, ""))}),
+        links=pd.DataFrame({"archive": rows["archive"].map(lambda name: addresses.get(name, ""))}),
         lost=pd.DataFrame({"made again": rows["archive"].isin(differ)}),
         most_rows=len(rows),
     )

@@ -43,9 +43,9 @@ class Standing:
 def standings(archives: Sequence[Archive]) -> list[Standing]:
     """Return the standing of each setting, in the order of suites, dimensions and budgets."""
     archives_of: dict[Setting, list[Archive]] = {}
-    for each in archives:
-        for setting in each.settings:
-            archives_of.setdefault(setting, []).append(each)
+    for archive in archives:
+        for setting in archive.settings:
+            archives_of.setdefault(setting, []).append(archive)
     return [_standing(setting, archives_of[setting]) for setting in sorted(archives_of)]
 
 
@@ -56,14 +56,14 @@ def _standing(setting: Setting, archives: Sequence[Archive]) -> Standing:
     for archive in archives:
         for entry in archive.study.optimizers:
             values = [archive.scores.get((label, entry.label), np.empty(0)) for label in setting.labels]
-            content = (entry.name, repr(entry.options), *(each.tobytes() for each in values))
+            content = (entry.name, repr(entry.options), *(scores.tobytes() for scores in values))
             shown = f"{entry.label} of {archive.name}"
-            sizes = sorted({len(each) for each in values})
+            sizes = sorted({len(scores) for scores in values})
             if sizes[0] and (first := seen.setdefault(content, shown)) != shown:
                 notes.append(f"{shown} has the trials of {first}, so it is left out.")
                 continue
             ranked += [values] if sizes[0] else []
-            trials = " to ".join(str(each) for each in (sizes[0], sizes[-1])[-len(sizes) :])
+            trials = str(sizes[0]) if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
             row = {"ranked": sizes[0] > 0, "optimizer": entry.label, "archive": archive.name, "trials": trials}
             rows.append({**row, **archive.provenance})
     frame = pd.DataFrame(rows)
@@ -83,7 +83,7 @@ def mean_ranks(values: Sequence[Sequence[Floats]]) -> tuple[Floats, Floats]:
         return np.empty(0), np.empty(0)
     means = []
     for column in zip(*values, strict=True):
-        sizes = np.array([len(each) for each in column])
+        sizes = np.array([len(scores) for scores in column])
         pooled = merge_near_ties(np.concatenate(column))
         lower = won(pooled, np.repeat(np.arange(len(column)), sizes), np.ones((1, len(pooled))))[0].T
         beaten, chance = against_rivals(lower / np.outer(sizes, sizes), axis=1)

@@ -58,7 +58,7 @@ def write_board(
         require_sandbox()
     read_archives: list[Archive] = []
     refused = []
-    for place, source in enumerate(sorted(sources, key=lambda each: (each.name, str(each)))):
+    for place, source in enumerate(sorted(sources, key=lambda path: (path.name, str(path)))):
         on_progress(source.name, place, len(sources))
         try:
             read_archives.append(_read(source, read_archives, verify))
@@ -79,24 +79,24 @@ def _refuse_others(output: Path) -> None:
         raise BenchError(f"{output} holds other files than a board; give a new folder by --output")
 
 
-def _read(source: Path, others: Sequence[Archive], verify: int) -> Archive:
+def _read(source: Path, earlier: Sequence[Archive], verify: int) -> Archive:
     with tempfile.TemporaryDirectory(prefix="bench-board-") as temporary:
         path = Path(temporary) / "study"
         archive = read(source, path)
-        refuse_twins([*others, archive])
+        refuse_twins([*earlier, archive])
         return replace(archive, again=make_again(path, verify, archive.sha256)) if verify else archive
 
 
 def _write(archives: Sequence[Archive], output: Path) -> None:
     settings = standings(archives)
     # A name that differs from another one in capitals alone is refused, so that no two pages share a file.
-    addresses = {each.name: f"{STUDIES}/{file_name(each.name.lower())}.html" for each in archives}
+    addresses = {archive.name: f"{STUDIES}/{file_name(archive.name.lower())}.html" for archive in archives}
     with replacing(output.resolve()) as temporary:
         (temporary / STUDIES).mkdir(parents=True)
         pages.write_index(temporary / PAGE, archives, settings, addresses)
-        for each in archives:
-            pages.write_study(temporary / addresses[each.name], each)
-        tables = [_flat(number, each) for number, each in enumerate(settings, start=1)]
+        for archive in archives:
+            pages.write_study(temporary / addresses[archive.name], archive)
+        tables = [_flat(number, standing) for number, standing in enumerate(settings, start=1)]
         pd.concat(tables).to_csv(temporary / TABLE, index=False, lineterminator="\n")
 
 

@@ -31,11 +31,11 @@ def answers(begun: Sequence[Future[Any]]) -> Iterator[Any]:
         BenchError: where a call had no answer, or the answer ``{"error": why}``.
     """
     try:
-        for each in begun:
-            yield _answer(each)
+        for future in begun:
+            yield _answer(future)
     finally:
-        for each in begun:
-            each.cancel()
+        for future in begun:
+            future.cancel()
 
 
 def _answer(future: Future[Any]) -> Any:

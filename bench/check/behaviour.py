@@ -55,7 +55,7 @@ def behaviours(
             for place, (label, make) in enumerate(problems.items()):
                 on_progress(f"{name} on {label}", number * len(problems) + place, len(optimizers) * len(problems))
                 seeds = (trial_seed(seed, label, name, trial) for trial in range(trials))
-                runs[name, label] = [_run(name, optimizer, make(), budgets[label], each) for each in seeds]
+                runs[name, label] = [_run(name, optimizer, make(), budgets[label], run_seed) for run_seed in seeds]
     zeros = {}
     for label, make in problems.items():
         optimum = make().optimum

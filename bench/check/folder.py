@@ -58,19 +58,19 @@ def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> 
             yield Diagnosis(entry.label, [], str(error))
             continue
         code = key(entry, optimizer)
-        kept = [] if anew else _kept([dict(each) for each in noted.get(entry.label, [])], code)
+        kept = [] if anew else _kept([dict(record) for record in noted.get(entry.label, [])], code)
         if kept:
             yield Diagnosis(entry.label, kept, kept=True)
         else:
             changed[entry.label] = optimizer, code
     verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
-    for (label, (_, code)), each in zip(changed.items(), verdicts, strict=True):
-        if isinstance(each, BenchError):
+    for (label, (_, code)), outcome in zip(changed.items(), verdicts, strict=True):
+        if isinstance(outcome, BenchError):
             noted.pop(label, None)
-            diagnosis = Diagnosis(label, [], str(each))
+            diagnosis = Diagnosis(label, [], str(outcome))
         else:
-            noted[label] = [verdict.as_dict() | {"code": code} for verdict in each]
-            diagnosis = Diagnosis(label, each)
+            noted[label] = [verdict.as_dict() | {"code": code} for verdict in outcome]
+            diagnosis = Diagnosis(label, outcome)
         folder.note(CHECKS, noted)
         yield diagnosis
     folder.note(CHECKS, noted)
@@ -93,7 +93,7 @@ def key(entry: Entry, optimizer: Optimizer) -> str:
 
 def _kept(noted: list[dict[str, Any]], code: str) -> list[Verdict]:
     """Return the noted verdicts where they are those of all checks of this code, else none."""
-    if len(noted) == len(bias.CHECKS) and all(each.pop("code") == code for each in noted):
+    if len(noted) == len(bias.CHECKS) and all(record.pop("code") == code for record in noted):
         with suppress(ValueError):  # the file was edited
-            return [Verdict.from_dict(each) for each in noted]
+            return [Verdict.from_dict(record) for record in noted]
     return []

@@ -76,7 +76,7 @@ def odd() -> dict[str, RecordingProblem]:
 
 def _ordinary(values: Callable[[Floats, Floats], Floats], dimension: int, **naming: Any) -> RecordingProblem:
     """Return a problem of the shares ``u`` of the box and the paraboloid's values ``f`` in the ordinary box."""
-    lower, upper, best = (np.resize(each, dimension) for each in (_LOWER, _UPPER, _BEST))
+    lower, upper, best = (np.resize(shares, dimension) for shares in (_LOWER, _UPPER, _BEST))
 
     def evaluate(x: Floats) -> Floats:
         u = (x - lower) / (upper - lower)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
@@ -10,16 +11,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.conformance.subject import make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
-from bench.execution import solve
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
 from bench.sandbox.pool import Pool
+from bench.sandbox.server import end_if_stuck
 from bench.seeds import trial_seed
+from bench.trial import search
 from bench.typing import Floats
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
@@ -93,8 +96,8 @@ def make_runs(
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     with Pool(n_jobs, ready) as pool:
         begun = [_begin(pool, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
-        for each in begun:
-            yield each if isinstance(each, BenchError) else _collect(tasks, each)
+        for futures in begun:
+            yield futures if isinstance(futures, BenchError) else _collect(tasks, futures)
 
 
 def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[CheckRun]) -> list[Future[Any]] | BenchError:
@@ -109,15 +112,16 @@ def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchErr
     """Wait for the runs of one optimizer; with the first that fails the others are given up."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
-        for task, each in zip(tasks, answers(begun), strict=True):
-            made[task.kind].setdefault(task.name, []).append(_summary(each, task.dimension))
+        for task, answer in zip(tasks, answers(begun), strict=True):
+            made[task.kind].setdefault(task.name, []).append(_summary(answer, task.dimension))
     except BenchError as error:
         return error
     return Runs(**made)
 
 
 def ready() -> None:
-    """Load this module."""
+    """Load this module, and limit BLAS to one thread: once a process, as finding its libraries takes milliseconds."""
+    threadpool_limits(limits=1)
 
 
 def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
@@ -126,7 +130,8 @@ def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
         made = summarise(unpack(packed).fresh(), task)
     except BenchError as error:
         return {"error": str(error)}
-    return vars(made) | {"x": made.x.tolist(), "first": made.first.tolist()}
+    first = base64.b64encode(made.first.tobytes()).decode()  # thousands of numbers, which would take longer as digits
+    return vars(made) | {"x": made.x.tolist(), "first": first}
 
 
 def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
@@ -145,17 +150,18 @@ def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
         seed = trial_seed(task.seed, label, "centre bias", task.run)
     generation = optimizer.minimum_budget
     try:
-        result = solve.make_run(problem, optimizer, budget=max(task.budget, GENERATIONS * generation), seed=seed)
+        result = search(problem, optimizer, max(task.budget, GENERATIONS * generation), seed, end_if_stuck)
     except BenchError:
         raise
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
         raise BenchError(f"the optimizer failed on {problem.name}: {describe_error(error)}") from error
     points = problem.points
+    shares = problem.share(points)
     return RunSummary(
         best=result.fun,
         x=problem.share(result.x),
-        first=problem.share(points[:generation]),
-        clamped=float(on_bound(problem.share(points)).mean()),
+        first=shares[:generation],
+        clamped=float(on_bound(shares).mean()),
         course=hashlib.sha256(points.tobytes()).hexdigest(),
     )
 
@@ -168,9 +174,10 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
 def _summary(answer: Any, dimension: int) -> RunSummary:
     """Return the summary in a process's answer; raises BenchError for what is no summary."""
     try:
-        x, first = (np.asarray(answer[key], dtype=np.float64) for key in ("x", "first"))
+        x = np.asarray(answer["x"], dtype=np.float64)
+        first = np.frombuffer(base64.b64decode(answer["first"]), dtype=np.float64).reshape(-1, dimension)
         made = RunSummary(float(answer["best"]), x, first, float(answer["clamped"]), str(answer["course"]))
-        if x.shape != (dimension,) or first.ndim != 2 or first.shape[1] != dimension:
+        if x.shape != (dimension,):
             raise ValueError
     except (TypeError, ValueError, KeyError) as error:
         raise BenchError(NO_RECORD) from error

@@ -55,7 +55,7 @@ class Verdict:
         if not all(isinstance(record[key], kind) for key, kind in kinds.items()) or record["kind"] not in KINDS:
             raise ValueError("the fields of a verdict have other types")
         shown: dict[str, Any] = {
-            key: printable(each, LONGEST) if isinstance(each, str) else each for key, each in record.items()
+            key: printable(value, LONGEST) if isinstance(value, str) else value for key, value in record.items()
         }
         return cls(**shown)
 

@@ -5,36 +5,12 @@ from __future__ import annotations
 import atexit
 import gc
 import sys
+from importlib import import_module
 from typing import Annotated
 
 import typer
 
-from bench.cli import (
-    archive,
-    atlas,
-    check,
-    describe,
-    doctor,
-    export,
-    gate,
-    import_,
-    merge,
-    new,
-    pack,
-    plan,
-    recommend,
-    report,
-    rm,
-    run,
-    similar,
-    site,
-    solve,
-    status,
-    tune,
-    unpack,
-    verify,
-)
-from bench.cli import list as list_
+from bench.cli import archive
 from bench.cli.console import usage
 from bench.errors import BenchError
 from bench.helpers.console import print_error
@@ -53,16 +29,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for _name, _command in (
-    ("list", list_.list_plugins), ("run", run.run), ("plan", plan.plan), ("status", status.status),
-    ("report", report.report),
-    ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
-    ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
-    ("unpack", unpack.unpack), ("site", site.site), ("gate", gate.gate), ("describe", describe.describe),
-    ("similar", similar.similar), ("atlas", atlas.atlas), ("recommend", recommend.recommend), ("tune", tune.tune),
-    ("doctor", doctor.doctor), ("new", new.new),
+for _name in (
+    "list", "run", "plan", "status", "report", "export", "import_", "check", "solve", "verify", "merge", "rm", "pack",
+    "unpack", "site", "gate", "describe", "similar", "atlas", "recommend", "tune", "doctor", "new",
 ):  # fmt: skip
-    app.command(_name)(_command)
+    app.command(_name.rstrip("_"))(import_module(f"bench.cli.{_name}").command)
 app.add_typer(archive.archive, name="archive")
 
 

@@ -25,9 +25,9 @@ def list_sets(
     """List the published data sets of a suite: name, size in MB, and whether it is kept here."""
     from bench.importing.archive import data_folder, data_sets
 
-    for each in data_sets(suite, source):
-        kept = ", kept" if (data_folder() / each.suite / each.path).is_file() else ""
-        print_line(f"{each.name}  {each.kilobytes / 1000:.1f} MB{kept}")
+    for data in data_sets(suite, source):
+        kept = ", kept" if (data_folder() / data.suite / data.path).is_file() else ""
+        print_line(f"{data.name}  {data.kilobytes / 1000:.1f} MB{kept}")
 
 
 @archive.command()

@@ -15,7 +15,7 @@ from bench.helpers.console import print_line
 from bench.helpers.text import count
 
 
-def atlas(
+def command(
     file: Annotated[
         Path | None, typer.Argument(help="A table of methods; by default those of the installed packages.")
     ] = None,
@@ -48,21 +48,21 @@ def atlas(
     with steps(console, "atlas") as on_progress:
         surveyed = survey(chosen, trials=trials, budget=budget, seed=seed, n_jobs=jobs, on_progress=on_progress)
         on_progress("comparing", 1, 1)
-        found = compare(surveyed)
-    page = write_atlas(found, chosen, output, trials=trials, budget=budget, seed=seed)
+        comparison = compare(surveyed)
+    page = write_atlas(comparison, chosen, output, trials=trials, budget=budget, seed=seed)
     shown = Table(box=None, pad_edge=False)
     for head in ("method", "implementation", "letter", "finding"):
         shown.add_column(head, overflow="fold")
-    for each in found.surveyed:
-        own = each.implementation
-        said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(each)))
-        shown.add_row(*map(Text, said))
+    for entry in comparison.surveyed:
+        implementation = entry.implementation
+        letter = comparison.groups.get(implementation.key, "–")
+        shown.add_row(*map(Text, (implementation.method, implementation.label, letter, "; ".join(findings(entry)))))
     console.print(shown)
     print_line(
-        f"{found.counted} ({count(len(found.tests), 'test')}, adjusted together); "
+        f"{comparison.counted} ({count(len(comparison.tests), 'test')}, adjusted together); "
         "implementations of one letter were not found different",
         console=console,
     )
-    if found.doubt:
+    if comparison.doubt:
         print_line("so few trials can show no difference beside as many tests: take more --trials", console=console)
     print_line(f"pages: {page}", console=console)

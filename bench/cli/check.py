@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bench.check.verdict import Verdict
 
 
-def check(
+def command(
     name: Annotated[
         str,
         typer.Argument(
@@ -58,7 +58,7 @@ def check(
             bias=bias,
             strict=strict,
             n_jobs=jobs,
-            on_check=lambda each: show_verdict(name, each, console),
+            on_check=lambda verdict: show_verdict(name, verdict, console),
             **pairs(option),
         )
     print_line(checkup.summary, console=console)
@@ -73,14 +73,14 @@ def check_folder(path: Path, console: Console, jobs: int, anew: bool = False) ->
 
     sound, kept = True, []
     with console.status("checking the optimizers for biases"):
-        for each in diagnose_folder(Folder(path), jobs, anew=anew):
-            for verdict in each.verdicts:
-                show_verdict(each.label, verdict, console, remedy=False)  # 'bench check NAME' prints it
-            if each.failed:
+        for diagnosis in diagnose_folder(Folder(path), jobs, anew=anew):
+            for verdict in diagnosis.verdicts:
+                show_verdict(diagnosis.label, verdict, console, remedy=False)  # 'bench check NAME' prints it
+            if diagnosis.failed:
                 sound = False
-                print_error(f"{each.label} could not be checked: {each.failed}")
-            if each.kept:
-                kept.append(each.label)
+                print_error(f"{diagnosis.label} could not be checked: {diagnosis.failed}")
+            if diagnosis.kept:
+                kept.append(diagnosis.label)
     if kept:
         print_line(f"not changed since their last check: {', '.join(kept)} (--anew repeats it)", console=console)
     return sound

@@ -57,17 +57,11 @@ def by_parts(names: Iterable[str], typed: str) -> list[str]:
     """
     every = list(dict.fromkeys(names))
     while len(every) > MOST:
-        beginnings = list(dict.fromkeys(_up_to_hyphen(name, len(typed)) for name in every))
+        beginnings = list(dict.fromkeys(name[: name.find("-", len(typed)) + 1] or name for name in every))
         if len(beginnings) > 1:
             return beginnings
         typed = beginnings[0]
     return every
-
-
-def _up_to_hyphen(name: str, start: int) -> str:
-    """Return a name up to its first hyphen from ``start`` on, that hyphen included."""
-    hyphen = name.find("-", start)
-    return name if hyphen < 0 else name[: hyphen + 1]
 
 
 def _problems(typed: str) -> Iterator[str]:

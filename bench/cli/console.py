@@ -70,6 +70,10 @@ Rope = Annotated[
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
 ]
+ProblemParameters = Annotated[
+    list[str] | None,
+    typer.Option("--problem-option", help="An option of the problem, as in unit=rpm; repeatable."),
+]
 
 
 def usage(error: Any) -> str:

@@ -17,7 +17,7 @@ from bench.helpers.console import pairs, print_line
 BESIDE = 4  # problems of one table
 
 
-def describe(
+def command(
     problems: Annotated[
         list[str],
         typer.Argument(
@@ -42,17 +42,17 @@ def describe(
     """
     import pandas as pd
 
-    from bench.analysis.landscape import describe as described
+    from bench.analysis.landscape import describe
     from bench.helpers.atomic import replacing
     from bench.numbers import require_seed
     from bench.plugins import loading, selection
 
     require_seed("the seed", seed)
     console, rows = Console(), {}
-    for name in dict.fromkeys(each for pattern in problems for each in selection.matching(pattern)):
+    for name in dict.fromkeys(match for pattern in problems for match in selection.matching(pattern)):
         problem = loading.load_problem(name, **pairs(problem_option))
         try:
-            rows[name] = {"dimension": float(problem.dimension)} | described(problem, points, seed)
+            rows[name] = {"dimension": float(problem.dimension)} | describe(problem, points, seed)
         except BenchError:
             raise
         except Exception as error:  # a plug-in may raise anything

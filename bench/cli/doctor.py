@@ -39,7 +39,7 @@ class Diagnosis:
     remedy: str = ""
 
 
-def doctor(
+def command(
     folder: Annotated[
         Path | None,
         typer.Argument(help="A folder that 'bench run' wrote, to check its store.", autocompletion=completion.folders),
@@ -51,9 +51,9 @@ def doctor(
     The exit code is 1 where something is broken; how to fix it stands beside it.
     """
     findings = list(examine(folder))
-    broken = [each for each in findings if each.state == "broken"]
+    broken = [finding for finding in findings if finding.state == "broken"]
     if as_json:
-        print(json.dumps({"sound": not broken, "findings": [asdict(each) for each in findings]}, indent=1))
+        print(json.dumps({"sound": not broken, "findings": [asdict(finding) for finding in findings]}, indent=1))
     else:
         _show(findings, Console())
     sys.exit(1 if broken else 0)
@@ -73,22 +73,23 @@ def examine(folder: Path | None = None) -> Iterator[Diagnosis]:
 
 def _show(findings: list[Diagnosis], console: Console) -> None:
     table = Table("", "what", "found", "state", box=None, pad_edge=False)
-    topic = ""
-    for each in findings:
-        table.add_row(
-            Text(each.topic if each.topic != topic else "", style="bold"), Text(each.name), Text(each.found),
-            Text(each.state, style=STYLES[each.state]),
-        )  # fmt: skip
-        topic = each.topic
+    last = ""
+    for finding in findings:
+        topic = Text(finding.topic if finding.topic != last else "", style="bold")
+        state = Text(finding.state, style=STYLES[finding.state])
+        table.add_row(topic, Text(finding.name), Text(finding.found), state)
+        last = finding.topic
     console.print(table)
-    extras = [each.name for each in findings if each.topic == "extras" and each.state == "note"]
+    extras = [finding.name for finding in findings if finding.topic == "extras" and finding.state == "note"]
     if extras:  # in one line, as the table has each
         install = f"pip install '{registry.DISTRIBUTION}[{','.join(extras)}]'"
         print_line(f"note: extras that are not installed: {install}", STYLES["note"], console)
-    for each in findings:
-        if each.remedy and each.name not in (extras if each.topic == "extras" else ()):
-            print_line(f"{each.state}: {each.topic}, {each.name}: {each.remedy}", STYLES[each.state], console)
-    broken = sum(each.state == "broken" for each in findings)
+    for finding in findings:
+        if finding.remedy and finding.name not in (extras if finding.topic == "extras" else ()):
+            print_line(
+                f"{finding.state}: {finding.topic}, {finding.name}: {finding.remedy}", STYLES[finding.state], console
+            )
+    broken = sum(finding.state == "broken" for finding in findings)
     print_line(f"{broken} broken" if broken else "nothing is broken", "red" if broken else "green", console)
 
 
@@ -113,9 +114,11 @@ def _names() -> Iterator[Diagnosis]:
         for module in registry.own_modules():
             if sentence := registry.conflict(module):
                 yield Diagnosis("names", module, "another package's", "broken", sentence)
-            elif others := " and ".join(registry.claimants(module)):
-                clash = f"this package's; {others} has a module of that name, too, whose file is not installed any more"
-                remedy = f"install {others} in an environment of its own, as one of the two breaks the other"
+            elif packages := " and ".join(registry.claimants(module)):
+                clash = (
+                    f"this package's; {packages} has a module of that name, too, whose file is not installed any more"
+                )
+                remedy = f"install {packages} in an environment of its own, as one of the two breaks the other"
                 yield Diagnosis("names", module, clash, "note", remedy)
             else:
                 yield Diagnosis("names", module, "this package's")
@@ -126,14 +129,15 @@ def _requirements() -> Iterator[Diagnosis]:
     from packaging.requirements import Requirement
 
     with suppress(BenchError):
-        needed = [Requirement(text) for text in registry.own().requires or ()]
-        for each in needed:
-            if each.marker is None or each.marker.evaluate({"extra": ""}):
-                yield _required(each, registry.DISTRIBUTION)
+        optional = []
+        for requirement in map(Requirement, registry.own().requires or ()):
+            if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
+                yield _required(requirement, registry.DISTRIBUTION)
+            else:
+                optional.append(requirement)
         for extra in sorted(registry.own().metadata.get_all("Provides-Extra") or ()):
-            always = [each for each in needed if each.marker and not each.marker.evaluate({"extra": ""})]
-            yield from _extra(
-                extra, [each for each in always if each.marker and each.marker.evaluate({"extra": extra})]
+            yield _extra(
+                extra, [needed for needed in optional if needed.marker and needed.marker.evaluate({"extra": extra})]
             )
 
 
@@ -146,26 +150,24 @@ def _required(requirement: Any, asked: str) -> Diagnosis:
     return _bounded("packages", requirement.name, installed, installed, str(requirement.specifier), install)
 
 
-def _extra(extra: str, requirements: list[Any]) -> Iterator[Diagnosis]:
-    """Yield one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
+def _extra(extra: str, requirements: list[Any]) -> Diagnosis:
+    """Return one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
     asked = f"{registry.DISTRIBUTION}[{extra}]"
-    diagnoses = [_required(each, asked) for each in requirements]
-    missing = [each.name for each in diagnoses if each.found == "not installed"]
-    wrong = [each for each in diagnoses if each.state == "broken" and each.name not in missing]
-    text = ", ".join(f"{each.name} {each.found}" for each in diagnoses)
-    if wrong:
-        yield Diagnosis("extras", extra, text, "broken", wrong[0].remedy)
-    elif missing:
-        yield Diagnosis("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
-    else:
-        yield Diagnosis("extras", extra, text)
+    packages = [_required(requirement, asked) for requirement in requirements]
+    missing = [package.name for package in packages if package.found == "not installed"]
+    text = ", ".join(f"{package.name} {package.found}" for package in packages)
+    if any(package.state == "broken" and package.name not in missing for package in packages):
+        return Diagnosis("extras", extra, text, "broken", f"pip install '{asked}'")
+    if missing:
+        return Diagnosis("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
+    return Diagnosis("extras", extra, text)
 
 
-def _bounded(topic: str, name: str, shown: str, found: str, bounds: str, remedy: str) -> Diagnosis:
+def _bounded(topic: str, name: str, shown: str, installed: str, bounds: str, remedy: str) -> Diagnosis:
     """Return a finding on a version that must be within bounds such as ``">=2.0,<3"``."""
     from packaging.specifiers import SpecifierSet
 
-    if SpecifierSet(bounds).contains(found, prereleases=True):
+    if SpecifierSet(bounds).contains(installed, prereleases=True):
         return Diagnosis(topic, name, shown)
     return Diagnosis(topic, name, f"{shown}; needed is {bounds}", "broken", remedy)
 
@@ -205,8 +207,8 @@ def _machine() -> Iterator[Diagnosis]:
     for name, key in (("system", "system"), ("processor", "processor"), ("cores", "cores")):
         yield Diagnosis("machine", name, str(record[key]))
     yield Diagnosis("machine", "memory", f"{record['memory_gb']} GB")
-    for each in record["blas"]:
-        yield Diagnosis("machine", "BLAS", f"{each['library']} {each['version']}, {each['threads']} threads")
+    for library in record["blas"]:
+        yield Diagnosis("machine", "BLAS", f"{library['library']} {library['version']}, {library['threads']} threads")
     if record["git"]:
         changed = ", with uncommitted changes" if record["git"]["dirty"] else ""
         yield Diagnosis("machine", "commit", f"{record['git']['commit'][:10]}{changed}")
@@ -216,20 +218,15 @@ def _caches() -> Iterator[Diagnosis]:
     """Yield whether the folders can be written that hold what need not be computed twice."""
     from platformdirs import user_cache_path
 
-    kept = Path(os.environ.get("BENCH_CACHE") or user_cache_path("backlash-bench"))
-    compiled = os.environ.get("NUMBA_CACHE_DIR")
     beside = Path(__file__).resolve().parents[2] / "optimizers" / "__pycache__"  # where numba writes, if it can
+    compiled = os.environ.get("NUMBA_CACHE_DIR")
+    places = [Path(compiled)] if compiled else [beside, user_cache_path("numba", False)]
     for name, variable, folders in (
-        ("recordings", "BENCH_CACHE", [kept]),
-        (
-            "compiled code",
-            "NUMBA_CACHE_DIR",
-            [Path(compiled)] if compiled else [beside, user_cache_path("numba", False)],
-        ),
+        ("recordings", "BENCH_CACHE", [Path(os.environ.get("BENCH_CACHE") or user_cache_path("backlash-bench"))]),
+        ("compiled code", "NUMBA_CACHE_DIR", places),
         ("temporary files", "TMPDIR", [Path(tempfile.gettempdir())]),
     ):
-        usable = next((folder for folder in folders if _can_write(folder)), None)
-        if usable:
+        if usable := next((folder for folder in folders if _can_write(folder)), None):
             yield Diagnosis("caches", name, str(usable))
         else:
             remedy = f"set {variable} to a folder that can be written"
@@ -246,8 +243,7 @@ def _can_write(folder: Path) -> bool:
 
 
 def _sandbox() -> Iterator[Diagnosis]:
-    program = shutil.which("bwrap")
-    if program:
+    if program := shutil.which("bwrap"):
         yield Diagnosis("sandbox", "bubblewrap", program)
     else:
         yield Diagnosis("sandbox", "bubblewrap", "not installed", "note", "--sandbox needs it (Linux only)")

@@ -11,7 +11,7 @@ from bench.cli.console import Output
 from bench.helpers.console import print_line
 
 
-def export(
+def command(
     output: Output,
     kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (needs the extra 'parquet').")],
     folder: Annotated[
@@ -19,11 +19,11 @@ def export(
     ] = None,
 ) -> None:
     """Write a study's results for IOHanalyzer (ioh) or cocopp (coco), or as plain tables (csv, parquet)."""
-    from bench.export import export as export_results
+    from bench.export import export
     from bench.storage.results import Results
 
     folder, results = folder or output / "export" / kind, Results(output)
     results.note_stores()
-    for note in export_results(results, kind, folder):
+    for note in export(results, kind, folder):
         print_line(f"note: {note}", "yellow")
     print_line(f"export: {folder}")

@@ -19,7 +19,7 @@ STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
 CODES = {"pass": 0, "worse": 1, "undecided": 3}
 
 
-def gate(
+def command(
     old: Annotated[
         Path, typer.Argument(help="The folder of the old version's trials.", autocompletion=completion.folders)
     ],
@@ -60,12 +60,9 @@ def gate(
     shown to stay below on average (with --every-problem on each problem), and else "undecided".
     """
     from bench.helpers.atomic import replacing
-    from bench.report.gate import HEADS
-    from bench.report.gate import gate as compare
+    from bench.report.gate import HEADS, gate
 
-    verdict = compare(
-        old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common, every=every
-    )
+    verdict = gate(old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common, every=every)
     outcome, console = verdict.found.outcome, Console()
     if markdown is not None:
         with replacing(markdown) as temporary:

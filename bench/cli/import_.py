@@ -10,7 +10,7 @@ import typer
 from bench.helpers.console import print_line
 
 
-def import_results(
+def command(
     source: Annotated[
         Path, typer.Argument(metavar="FOLDER|TAR", help="A folder, a tar or zip archive, or a CSV file.")
     ],
@@ -30,15 +30,14 @@ def import_results(
     the import; --partial imports the others, and reports list what is missing.
     """
     from bench.helpers.text import count
-    from bench.importing import import_results as import_source
+    from bench.importing import import_results
 
-    imported = import_source(source, output, licence=licence, partial=partial)
+    imported = import_results(source, output, licence=licence, partial=partial)
     for note in imported.notes:
         print_line(f"note: {note}", "yellow")
     for sentence in imported.left_out:
         print_line(f"left out: {sentence}", "red")
     print_line(
         f"imported {count(imported.trials, 'trial')} of {count(imported.optimizers, 'optimizer')} on "
-        f"{count(imported.problems, 'problem')} "
-        f"({imported.format}): {output}"
+        f"{count(imported.problems, 'problem')} ({imported.format}): {output}"
     )

@@ -7,7 +7,6 @@ import inspect
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from itertools import chain
 from typing import Annotated, Any
 
 import typer
@@ -17,14 +16,11 @@ from rich.text import Text
 
 from bench.cli import completion
 from bench.errors import BenchError, nearest
-from bench.families import Grid
 from bench.plugins import registry
 
-Row = tuple[str, tuple[str, str]]  # a name; what it is, and its style
+Row = tuple[str, str, str]  # a name, what it is, and the style of that
 
 KINDS = ("optimizers", "problems", "studies", "commands")
-
-
 GROUPED = ("optimizers", "problems")
 """The kinds of which one family, suite or plug-in can be listed."""
 
@@ -42,7 +38,7 @@ def _families(incomplete: str) -> list[str]:
     return completion.starting(_named(), incomplete)
 
 
-def list_plugins(
+def command(
     kind: Annotated[
         str,
         typer.Argument(
@@ -81,7 +77,8 @@ def list_plugins(
     if as_json:
         print(json.dumps(records(kind, family) if matching is None else matching, indent=1, default=str))
     elif matching is not None:
-        _print(f"with {search!r}", [_row(each) for each in matching], Console())
+        rows = [(*_words(record), "red" if "error" in record else "") for record in matching]
+        _print(f"with {search!r}", rows, Console())
     else:
         show(kind, family, full, Console())
 
@@ -89,10 +86,11 @@ def list_plugins(
 def _matching(text: str, kind: str, family: str) -> list[dict[str, Any]]:
     """Return the records that have a text; raises BenchError where none has."""
     suites = [family] if family else list(registry.entries("problems"))
-    every: list[dict[str, Any]] = []
-    for each in KINDS if kind == "all" else (kind,):
-        every += chain.from_iterable(map(_problem_records, suites)) if each == "problems" else records(each, family)
-    matching = [each for each in every if text.lower() in " ".join(_words(each)).lower()]
+    searched: list[dict[str, Any]] = []
+    for group in KINDS if kind == "all" else (kind,):
+        for part in suites if group == "problems" else [family]:
+            searched += records(group, part)
+    matching = [record for record in searched if text.lower() in " ".join(_words(record)).lower()]
     if not matching:
         raise BenchError(f"no plug-in has {text!r} in its name or description")
     return matching
@@ -100,19 +98,14 @@ def _matching(text: str, kind: str, family: str) -> list[dict[str, Any]]:
 
 def _words(record: dict[str, Any]) -> tuple[str, str]:
     """Return the name of a record and what it says."""
-    title = str(record.get("title", "")) or str(record.get("about", "")).partition("\n")[0]
-    return str(record["name"]), str(record.get("error", "")) or title
-
-
-def _row(record: dict[str, Any]) -> Row:
-    name, about = _words(record)
-    return name, (about, "red" if "error" in record else "")
+    text = record.get("error") or record.get("title") or record.get("about", "").partition("\n")[0]
+    return record["name"], text
 
 
 def _chosen(kind: str, family: str) -> tuple[str, str]:
     """Return the kind and the family, "" for all, of the words of a command; a family's name alone has a kind."""
     if not family and kind not in (*KINDS, "all"):
-        kind, family = next((each for each in GROUPED if kind in registry.entries(each)), kind), kind
+        kind, family = next((group for group in GROUPED if kind in registry.entries(group)), kind), kind
     _require_known("kind", kind, (*KINDS, "all", *_named()))
     if family and kind not in GROUPED:
         raise BenchError(f"{kind!r} has no families or suites; leave out {family!r}")
@@ -130,19 +123,22 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
     """Print the plug-ins of one kind or of all, or of one family; one that fails to load by its error."""
     if family and kind == "problems":
         console.print(_problems(family), "")
-        if missing := _why_not(family):
-            console.print(Text(missing, style="red"))
+        try:  # to load one, which may need an extra
+            if grid := registry.grid(family):
+                registry.load(kind, family).load(next(grid.names(instances=[1])))
+        except BenchError as error:
+            console.print(Text(str(error), style="red"))
         return
     if kind == "all":
-        for each in KINDS:
-            console.print(Text(f"{each}: {', '.join(sorted(registry.entries(each)))}"), "")
+        for group in KINDS:
+            console.print(Text(f"{group}: {', '.join(sorted(registry.entries(group)))}"), "")
         console.print(
             Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
         )
         return
     if family and registry.is_family(registry.load(kind, family)):
         plugin = registry.load(kind, family)
-        rows = [(name, _describe(_optimizer, name)) for name in plugin.names()]
+        rows = [(name, *_describe(_optimizer, name)) for name in plugin.names()]
         if not rows:
             about = inspect.getdoc(plugin) or f"{family} has no list of its members"
             for paragraph in about.replace("``", "").split("\n\n"):
@@ -152,15 +148,13 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
     else:
         full = full or bool(family)
         names = [family] if family else sorted(registry.entries(kind))
-        rows = [(name, _describe(_about, kind, name, full)) for name in names]
-    _print(
-        kind, rows if full else [(name, (about.partition("\n")[0], style)) for name, (about, style) in rows], console
-    )
+        rows = [(name, *_describe(_about, kind, name, full)) for name in names]
+    _print(kind, rows if full else [(name, about.partition("\n")[0], style) for name, about, style in rows], console)
 
 
 def _print(title: str, rows: list[Row], console: Console) -> None:
     table = _table(title, "name", "what it is")
-    for name, (about, style) in rows:
+    for name, about, style in rows:
         table.add_row(Text(name, no_wrap=True), Text(about, style=style))
     console.print(table, "")
 
@@ -171,36 +165,20 @@ def _table(title: str, *heads: str) -> Table:
 
 def _problems(family: str) -> Table:
     """Return a suite's functions with their dimensions, or the names of another family of problems."""
-    grid = _grid(family)
+    grid = registry.grid(family)
     if grid is None:
         table = _table(family, "name")
-        for record in records("problems", family):
+        for record in _problem_records(family):
             table.add_row(Text(record["name"]))
         return table
     titles, instances = ["what it is"] if grid.titles else [], ["instances"] if grid.instances else []
     table = _table(family, "function", *titles, "dimensions", *instances, "first name")
-    for each in records("problems", family):
-        title = [each["title"]] if grid.titles else []
+    for record in _problem_records(family):
+        title = [record["title"]] if grid.titles else []
         number = [f"1 to {grid.instances}"] if grid.instances else []
-        table.add_row(each["function"], *title, ", ".join(map(str, each["dimensions"])), *number, Text(each["name"]))
+        dimensions = ", ".join(map(str, record["dimensions"]))
+        table.add_row(record["function"], *title, dimensions, *number, Text(record["name"]))
     return table
-
-
-def _why_not(family: str) -> str:
-    """Return why the problems of a suite cannot be loaded, such as for want of an extra; "" where they can be."""
-    grid = _grid(family)
-    if grid is None:
-        return ""
-    try:
-        registry.load("problems", family).load(next(grid.names(instances=[1])))
-    except BenchError as error:
-        return str(error)
-    return ""
-
-
-def _grid(family: str) -> Grid | None:
-    grid = getattr(registry.load("problems", family), "grid", None)
-    return grid if isinstance(grid, Grid) else None
 
 
 def records(kind: str, family: str = "") -> list[dict[str, Any]]:
@@ -215,15 +193,20 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
 
     if family and kind == "problems":
         return _problem_records(family)
-    if kind in KINDS and kind != "optimizers":
-        return [_plain_record(kind, name) for name in sorted(registry.entries(kind))]
     entries: list[dict[str, Any]] = []
+    if kind in KINDS and kind != "optimizers":
+        for name in sorted(registry.entries(kind)):
+            about, style = _describe(_about, kind, name, False)
+            entries.append(
+                {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
+            )
+        return entries
     for name in [family] if family else registry.entries("optimizers"):
         try:
             plugin = registry.load("optimizers", name)
             names = plugin.names() if registry.is_family(plugin) else [name]
         except Exception as error:  # a plug-in may raise anything
-            entries += [{"name": each, "error": str(error)} for each in _known_members(name)]
+            entries += [{"name": member, "error": str(error)} for member in _known_members(name)]
             continue
         for member in names:
             try:
@@ -241,7 +224,7 @@ def _known_members(family: str) -> list[str]:
 
 
 def _problem_records(family: str) -> list[dict[str, Any]]:
-    grid = _grid(family)
+    grid = registry.grid(family)
     if grid is None:
         return [{"name": name} for name in registry.load("problems", family).names() or [f"{family}:<name>"]]
     return [
@@ -253,19 +236,16 @@ def _problem_records(family: str) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _plain_record(kind: str, name: str) -> dict[str, Any]:
-    """Return the record of a plug-in that is no optimizer."""
-    about, style = _describe(_about, kind, name, False)
-    return {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
-
-
 def _shared_lines_first(rows: list[Row], name: str) -> list[Row]:
     """Move the lines that all rows share into a first row, called ``name``."""
-    texts = [about.splitlines() for _, (about, _) in rows]
-    shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []
-    others = ["\n".join(line for line in text if line not in shared) for text in texts]
-    members = [(member, (about, style)) for (member, (_, style)), about in zip(rows, others, strict=True)]
-    return [(name, ("\n".join(shared), "")), *members] if shared else members
+    texts = [about.splitlines() for _, about, _ in rows]
+    shared = [line for line in texts[0] if all(line in text for text in texts)]
+    if len(rows) == 1 or not shared:
+        return rows
+    members = []
+    for member, about, style in rows:
+        members.append((member, "\n".join(line for line in about.splitlines() if line not in shared), style))
+    return [(name, "\n".join(shared), ""), *members]
 
 
 def _describe(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:

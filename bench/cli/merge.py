@@ -11,7 +11,7 @@ from bench.cli import completion
 from bench.helpers.console import print_line
 
 
-def merge(
+def command(
     folders: Annotated[
         list[Path],
         typer.Argument(
@@ -24,9 +24,9 @@ def merge(
 
     A trial that several folders hold must be identical in all of them; a finished trial replaces a failed one.
     """
-    from bench.storage.merge import merge as merge_folders
+    from bench.storage.merge import merge
 
-    merged = merge_folders(folders, output)
+    merged = merge(folders, output)
     for note in merged.notes:
         print_line(note, "red")
     print_line(f"{merged.rows} trials in {output}: {merged.added} added, {merged.same} held by more than one folder")

@@ -22,6 +22,9 @@ from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
 from bench.plugins import registry
 
+GENERATED = {"__pycache__", "dist", "results", ".pytest_cache"}
+"""Folders that tests and builds of an example leave in it."""
+
 
 @dataclass(frozen=True)
 class Template:
@@ -54,7 +57,7 @@ def _kinds(incomplete: str) -> list[str]:
     return completion.starting(TEMPLATES, incomplete)
 
 
-def new(
+def command(
     kind: Annotated[str, typer.Argument(help="optimizer, problem or study.", autocompletion=_kinds)],
     name: Annotated[str, typer.Argument(help="Its name: lower-case words joined by hyphens, such as hill-climber.")],
     output: Annotated[
@@ -87,7 +90,7 @@ def create(kind: str, name: str, output: Path | None = None) -> Path:
     if name in registry.entries(template.group):
         package = registry.package(template.group, name)
         raise BenchError(f"{package} has the {kind} {name!r} already; choose another name")
-    files = {path: _text(file) for path, file in _sources(template).items()}
+    files = _texts(template)
     if not single:
         _refuse_taken(name, template, files)
     with replacing(path) as temporary:
@@ -121,19 +124,21 @@ def _refuse_taken(name: str, template: Template, files: dict[str, str]) -> None:
         raise BenchError(f"the name {name!r} gives a class {kind!r}, which means something else; choose another name")
 
 
-def _sources(template: Template) -> dict[str, Path]:
-    """Return the files of an example by the paths of those to write."""
-    home = _examples()
-    files: dict[str, Path] = {}
+def _texts(template: Template) -> dict[str, str]:
+    """Return the texts of an example by the paths of the files to write, without what tests and builds leave there."""
+    package = Path(__file__).resolve().parents[1]
+    home = package / "examples"  # of an installed package; that of a checkout is beside it
+    home = home if home.is_dir() else package.parent / "examples"
+    texts = {}
     for target, source in template.files.items():
         place = home / source
-        inside = [file for file in sorted(place.rglob("*")) if file.is_file() and _is_source(file.relative_to(place))]
-        files |= {(Path(target) / file.relative_to(place)).as_posix(): file for file in inside}
-        if place.is_file():
-            files[target] = place
-    if not files:
+        for file in [place, *sorted(place.rglob("*"))]:
+            path = file.relative_to(place)
+            if file.is_file() and not GENERATED & set(path.parts):
+                texts[(Path(target) / path).as_posix()] = file.read_text(encoding="utf-8")
+    if not texts:
         raise BenchError(f"the templates of 'bench new' are missing in {home}; install {registry.DISTRIBUTION} again")
-    return files
+    return texts
 
 
 def _renamed(text: str, template: Template, name: str) -> str:
@@ -148,19 +153,3 @@ def _module(name: str) -> str:
 
 def _class(name: str) -> str:
     return "".join(word.capitalize() for word in name.split("-"))
-
-
-def _is_source(path: Path) -> bool:
-    """Return whether a file of an example was written by hand: tests and builds leave others beside it."""
-    return not {"__pycache__", "dist", "results", ".pytest_cache"} & set(path.parts)
-
-
-def _text(file: Path) -> str:
-    return file.read_text(encoding="utf-8")
-
-
-def _examples() -> Path:
-    """Return the folder of the examples: part of an installed package, or beside it in a checkout."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "examples"
-    return installed if installed.is_dir() else package.parent / "examples"

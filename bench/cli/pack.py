@@ -11,7 +11,7 @@ from bench.cli.console import Output
 from bench.helpers.console import print_line
 
 
-def pack(
+def command(
     folder: Output,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Archive to write; default: FOLDER.zip.")
@@ -28,9 +28,9 @@ def pack(
     The zip file holds trials, frozen study, environments, hashes of data and code, the report, and a description for
     machines (RO-Crate 1.1) with the SHA-256 of every file. The same folder gives the same bytes.
     """
-    from bench.packing import pack as pack_folder
+    from bench.packing import pack
 
-    packed = pack_folder(folder, output, licence=licence, authors=author or ())
+    packed = pack(folder, output, licence=licence, authors=author or ())
     for note in packed.notes:
         print_line(f"note: {note}", "yellow")
     print_line(f"{packed.trials:,} trials in {packed.files:,} files: {packed.path}")

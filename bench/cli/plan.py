@@ -15,7 +15,7 @@ from bench.numbers import is_finite
 SHOWN = 20  # pairs that are printed; the report's table has all
 
 
-def plan(
+def command(
     output: Output,
     power: Annotated[float, typer.Option(help="The chance to separate a pair, which is to be reached.")] = 0.8,
 ) -> None:

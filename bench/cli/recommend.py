@@ -12,11 +12,12 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
+from bench.cli.console import ProblemParameters
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 
 
-def recommend(
+def command(
     problem: Annotated[
         str, typer.Argument(help="A problem's name, or file.py:Class.", autocompletion=completion.problems)
     ],
@@ -28,9 +29,7 @@ def recommend(
         ),
     ],
     budget: Annotated[str, typer.Option(help="Evaluations to spend: a number, or such as '100 * d'.")],
-    problem_option: Annotated[
-        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
-    ] = None,
+    problem_option: ProblemParameters = None,
     output: Annotated[
         Path | None, typer.Option(help="Write the study that tests the advice (TOML); default: print it.")
     ] = None,
@@ -43,32 +42,32 @@ def recommend(
     """
     from bench.helpers.atomic import replacing
     from bench.helpers.text import file_name
-    from bench.report.recommend import recommend as recommended
+    from bench.report.recommend import recommend
 
     if output is not None and output.suffix != ".toml":
         raise BenchError(f"the output {output} must end with .toml")
     name = "recommended" if output is None else file_name(output.stem)
-    found = recommended(problem, folders, budget, pairs(problem_option), name)
+    advice = recommend(problem, folders, budget, pairs(problem_option), name)
     console = Console()
-    if len(found.nearest):
+    if len(advice.nearest):
         near = Table("most similar problem", "distance", "best there", box=None, pad_edge=False)
-        for row in found.nearest.to_dict("records"):
+        for row in advice.nearest.to_dict("records"):
             near.add_row(Text(str(row["problem"])), f"{row['distance']:.2f}", Text(str(row["best"])))
         console.print(near, "")
-    where, reached = ("these", "targets after the sample") if len(found.nearest) else ("all", "targets")
+    where, reached = ("these", "targets after the sample") if len(advice.nearest) else ("all", "targets")
     heads = (f"best on {where}", reached, "points above the single best, without a sample")
     best = Table(*heads, box=None, pad_edge=False)
-    for row in found.best.to_dict("records"):
+    for row in advice.best.to_dict("records"):
         gain, low, high = (100 * float(row[name]) for name in ("gain", "low", "high"))
         interval = "" if isnan(low) else f" ({low:+.1f} to {high:+.1f})"
         best.add_row(Text(str(row["optimizer"])), f"{row['score']:.1%}", f"{gain:+.1f}{interval}")
     console.print(best, "")
-    for note in found.notes:
+    for note in advice.notes:
         print_line(note, console=console)
-    if found.study is None:
+    if advice.study is None:
         print_line("No study can test this, as the results were imported.", console=console)
         return
-    text = found.study.to_toml()
+    text = advice.study.to_toml()
     if output is None:
         print_line(f"\n{text}", console=console)
         return

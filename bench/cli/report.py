@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -13,7 +13,7 @@ from bench.cli.console import Against, Jobs, Open, Rope, Targets
 from bench.helpers.console import print_line
 
 
-def report(
+def command(
     folders: Annotated[
         list[Path],
         typer.Argument(
@@ -43,7 +43,8 @@ def report(
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
     beside, best = published(against)
-    report_on([*folders, *beside], Console(), output, jobs, targets, rope, best, reference, open_page=open_)
+    settings = {"output": output, "n_jobs": jobs, "targets": targets, "rope": rope, "reference": reference}
+    report_on([*folders, *beside], Console(), open_, beside_best=best, **settings)
 
 
 def published(names: list[str] | None) -> tuple[list[Path], bool]:
@@ -59,34 +60,17 @@ def published(names: list[str] | None) -> tuple[list[Path], bool]:
     return [imported(name) for name in names if name != NAME], NAME in names
 
 
-def report_on(
-    folders: list[Path],
-    console: Console,
-    output: Path | None = None,
-    jobs: int = -1,
-    targets: str | None = None,
-    rope: str | None = None,
-    beside_best: bool = False,
-    reference: str | None = None,
-    open_page: bool = False,
-) -> None:
-    """Write the report, and print its answer and its path; open the page on request."""
+def report_on(folders: list[Path], console: Console, open_page: bool = False, **settings: Any) -> None:
+    """Write the report with settings of :func:`bench.write_report`, and print its answer and its path; open the page
+    on request.
+    """
     from bench.execution.progress import steps
     from bench.report import write_report
     from bench.report.answer import read, shown
     from bench.storage.folder import STORE, Folder
 
     with steps(console, "report") as on_progress:
-        page = write_report(
-            *folders,
-            output=output,
-            n_jobs=jobs,
-            targets=targets,
-            rope=rope,
-            beside_best=beside_best,
-            reference=reference,
-            on_progress=on_progress,
-        )
+        page = write_report(*folders, on_progress=on_progress, **settings)
     for folder in folders:
         if (noted := Folder(folder).noted(STORE)) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)

@@ -12,7 +12,7 @@ from bench.errors import BenchError, nearest
 from bench.helpers.console import print_line
 
 
-def remove(
+def command(
     output: Output,
     optimizer: Annotated[
         list[str] | None,

@@ -41,7 +41,7 @@ _study, _machines, _protection, _afterwards = (
 )
 
 
-def run(
+def command(
     study: Annotated[
         str | None,
         typer.Argument(
@@ -116,10 +116,9 @@ def run(
     The same command continues where the last one ended: every finished trial is kept. An optimizer that raises, hangs
     or crashes loses only its own trials: they count as failed, and the next run tries them again.
     """
-    from bench.execution.pool import WorkerDiedError
     from bench.execution.progress import Display
-    from bench.execution.runner import plan as plan_study
-    from bench.execution.runner import run as run_study
+    from bench.execution.runner import plan, run
+    from bench.execution.supervisor import WorkerDiedError
     from bench.study import Study
 
     if study is None:
@@ -148,11 +147,11 @@ def run(
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
-        _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console, sandbox)
+        _show_estimate(plan(chosen, output, shard=shard, sandbox=sandbox), jobs, console, sandbox)
         return
     try:
         with Display(console) as display:
-            outcome = run_study(
+            outcome = run(
                 chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
                 scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, strict=strict, sandbox=sandbox,
                 on_plan=display.plan, on_trial=display.trial, on_look=display.look,
@@ -173,9 +172,9 @@ def run(
             print_error(f"no trial could be made again: {error}")
             unsound = True
     if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console, jobs=jobs, beside_best=best, open_page=open_)
+        report_on([outcome.folder], console, open_, n_jobs=jobs, beside_best=best)
         if beside:
-            report_on([outcome.folder, *beside], console, jobs=jobs, beside_best=best)
+            report_on([outcome.folder, *beside], console, n_jobs=jobs, beside_best=best)
     else:
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.undeclared:
@@ -197,8 +196,8 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, sandbox: str | None)
     counts = plan.counts()
     show_plan(plan, counts, console)
     for entry in plan.study.with_controls:
-        mine = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
-        print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
+        left = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
+        print_line(f"  {entry.label}: {sum(left)} to run", console=console)
     workers = cpu_count() if jobs == -1 else jobs
     seconds, source = plan.seconds(), "the stored trials"
     if seconds is None:

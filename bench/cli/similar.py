@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -16,7 +17,7 @@ from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 
 
-def similar(
+def command(
     optimizers: Annotated[
         list[str],
         typer.Argument(
@@ -60,19 +61,18 @@ def similar(
     require_seed("the seed", seed)
     if plot.suffix not in (".svg", ".pdf", ".png"):
         raise BenchError(f"the plot {plot} must end with .svg, .pdf or .png")
-    names = list(dict.fromkeys(each for pattern in optimizers for each in loading.matching(pattern)))
+    names = list(dict.fromkeys(match for pattern in optimizers for match in loading.matching(pattern)))
     if len(names) < 2:
         raise BenchError("similarity needs at least two optimizers; name another one")
     loaded = {name: loading.load_optimizer(name, **pairs(option)) for name in names}
     chosen = [name for pattern in problem or () for name in selection.matching(pattern)]
-    problems_by_name = {name: loading.load_problem(name) for name in chosen}
-    problems = {name: lambda each=each: recorder(each) for name, each in problems_by_name.items()} or common_problems()
+    problems = {name: partial(recorder, loading.load_problem(name)) for name in chosen} or common_problems()
     spent = checked(budget, "--budget")
     budgets = {label: evaluations(spent, make().dimension) for label, make in problems.items()}
     least = min(budgets.values())
     require_whole("the budget of evaluations", least, 50)
-    for name, each in loaded.items():
-        each.check_budget(least, name)
+    for name, loaded_optimizer in loaded.items():
+        loaded_optimizer.check_budget(least, name)
     console = Console()
     with steps(console, "similar") as on_progress:
         result = similarity(behaviours(loaded, problems, trials, budgets, seed, on_progress), seed=seed)
@@ -80,13 +80,13 @@ def similar(
     for head in ("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"):
         table.add_column(head, overflow="fold")
     for name in names:
-        mine = result.pairs[(result.pairs["first"] == name) | (result.pairs["second"] == name)]
-        near = mine.sort_values("distance", kind="stable").to_dict("records")[0]
-        other = near["second"] if near["first"] == name else near["first"]
+        involved = result.pairs[(result.pairs["first"] == name) | (result.pairs["second"] == name)]
+        near = involved.sort_values("distance", kind="stable").to_dict("records")[0]
+        neighbour = near["second"] if near["first"] == name else near["first"]
         own_distance = float(result.distances.to_numpy()[names.index(name), names.index(name)])
         cells = (
             f"{own_distance:.3f}",
-            other,
+            neighbour,
             f"{near['distance']:.3f}",
             p_text(near["p_holm"]).removeprefix("p ").removeprefix("= "),
         )

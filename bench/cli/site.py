@@ -13,7 +13,7 @@ from bench.helpers.console import print_error, print_line
 from bench.helpers.text import count
 
 
-def site(
+def command(
     archives: Annotated[list[Path], typer.Argument(metavar="ARCHIVE…", help="Archives that 'bench pack' wrote.")],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write.")],
     verify: Annotated[
@@ -39,10 +39,10 @@ def site(
     for sentence in board.refused:
         print_error(sentence)
     different = [
-        f"{archive.name}: {each.trial} {each.sentence}"
+        f"{archive.name}: {outcome.trial} {outcome.sentence}"
         for archive in board.archives
-        for each in archive.again
-        if each.different
+        for outcome in archive.again
+        if outcome.different
     ]
     for line in different:
         print_line(f"different: {line}", "red")

@@ -11,12 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Constraints, Parameters
+from bench.cli.console import Constraints, Parameters, ProblemParameters
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error
 
 
-def solve(
+def command(
     problem: Annotated[
         str,
         typer.Argument(
@@ -31,13 +31,11 @@ def solve(
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")
     ] = 0,
     option: Parameters = None,
-    problem_option: Annotated[
-        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
-    ] = None,
+    problem_option: ProblemParameters = None,
     constraints: Constraints = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    from bench.execution.solve import solve as solve_once
+    from bench.execution.solve import solve
     from bench.plugins import loading
     from bench.scoring.constraints import DEFAULT
     from bench.study.budget import checked, evaluations
@@ -47,7 +45,7 @@ def solve(
     spent = evaluations(checked(budget, "--budget"), loaded.dimension)
     chosen.check_budget(spent, optimizer)
     try:
-        result = solve_once(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT)
+        result = solve(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT)
     except BenchError:
         raise
     except Exception as error:  # a plug-in may raise anything

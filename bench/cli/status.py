@@ -23,7 +23,7 @@ SHOWN = 20  # lines of failures
 HASHES = 20  # of data and code; environment.json holds all
 
 
-def status(
+def command(
     output: Output,
     watch: Annotated[bool, typer.Option("--watch", help="Refresh every two seconds until the run ends.")] = False,
     check: Annotated[bool, typer.Option("--check", help="Compare every stored trial with its digest now.")] = False,
@@ -95,9 +95,9 @@ def summary(folder: Folder) -> Group:
     }
     table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
     for entry in study.with_controls:
-        mine = [cell for cell in cells if cell.optimizer == entry.label]
-        done, lost = sum(cell.done for cell in mine), sum(cell.failed for cell in mine)
-        seconds = sum(cell.wall_s for cell in mine)  # 0 of imported trials, whose times are unknown
+        its_cells = [cell for cell in cells if cell.optimizer == entry.label]
+        done, lost = sum(cell.done for cell in its_cells), sum(cell.failed for cell in its_cells)
+        seconds = sum(cell.wall_s for cell in its_cells)  # 0 of imported trials, whose times are unknown
         mean = f"{seconds / done:.3g}" if done and seconds else ""
         planned = sum(trials for (_, label), trials in most.items() if label == entry.label)
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
@@ -105,7 +105,7 @@ def summary(folder: Folder) -> Group:
     lines: list[RenderableType] = [*head, table]
     if study.looks:
         looks = ", ".join(map(str, study.looks))
-        at = ", ".join(f"{list(stopped.values()).count(each)} at {each}" for each in sorted({*stopped.values()}))
+        at = ", ".join(f"{list(stopped.values()).count(look)} at {look}" for look in sorted({*stopped.values()}))
         lines.append(Text(f"looks at {looks} trials; cells decided: {at or 'none'}, of {len(most)}"))
     if running := folder.running():
         left = sum(most.values()) - sum(cell.done for cell in cells)
@@ -126,8 +126,8 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
     if not count:
         return text
     elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()
-    rest = f", about {duration(elapsed / count * left)} for the {left} left" if left else ""
-    return f"{text}; {count} trials made, {count / max(elapsed, 1):.3g} a second{rest}"
+    remaining = f", about {duration(elapsed / count * left)} for the {left} left" if left else ""
+    return f"{text}; {count} trials made, {count / max(elapsed, 1):.3g} a second{remaining}"
 
 
 def _failures(folder: Folder) -> list[str]:
@@ -137,8 +137,8 @@ def _failures(folder: Folder) -> list[str]:
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
     lines = []
-    for (status, optimizer, reason), (first, *others) in reasons.items():
-        more = f" and {len(others)} more" if others else ""
+    for (status, optimizer, reason), (first, *further) in reasons.items():
+        more = f" and {len(further)} more" if further else ""
         lines.append(f"{status}: {optimizer} on {first['problem']}, trial {first['trial']}{more}: {reason}")
     hidden = len(lines) - SHOWN
     return [*lines[:SHOWN], *([f"… and {hidden} more reasons"] if hidden > 0 else [])]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bench.tuning.tune import Setting
 
 
-def tune(
+def command(
     optimizers: Annotated[list[str], typer.Argument(metavar="OPTIMIZER…", help="The optimizers, or patterns.")],
     train: Annotated[list[str], typer.Option(help="A problem to tune on, or a pattern; repeatable.")],
     test: Annotated[
@@ -76,13 +76,13 @@ def tune(
     if output.suffix != ".toml":
         raise BenchError(f"the output {output} must end with .toml")
     optuna = require("optuna", "optuna", "tuning needs")
-    names = list(dict.fromkeys(each for pattern in optimizers for each in loading.matching(pattern)))
+    names = list(dict.fromkeys(match for pattern in optimizers for match in loading.matching(pattern)))
     training, testing = studies.split(train, test or (), leave_out, seed)
     problems = studies.load(training)
     spent = checked(budget, "--budget")
     setting = Setting(objective, configurations, trials, spent, seed, tuple(training), pairs(set_), timeout)
     _refuse_others(output, setting)
-    least = min(evaluations(setting.budget, each.dimension) for each in problems.values())
+    least = min(evaluations(setting.budget, problem.dimension) for problem in problems.values())
     axes = spaces(names, setting.fixed, least, condition or ())
     studies.untuned(output.stem, testing, names, setting)
     console = Console()
@@ -102,10 +102,10 @@ def tune(
     written = studies.tuned(output.stem, testing, bests, setting, **about)
     with replacing(output) as temporary:
         temporary.write_text(written.to_toml(), encoding="utf-8")
-    for each in bests:
-        record = each.record
+    for best in bests:
+        record = best.record
         stopped = record.whole.count(False)
-        chosen = ", ".join(f"{key}={_shown(value)}" for key, value in each.options.items()) or "the defaults"
+        chosen = ", ".join(f"{key}={_shown(value)}" for key, value in best.options.items()) or "the defaults"
         print_line(
             f"{record.name}: {len(record.scores)} tried, {stopped} of them stopped early; {record.evaluations:,} "
             f"evaluations in {duration(record.seconds)} of runs; {words} {record.scores[0]:.4g} by default, "

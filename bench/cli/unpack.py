@@ -10,7 +10,7 @@ import typer
 from bench.helpers.console import print_line
 
 
-def unpack(
+def command(
     file: Annotated[Path, typer.Argument(help="The archive that 'bench pack' wrote.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write: a new one.")],
     limit: Annotated[float, typer.Option(metavar="GB", min=0, help="The most that all files may take.")] = 20.0,
@@ -19,7 +19,7 @@ def unpack(
 
     An archive that was changed, or from which anything is missing, is refused, and nothing of it is unpacked.
     """
-    from bench.packing import unpack as unpack_file
+    from bench.packing import unpack
 
-    folder = unpack_file(file, output, limit_gb=limit)
+    folder = unpack(file, output, limit_gb=limit)
     print_line(f"{folder.files:,} files in {folder.path}: {folder.sentence}")

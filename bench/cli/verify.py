@@ -13,7 +13,7 @@ from bench.cli.console import Output, Sandbox, Strict, checked_jobs
 from bench.helpers.console import print_error, print_line
 
 
-def verify(
+def command(
     output: Output,
     trials: Annotated[int, typer.Option(help="Trials of each cell to make again.")] = 2,
     jobs: Annotated[

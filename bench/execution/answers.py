@@ -41,18 +41,18 @@ class Box:
     integer: Flags
 
     @classmethod
-    def of(cls, given: Any) -> Box:
+    def of(cls, described: Any) -> Box:
         """Return the box that :func:`bench.execution.trial_process.load_problem` describes.
 
         Raises:
             RefusedError: for what describes none.
         """
         try:
-            lower, upper = (np.array(given[key], dtype=np.float64) for key in ("lower", "upper"))
-            variables, integer = tuple(given["variables"]), np.array(given["integer"], dtype=bool)
+            lower, upper = (np.array(described[key], dtype=np.float64) for key in ("lower", "upper"))
+            variables, integer = tuple(described["variables"]), np.array(described["integer"], dtype=bool)
         except (TypeError, ValueError, KeyError) as error:
             raise RefusedError("its problem's bounds cannot be read") from error
-        named = all(isinstance(each, str) for each in variables)
+        named = all(isinstance(name, str) for name in variables)
         if not named or lower.ndim != 1 or not lower.shape == upper.shape == integer.shape:
             raise RefusedError("its problem's bounds cannot be read")
         return cls(variables, lower, upper, integer)
@@ -123,9 +123,9 @@ def confirm(claimed: Result, box: Box, again: Any) -> dict[str, float]:
     Raises:
         RefusedError: where the value is another one, or there is none.
     """
-    found = metrics(again)
+    described = metrics(again)
     if not box.holds(claimed.x):  # nor has any point of the trial
-        return found
+        return described
     value, spread = again.get("fun"), again.get("spread")
     if type(value) is not float or type(spread) is not float:
         raise RefusedError("its best point has no value")
@@ -134,15 +134,15 @@ def confirm(claimed: Result, box: Box, again: Any) -> dict[str, float]:
     allowed = ROUNDING * abs(value) + _SPREADS * spread if isfinite(value) else 0.0
     if not (value == claimed.fun or abs(value - claimed.fun) <= allowed):
         raise RefusedError(f"its best value is {claimed.fun!r}, and its best point has {value!r}")
-    return found
+    return described
 
 
 def metrics(answer: Any) -> dict[str, float]:
     """Return the metrics of an answer of the problem's side; raises RefusedError for what are none."""
-    found = answer.get("metrics") if isinstance(answer, dict) else None
-    if not isinstance(found, dict) or not all(type(value) is float for value in found.values()):
+    described = answer.get("metrics") if isinstance(answer, dict) else None
+    if not isinstance(described, dict) or not all(type(value) is float for value in described.values()):
         raise RefusedError("the metrics of its best point are no numbers")
-    return found
+    return described
 
 
 def _check_trace(trace: Trace, fun: float, nfev: int) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from contextlib import AbstractContextManager, nullcontext
 
 from bench.errors import BenchError, nearest
+from bench.execution.dask import Cluster, cluster
 from bench.execution.local import Local
-from bench.execution.pool import Pool
 from bench.sandbox.pool import number
 
 BACKENDS = ("dask", "local")
 
 
-def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContextManager[Pool]:
+def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContextManager[Local | Cluster]:
     """Return a context that yields the pool of a backend: ``jobs`` on this machine, or all workers of a scheduler.
 
     Raises:
@@ -24,6 +24,4 @@ def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContext
         raise BenchError("the dask backend needs --scheduler tcp://HOST:PORT, and no other backend takes one")
     if scheduler is None:
         return nullcontext(Local(number(jobs)))
-    from bench.execution.dask import cluster  # needs an extra
-
     return cluster(scheduler)

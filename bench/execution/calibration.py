@@ -35,7 +35,7 @@ def calibrated_seconds(plan: Plan, jobs: int, sandbox: str | None = None) -> flo
     speeds: dict[str, list[float]] = {}
     for row in rows:
         speeds.setdefault(row["optimizer"], []).append(row["wall_s"] / row["nfev"])
-    means = {label: sum(each) / len(each) for label, each in speeds.items()}
+    means = {label: sum(measured) / len(measured) for label, measured in speeds.items()}
     usual = sum(means.values()) / len(means)
     evaluations = {label: study.evaluations(study.problem(label).dimension) for label in {p for p, _ in plan.counts()}}
     return sum(

@@ -20,8 +20,9 @@ from uuid import uuid4
 
 from bench.errors import BenchError, require
 from bench.execution.dask_worker import LOOK, end, work
-from bench.execution.pool import Answer, OnBegin, WorkerDiedError, ignore
-from bench.execution.supervisor import KilledError, Task
+from bench.execution.job import Task
+from bench.execution.local import Answer, OnBegin
+from bench.execution.supervisor import KilledError, WorkerDiedError
 from bench.storage import provenance
 from bench.trial import Trial
 
@@ -63,7 +64,7 @@ def cluster(scheduler: str) -> Iterator[Cluster]:
 
 
 class Cluster:
-    """The workers of a cluster (a :class:`bench.execution.pool.Pool`), which had ``jobs`` threads at the start."""
+    """The workers of a cluster, used as :class:`bench.execution.local.Local` is; they began with ``jobs`` threads."""
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
         self._client, self._scheduler, self.jobs = client, scheduler, jobs
@@ -72,9 +73,9 @@ class Cluster:
         self._next_look = 0.0
 
     def answers(
-        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin = ignore
+        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
     ) -> Iterator[Answer]:
-        """Yield answers; see :meth:`bench.execution.pool.Pool.answers`.
+        """Yield answers; see :meth:`bench.execution.local.Local.answers`.
 
         A lost worker costs only time: dask begins its batches again elsewhere. When dask gives a batch up, having lost
         several workers with it, all missing trials are submitted again.
@@ -114,10 +115,10 @@ class Cluster:
 
         async def fetch(future: Any, batch: list[Trial]) -> None:
             try:
-                (found,) = await client.gather([future], asynchronous=True)
+                (answer,) = await client.gather([future], asynchronous=True)
             except BaseException as error:
-                found = error
-            ended.put((future, batch, found))
+                answer = error
+            ended.put((future, batch, answer))
 
         try:
             while True:
@@ -130,11 +131,11 @@ class Cluster:
                     return
                 self._look()
                 with suppress(Empty):
-                    future, batch, found = ended.get(timeout=LOOK)
+                    future, batch, answer = ended.get(timeout=LOOK)
                     pending.remove(future)
-                    if isinstance(found, BaseException):
-                        raise found
-                    rows, machine, took = found
+                    if isinstance(answer, BaseException):
+                        raise answer
+                    rows, machine, took = answer
                     made, seconds = _KEPT * made + len(batch), _KEPT * seconds + took
                     for trial, row in rows:
                         yield trial, row, machine
@@ -181,20 +182,20 @@ def _connect(client: Callable[..., Any], scheduler: str) -> Any:
         # In a thread, since a server that accepts but never answers would block for ever.
         Thread(target=connect, daemon=True).start()
         try:
-            found = answer.get(timeout=CONNECT + LOOK)
+            connected = answer.get(timeout=CONNECT + LOOK)
         except Empty:
-            found = TimeoutError()
-    if isinstance(found, Exception):
+            connected = TimeoutError()
+    if isinstance(connected, Exception):
         raise BenchError(
-            f"no dask scheduler answers at {scheduler!r} ({type(found).__name__}); start one with 'dask scheduler' and "
-            "give the address that it prints, such as tcp://10.0.0.1:8786"
-        ) from found
-    return found
+            f"no dask scheduler answers at {scheduler!r} ({type(connected).__name__}); start one with 'dask scheduler' "
+            "and give the address that it prints, such as tcp://10.0.0.1:8786"
+        ) from connected
+    return connected
 
 
 def _refuse_other_versions(client: Any) -> None:
     """Raise BenchError where a worker runs another package than this process."""
-    own = provenance.package()
+    version = provenance.package()
 
     def report_version(dask_worker: Any) -> tuple[str, str]:  # sent as code: the worker may lack this module
         import socket
@@ -207,21 +208,21 @@ def _refuse_other_versions(client: Any) -> None:
             runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
         return f"{dask_worker.name} on {socket.gethostname()}", runs
 
-    found = client.run(report_version, on_error="ignore").items()
-    others = [(address, name, runs) for address, (name, runs) in found if runs != own]
-    if others:
-        address, name, runs = others[0]
-        more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""
+    versions = client.run(report_version, on_error="ignore").items()
+    different = [(address, name, runs) for address, (name, runs) in versions if runs != version]
+    if different:
+        address, name, runs = different[0]
+        more = f" ({len(different) - 1} others differ too)" if len(different) > 1 else ""
         raise BenchError(
-            f"the worker {address} ({name}) runs {runs}{more}, this process {own}; install the same version on all and "
-            "restart them"
+            f"the worker {address} ({name}) runs {runs}{more}, this process {version}; install the same version on all "
+            "and restart them"
         )
 
 
 @contextmanager
 def _logs_silenced() -> Iterator[None]:
     """Silence dask's own log: a run reports errors as sentences."""
-    names = [*_LOGGERS, *(each for each in logging.root.manager.loggerDict if each.startswith(_LOGGERS))]
+    names = [*_LOGGERS, *(name for name in logging.root.manager.loggerDict if name.startswith(_LOGGERS))]
     levels = {logger: logger.level for logger in map(logging.getLogger, names)}
     try:
         for logger in levels:

@@ -9,7 +9,8 @@ from threading import Lock, Thread
 from time import monotonic, sleep
 
 from bench.errors import BenchError
-from bench.execution.supervisor import Supervisor, Task, check
+from bench.execution.job import Task
+from bench.execution.supervisor import Supervisor, check
 from bench.storage import provenance
 from bench.trial import Row, Trial
 
@@ -38,11 +39,11 @@ def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Tria
         BenchError: when this worker has another version of the package than the parent.
         KilledError: when the parent no longer waits for the batch.
     """
-    own = provenance.package()
-    if own != task.package:
+    version = provenance.package()
+    if version != task.package:
         raise BenchError(
-            f"a worker on {provenance.host()} runs {own}, the run itself {task.package}; install the same version on "
-            "both"
+            f"a worker on {provenance.host()} runs {version}, the run itself {task.package}; install the same version "
+            "on both"
         )
     with _checking:
         if run not in _machines:
@@ -52,7 +53,7 @@ def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Tria
     is_wanted = _is_wanted()
     with _lock:
         _start_watch()
-        supervisor = next((each for each, its in _idle.items() if its == run), None) or Supervisor(task)
+        supervisor = next((idle for idle, its_run in _idle.items() if its_run == run), None) or Supervisor(task)
         _idle.pop(supervisor, None)
         _wanted[supervisor] = is_wanted
     made = [(trial, supervisor.make(trial)) for trial in trials]
@@ -93,7 +94,7 @@ def _watch() -> None:
     while True:
         sleep(LOOK)
         with _lock:
-            for supervisor in [each for each, is_wanted in _wanted.items() if not is_wanted()]:
+            for supervisor in [begun for begun, is_wanted in _wanted.items() if not is_wanted()]:
                 supervisor.kill()
                 _idle.pop(supervisor, None)
                 del _wanted[supervisor]

@@ -62,9 +62,9 @@ Descriptions = dict[str, Description]  # by label
 def noted(study: Study, note: Mapping[str, Any]) -> Descriptions:
     """Return the descriptions in the note of a folder; built-in optimizers that it lacks are read in this process."""
     labels = [entry.label for entry in study.with_controls]
-    known = read(note, labels)
-    lacking = any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label not in known)
-    return {label: Description() for label in labels} | (accepting(study, _here) if lacking else {}) | known
+    described = read(note, labels)
+    lacking = any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label not in described)
+    return {label: Description() for label in labels} | (accepting(study, _here) if lacking else {}) | described
 
 
 def accepting(study: Study, describe: Callable[[Study], Descriptions]) -> Descriptions:
@@ -84,8 +84,8 @@ def accepting(study: Study, describe: Callable[[Study], Descriptions]) -> Descri
         for number, (entry, name, value) in enumerate(asked)
     )
     answers = describe(replace(study, optimizers=tried, controls=(), looks=()))
-    for (entry, name, value), each in zip(asked, tried, strict=True):
-        if answers[each.label].conditions.get(name) == value:
+    for (entry, name, value), attempt in zip(asked, tried, strict=True):
+        if answers[attempt.label].conditions.get(name) == value:
             described[entry.label].accepts.setdefault(name, []).append(value)
     return described
 
@@ -93,8 +93,8 @@ def accepting(study: Study, describe: Callable[[Study], Descriptions]) -> Descri
 def _here(study: Study) -> Descriptions:
     """Return the descriptions of the optimizers that come with the harness, and empty ones of the others."""
     built_in = [entry.label for entry in study.with_controls if loading.is_built_in(entry.name)]
-    found = {entry.label: Description() for entry in study.with_controls}
-    return found | read(trial_process.descriptions_of(study, built_in), built_in)
+    empty = {entry.label: Description() for entry in study.with_controls}
+    return empty | read(trial_process.descriptions(study, built_in), built_in)
 
 
 def value_of(text: str) -> Any:
@@ -107,33 +107,32 @@ def value_of(text: str) -> Any:
 
 def read(answer: Any, labels: Iterable[str]) -> Descriptions:
     """Return the descriptions in an answer or a note, which may hold anything."""
-    given = answer if isinstance(answer, dict) else {}
+    described = answer if isinstance(answer, dict) else {}
     return {
         label: Description(
-            bibtex if isinstance(bibtex := each.get("bibtex"), str) else "",
-            _texts(each.get("values")),
-            _texts(each.get("defaults")),
-            _lists(each.get("accepts")),
+            bibtex if isinstance(bibtex := fields.get("bibtex"), str) else "",
+            _texts(fields.get("values")),
+            _texts(fields.get("defaults")),
+            _lists(fields.get("accepts")),
         )
         for label in labels
-        if isinstance(each := given.get(label), dict)
+        if isinstance(fields := described.get(label), dict)
     }
 
 
-def _texts(given: Any) -> Values | None:
-    if not isinstance(given, dict):
+def _texts(texts: Any) -> Values | None:
+    if not isinstance(texts, dict):
         return None
     return {
         printable(name, LONGEST): " ".join(printable(text, LONGEST).split())
-        for name, text in given.items()
+        for name, text in texts.items()
         if isinstance(name, str) and isinstance(text, str)
     }
 
 
-def _lists(given: Any) -> dict[str, list[str]]:
-    texts = given if isinstance(given, dict) else {}
+def _lists(lists: Any) -> dict[str, list[str]]:
     return {
-        name: [each for each in values if isinstance(each, str)]
-        for name, values in texts.items()
+        name: [text for text in values if isinstance(text, str)]
+        for name, values in (lists if isinstance(lists, dict) else {}).items()
         if isinstance(values, list)
     }

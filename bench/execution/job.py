@@ -19,6 +19,7 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from itertools import count
 from pathlib import Path
 from time import monotonic
@@ -27,10 +28,11 @@ from typing import Any
 from bench.execution import strict, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.helpers.text import printable
-from bench.plugins import from_file, loading
+from bench.plugins import from_file, loading, registry
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
+from bench.storage import provenance
 from bench.study import Study
 from bench.trial import Trial
 
@@ -44,44 +46,47 @@ BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least on
 _cores = count()
 
 
+@dataclass(frozen=True)
+class Task:
+    """What every trial of a run has in common."""
+
+    study: Study  # as frozen in its folder; processes load its plug-ins by name
+    timeout: float | None = None  # wall seconds that a trial may take
+    memory: int | None = None  # bytes that a trial's process may hold
+    hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
+    strict: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
+    sandbox: str | None = None  # in which all processes run
+    package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
+
+
 class Job:
     """A job's processes; one thread uses them, and any may :meth:`kill` them.
 
     All methods raise what :meth:`bench.sandbox.process.Process.call` raises.
-
-    Args:
-        study: the frozen study.
-        hash_seed: PYTHONHASHSEED of the processes, which orders sets of strings.
-        timeout: wall seconds that a trial may take.
-        memory: bytes that a process may hold.
-        strictly: whether optimizers run in processes that hold no problem.
-        sandbox: the name of a sandbox in which all processes run.
     """
 
-    def __init__(
-        self, study: Study, hash_seed: int, timeout: float | None, memory: int | None, *, strictly: bool = False,
-        sandbox: str | None = None,
-    ) -> None:  # fmt: skip
-        self._study, self._timeout, self._memory, self._strict = study, timeout, memory, strictly
-        self._loading: dict[str, Any] = {"seconds": LOADING, "memory": memory}
-        self._silence = None if timeout is None else max(timeout, SILENCE)
+    def __init__(self, task: Task) -> None:
+        self._task, study = task, task.study
+        self._limits: dict[str, Any] = {"seconds": task.timeout, "memory": task.memory}  # of a trial
+        self._loading = self._limits | {"seconds": LOADING}
+        silence = None if task.timeout is None else max(task.timeout, SILENCE)
+        self._warming = self._loading | {"silence": silence, "printed": PRINTED}
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.with_controls}
         self._core = next(_cores)  # of strict trials
-        self._root = self._alone = root(study, sandbox, hash_seed=hash_seed)
-        if sandbox and strictly:  # the optimizers' processes come from another one, where no problem can be read
-            self._alone = root(study, sandbox, hash_seed=hash_seed, apart=True)
+        self._root = self._alone = root(task)
+        if task.sandbox and task.strict:  # optimizers' processes come from another one, where no problem can be read
+            self._alone = root(task, apart=True)
         self._boxes: dict[str, Box | str] = {}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
         self._evaluators: dict[ForkServer, Process] = {}
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
         self._ready: OrderedDict[tuple[ForkServer, str], _Ready] = OrderedDict()  # by the problems and the optimizer
-        self._sandboxed = bool(sandbox)
 
     def kill(self) -> None:
         """End all processes; any thread may do so, and the call under way then finds its process ended."""
-        for each in (self._root, self._alone):
-            each.kill()
+        for server in (self._root, self._alone):
+            server.kill()
 
     def box(self, problem: str) -> Box | str:
         """Return a problem's variables and bounds, or the error of loading it."""
@@ -91,18 +96,15 @@ class Job:
     def prepare(self, trial: Trial) -> _Ready:
         """Load and warm up what a trial needs, by a short trial on this kind of problem, where that is not done yet."""
         problem, optimizer = trial.problem, trial.optimizer
-        problems = self._alone if self._strict else self._with_problem(problem)
+        problems = self._alone if self._task.strict else self._with_problem(problem)
         ready = self._ready.pop((problems, optimizer), None)
         if ready is None:
             ready = _Ready(self._with_optimizer(problems, optimizer).branch())
         if problem not in ready.problems:
             ready.problems.add(problem)
-            box = self._boxes[problem]
-            what: tuple[Any, ...] = (trial_process.warm_up, problem, optimizer)
-            if self._strict and isinstance(box, Box):
-                what = (trial_process.warm_up_strictly, optimizer, box.lower.tolist(), box.upper.tolist())
+            box = self._boxes[problem] if self._task.strict else None
             try:
-                if ready.server.call(*what, **self._loading, silence=self._silence, printed=PRINTED):
+                if ready.server.call(trial_process.warm_up, problem, optimizer, box, **self._warming):
                     ready.end_process()  # it must be as warm as others
             except FAILURES:  # the trials will fail with the reason
                 ready.end_process()
@@ -121,39 +123,39 @@ class Job:
             ready.process = ready.server.process()
             ready.left = WORTH * (monotonic() - began)
         began = monotonic()
-        limits: dict[str, Any] = {"seconds": self._timeout, "memory": self._memory, "printed": PRINTED}
-        answer = ready.process.call(trial_process.make, trial, **limits)
+        answer = ready.process.call(trial_process.make, trial, **self._limits, printed=PRINTED)
         took = monotonic() - began
         ready.left -= took
         sound = isinstance(answer, dict) and answer.get("altered") is False
-        if self._sandboxed or not sound or ready.left <= 0:
+        if self._task.sandbox or not sound or ready.left <= 0:
             ready.process.close()
         return answer, took
 
     def make_strictly(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
-        Return what the other process answers, with the processor seconds of the optimizer's, and the seconds it took.
+        Return what the other process answers, with the processor seconds of the optimizer's and the reason to stop that
+        it declared, and the seconds it took.
         """
         problems = self._with_problem(trial.problem)
         box = self._boxes[trial.problem]
-        assert isinstance(box, Box)
-        bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
         with problems.process() as server, ready.server.process() as process:
-            one, other = socket.socketpair()
-            with one, other:
-                server.start(trial_process.serve, trial, self._core, files=[one.fileno()])
-                process.start(trial_process.make_strictly, trial, self._core, *bounds, files=[other.fileno()])
+            server_end, optimizer_end = socket.socketpair()
+            with server_end, optimizer_end:
+                server.start(trial_process.serve, trial, self._core, files=[server_end.fileno()])
+                process.start(trial_process.make, trial, self._core, box, files=[optimizer_end.fileno()])
             began = monotonic()
-            limits: dict[str, Any] = {"seconds": self._timeout, "memory": self._memory}
-            answer = process.finish(**limits, printed=PRINTED, beside=[server])
+            answer = process.finish(**self._limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
             process.close()  # before the server is asked, as a thread may go on
-            if isinstance(answer, dict) and "error" in answer:
+            if not isinstance(answer, dict) or "error" in answer:
                 return answer, took
-            kept = server.finish(seconds=LOADING + took, memory=self._memory)
-            cpu = answer.get("cpu_s") if isinstance(answer, dict) else None
-            return (kept | {"cpu_s": cpu} if isinstance(kept, dict) else kept), took
+            kept = server.finish(seconds=LOADING + took, memory=self._task.memory)
+            if isinstance(kept, dict):
+                kept["cpu_s"] = answer.get("cpu_s")
+                if kept.get("stop") != "budget":
+                    kept["stop"] = answer.get("stop")
+            return kept, took
 
     def evaluate(self, problem: str, point: list[float], seconds: float, *, anew: bool = False) -> Any:
         """Return the value and the metrics of a point of a problem, from a process in which no optimizer runs.
@@ -171,14 +173,14 @@ class Job:
             if evaluator is not None:
                 evaluator.close()
             evaluator = self._evaluators[server] = server.process()
-        limit = LOADING + BATCHES * seconds
-        return evaluator.call(trial_process.evaluate, problem, point, anew, seconds=limit, memory=self._memory)
+        limits = self._limits | {"seconds": LOADING + BATCHES * seconds}
+        return evaluator.call(trial_process.evaluate, problem, point, anew, **limits)
 
     def _with_problem(self, problem: str) -> ForkServer:
         """Return what starts processes that have loaded a problem, and the others of its family where they can."""
         if problem not in self._problems:
-            for each in (self._root, self._alone):
-                each.ensure(trial_process.begin, self._study, **self._loading)
+            for trusted in (self._root, self._alone):
+                trusted.ensure(trial_process.begin, self._task.study, **self._loading)
             server = self._root.branch()
             self._load_problem(problem, server)
             for label, family in self._families.items():
@@ -188,8 +190,8 @@ class Job:
         return self._problems[problem]
 
     def _load_problem(self, label: str, server: ForkServer) -> None:
-        found = server.call(trial_process.load_problem, label, **self._loading)
-        self._boxes[label] = printable(found, 4000) if isinstance(found, str) else Box.of(found)
+        described = server.call(trial_process.load_problem, label, **self._loading)
+        self._boxes[label] = printable(described, 4000) if isinstance(described, str) else Box.of(described)
         self._problems[label] = server
 
     def _with_optimizer(self, problems: ForkServer, optimizer: str) -> ForkServer:
@@ -198,7 +200,7 @@ class Job:
         server = self._loaded.get((problems, package))
         if server is None:
             server = self._loaded[problems, package] = problems.branch(apart=True)
-        if self._strict:
+        if self._task.strict:
             server.ensure(strict.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
@@ -218,13 +220,23 @@ class _Ready:
             self.process.close()
 
 
-def root(study: Study, sandbox: str | None, *, hash_seed: int = 0, apart: bool = False) -> ForkServer:
-    """Return what starts processes for a study, in a sandbox where one is named; raises BenchError as that does.
+def root(task: Task, *, apart: bool = False) -> ForkServer:
+    """Return what starts processes for a task, in a sandbox where it names one; raises BenchError as that does.
 
     With ``apart``, its processes find no installed problem in the sandbox.
     """
-    hidden = strict.problem_files() if sandbox and apart else ()
-    return ForkServer(hash_seed, sandbox=bubblewrap.find(sandbox, shown=_files(study), hidden=hidden))
+    hidden = strict.problem_files() if task.sandbox and apart else ()
+    sandbox = bubblewrap.find(task.sandbox, shown=_files(task.study), hidden=hidden, kernels=_kernels())
+    return ForkServer(task.hash_seed, sandbox=sandbox)
+
+
+def _kernels() -> Iterator[Path]:
+    """Yield the files of numba's caches beside the code of this package and of the installed problems."""
+    modules = {entry.module.partition(".")[0] for entry in registry.entries("problems").values()}
+    for module in {"bench", *modules}:
+        spec = find_spec(module)
+        for folder in (spec and spec.submodule_search_locations) or ():
+            yield from Path(folder).rglob("__pycache__/*.nb[ci]")
 
 
 def _files(study: Study) -> Iterator[Path]:

@@ -9,24 +9,33 @@ from threading import Lock
 
 from joblib import Parallel, delayed
 
-from bench.execution.pool import Answer, OnBegin, ignore
-from bench.execution.supervisor import KilledError, Supervisor, Task
+from bench.execution.job import Task
+from bench.execution.supervisor import KilledError, Supervisor
 from bench.sandbox.signals import signals_delayed
 from bench.trial import Row, Trial
 
+OnBegin = Callable[[int, Trial], None]
+Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that made it
+
 
 class Local:
-    """A thread for each job, which supervises the processes that make its trials."""
+    """A thread for each of ``jobs``, which supervises the processes that make its trials."""
 
     def __init__(self, jobs: int) -> None:
         self.jobs = jobs
 
     def answers(
-        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin = ignore
+        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
     ) -> Iterator[Answer]:
-        """Yield answers; see :meth:`Pool.answers`.
+        """Yield each missing trial with its row and its machine's record as they finish, in any order.
 
         Trials are not handed out one by one: that would cost more than all else that this process does for one.
+
+        Args:
+            task: what all trials have in common.
+            machine: the record (JSON) of this machine.
+            missing: returns the trials that are not finished at the moment they are reached.
+            on_begin: called with the number of a job and the trial that it begins, where that is known.
         """
         supervisors = [Supervisor(task) for _ in range(self.jobs)]
         trials = iter(missing())
@@ -35,7 +44,8 @@ class Local:
 
         def begun(job: int) -> Trial | None:
             with turn:
-                if (trial := next(trials, None)) is not None:
+                trial = next(trials, None)
+                if trial is not None and on_begin is not None:
                     on_begin(job, trial)
                 return trial
 
@@ -49,7 +59,7 @@ class Local:
                 made.put(error)
             made.put(None)
 
-        threads = _side_by_side(delayed(supervise)(*each) for each in enumerate(supervisors))
+        threads = _side_by_side(delayed(supervise)(*job) for job in enumerate(supervisors))
         try:
             for _ in supervisors:
                 while (answer := made.get()) is not None:
@@ -57,8 +67,8 @@ class Local:
                         raise answer
                     yield *answer, machine
         finally:
-            for each in supervisors:
-                each.kill()
+            for supervisor in supervisors:
+                supervisor.kill()
             list(threads)
 
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from bench.execution.descriptions import Description, Values, value_of
-from bench.execution.supervisor import Task, check
+from bench.execution.job import Task
+from bench.execution.supervisor import check
 from bench.helpers.text import free
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study
@@ -41,9 +42,9 @@ def with_controls(study: Study, sandbox: str | None = None) -> Study:
     return replace(study, controls=(*study.controls, *missing(study, matched(study, descriptions))))
 
 
-def missing(study: Study, found: list[Matched]) -> list[Entry]:
+def missing(study: Study, conditions: list[Matched]) -> list[Entry]:
     """Return the controls that a study lacks."""
-    wanted = {entry.label: entry for each in found for entry in each.entries.values()}
+    wanted = {entry.label: entry for condition in conditions for entry in condition.entries.values()}
     present = {entry.label for entry in study.with_controls}
     return [entry for label, entry in wanted.items() if label not in present]
 
@@ -62,38 +63,38 @@ def matched(study: Study, descriptions: Mapping[str, Description]) -> list[Match
         descriptions: of its optimizers and controls (:class:`bench.execution.descriptions.Description`); those whose
             parameters are not known take no part.
     """
-    own = {label: each.conditions for label, each in descriptions.items() if each.values is not None}
-    compared = [entry for entry in study.optimizers if entry.label in own]
+    present = {label: about.conditions for label, about in descriptions.items() if about.values is not None}
+    compared = [entry for entry in study.optimizers if entry.label in present]
     wanted = [dict(pairs) for pairs in dict.fromkeys(tuple(descriptions[entry.label].shareable) for entry in compared)]
-    differing = [name for name in CONDITIONS if len({each.get(name) for each in wanted}) > 1]
+    differing = [name for name in CONDITIONS if len({values.get(name) for values in wanted}) > 1]
     if not differing:
         return []
     kinds = algorithms(study)
     firsts = [entry for entry in compared if kinds[entry.label] == entry.label]
-    known = {
-        (_algorithm(entry), *own[entry.label].items()): entry for entry in reversed(study.with_controls)
-        if entry.label in own
+    placed = {
+        (_algorithm(entry), *present[entry.label].items()): entry for entry in reversed(study.with_controls)
+        if entry.label in present
     }  # fmt: skip
-    found: dict[tuple[str, ...], Matched] = {}
+    unique: dict[tuple[str, ...], Matched] = {}
     for values in wanted:
         entries, apart = {}, {}
         for first in firsts:
-            before, accepts = own[first.label], descriptions[first.label].accepts
+            before, accepts = present[first.label], descriptions[first.label].accepts
             changes = {
                 name: value
                 for name, value in values.items()
                 if before.get(name) != value and value in accepts.get(name, ())
             }
             place = (_algorithm(first), *(before | changes).items())
-            if place not in known:
-                taken = {entry.label for entry in (*study.with_controls, *known.values())}
-                known[place] = _control(first, changes, taken)
-            entries[first.label] = known[place]
+            if place not in placed:
+                taken = {entry.label for entry in (*study.with_controls, *placed.values())}
+                placed[place] = _control(first, changes, taken)
+            entries[first.label] = placed[place]
             apart[first.label] = [n for n in differing if n in values and (before | changes).get(n) != values[n]]
         shown = {name: value for name, value in values.items() if name in differing}
         if shown:
-            found.setdefault(tuple(entry.label for entry in entries.values()), Matched(shown, entries, apart))
-    return list(found.values())
+            unique.setdefault(tuple(entry.label for entry in entries.values()), Matched(shown, entries, apart))
+    return list(unique.values())
 
 
 def _algorithm(entry: Entry) -> str:
@@ -103,6 +104,6 @@ def _algorithm(entry: Entry) -> str:
 
 def _control(first: Entry, changes: Values, taken: set[str]) -> Entry:
     """Return an optimizer under other conditions; the label names these."""
-    said = ", ".join(f"{value} agents" if name == "agents" else value for name, value in changes.items())
+    named = ", ".join(f"{value} agents" if name == "agents" else value for name, value in changes.items())
     options = first.options | {name: value_of(value) for name, value in changes.items()}
-    return Entry(first.name, free(f"{first.label} ({said})", taken), options)
+    return Entry(first.name, free(f"{first.label} ({named})", taken), options)

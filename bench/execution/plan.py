@@ -24,10 +24,10 @@ class Shard:
     @classmethod
     def parse(cls, text: str) -> Shard:
         """Return the shard of a text such as ``"3/20"``; raises BenchError for any other."""
-        found = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text.strip())
-        if not found or not 1 <= int(found[1]) <= int(found[2]):
+        numbers = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text.strip())
+        if not numbers or not 1 <= int(numbers[1]) <= int(numbers[2]):
             raise BenchError(f"a shard is its number (from 1) and the number of shards, as in 3/20, not {text!r}")
-        return cls(int(found[1]), int(found[2]))
+        return cls(int(numbers[1]), int(numbers[2]))
 
     def __str__(self) -> str:
         return f"{self.number}/{self.of}"
@@ -52,8 +52,8 @@ class Plan:
     def missing(self, before: int | None = None) -> Iterator[Trial]:
         """Yield the trials, those numbered below ``before``, that are not finished at the moment they are reached."""
         trials = self.trials()
-        own = trials if before is None else takewhile(lambda trial: trial.number < before, trials)
-        return (trial for trial in own if trial.key not in self.finished)
+        wanted = trials if before is None else takewhile(lambda trial: trial.number < before, trials)
+        return (trial for trial in wanted if trial.key not in self.finished)
 
     def most(self, problem: str, optimizer: str) -> int:
         """Return the number of trials that a cell is to have, as far as the looks so far decide."""

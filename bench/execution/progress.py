@@ -52,13 +52,13 @@ class Display:
         """Print the plan's size and notes, and start the bars at the trials that an earlier run made."""
         counts = plan.counts()
         show_plan(plan, counts, self._console)
-        total, present = (sum(each) for each in zip(*counts.values(), strict=True))
+        total, present = (sum(numbers) for numbers in zip(*counts.values(), strict=True))
         self._left = total - present
         self._started = monotonic()
         self._bars["all"] = self._progress.add_task("all", total=total, completed=present)
         for entry in plan.study.with_controls:
-            mine = [count for (_, label), count in counts.items() if label == entry.label]
-            total, present = (sum(each) for each in zip(*mine, strict=True)) if mine else (0, 0)
+            counted = [count for (_, label), count in counts.items() if label == entry.label]
+            total, present = (sum(numbers) for numbers in zip(*counted, strict=True)) if counted else (0, 0)
             self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
 
     def look(self, look: int, plan: Plan) -> None:
@@ -86,9 +86,9 @@ class Display:
         self._progress.advance(self._bars[f"of {trial.optimizer}"])
         if not self._live and (monotonic() - self._printed > 15 or self._made == self._left):
             self._printed = monotonic()
-            rest = (self._printed - self._started) / self._made * (self._left - self._made)
+            seconds = (self._printed - self._started) / self._made * (self._left - self._made)
             soon = self._made < min(20, self._left / 10)  # most of the time so far went into loading and compiling
-            left = f", about {duration(rest)} left" if self._made < self._left and not soon else ""
+            left = f", about {duration(seconds)} left" if self._made < self._left and not soon else ""
             print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
 
 
@@ -106,7 +106,7 @@ def in_notebook() -> bool:
 def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:
     """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
-    total, present = (sum(each) for each in zip(*counts.values(), strict=True))
+    total, present = (sum(numbers) for numbers in zip(*counts.values(), strict=True))
     controls = f" and {count(len(study.controls), 'control')}" if study.controls else ""
     size = f"{count(len(study.problems), 'problem')} x {count(len(study.optimizers), 'optimizer')}{controls} x "
     size += f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')}"
@@ -125,8 +125,8 @@ def _decided(now: Sequence[tuple[str, str]], plan: Plan, look: int = 0) -> str:
     more = f" and {len(now) - SHOWN} more" if len(now) > SHOWN else ""
     stopped = "" if look == plan.study.trials else " and stopped"
     cells, total = len(plan.study.problems) * len(plan.study.optimizers), len(plan.stopped)
-    found = f"decided{stopped} {named}{more}; " if now else ""
-    return f"{found}{total} of {cells} cells {'is' if total == 1 else 'are'} decided"
+    newly = f"decided{stopped} {named}{more}; " if now else ""
+    return f"{newly}{total} of {cells} cells {'is' if total == 1 else 'are'} decided"
 
 
 @contextmanager

@@ -13,10 +13,11 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.job import Task
+from bench.execution.local import Answer
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
-from bench.execution.pool import Answer
-from bench.execution.supervisor import Checked, Task, check
+from bench.execution.supervisor import Checked, check
 from bench.numbers import require_jobs, require_positive
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
@@ -193,7 +194,7 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Pla
 
     Its notes describe the store's damage, and what changed in the environment since the last run.
     """
-    notes = [each for each in (damage, study.tuning.doubt if study.tuning else "") if each]
+    notes = [note for note in (damage, study.tuning.doubt if study.tuning else "") if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "

@@ -3,12 +3,11 @@
 There, :func:`serve` holds the :class:`bench.objective.Objective` that counts. The optimizer's process has an objective
 of a :class:`RemoteProblem`, but no problem in its memory, and :func:`hide_problems` refuses to import one. Whatever the
 optimizer does there, each evaluation is counted and recorded. A message begins with what is asked or answered, one
-byte; numbers follow, or a text.
+byte; numbers follow, or a text. The first request starts the clock, and the end of the connection stops it.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
@@ -27,7 +26,7 @@ from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.typing import Floats
 
-_EVALUATE, _REPAIR, _BEGIN, _END = (bytes([number]) for number in range(4))
+_EVALUATE, _REPAIR = (bytes([number]) for number in range(2))
 _DONE, _EXHAUSTED, _RAISED = (bytes([number]) for number in range(3))
 _LONGEST = 1 << 26  # bytes of the points of a request
 
@@ -46,6 +45,7 @@ class RemoteProblem(Problem):
         self.lower, self.upper = np.array(lower, np.float64), np.array(upper, np.float64)
         self.name, self.integer = "the problem of a strict trial", np.array(integer, bool)
         self._end, self._lock = Connection(end), Lock()
+        self._ask(_EVALUATE, b"")  # no point, which starts the clock
 
     def evaluate(self, x: Floats) -> Floats:
         """Return what the objective that is served returns for the (n, d) points."""
@@ -55,13 +55,9 @@ class RemoteProblem(Problem):
         """Return the (n, d) feasible points nearest to ``x`` by the problem's rule."""
         return self._ask(_REPAIR, x.tobytes()).reshape(x.shape)
 
-    def begin(self) -> None:
-        """Start the clock."""
-        self._ask(_BEGIN, b"")
-
-    def end(self, reason: str | None) -> None:
-        """Stop the clock, after which no evaluation follows; pass on the reason to stop that was declared."""
-        self._ask(_END, json.dumps(reason).encode())
+    def close(self) -> None:
+        """Stop the clock, after which no evaluation follows."""
+        self._end.close()
 
     def _ask(self, request: bytes, content: bytes) -> Floats:
         """Return the numbers of the answer; raises BudgetExhausted where the budget is spent there."""
@@ -81,7 +77,7 @@ class RemoteProblem(Problem):
 
 
 def serve(objective: Objective, file: int) -> float:
-    """Answer a :class:`RemoteProblem` until it ends or its process does; return the seconds from begin to end.
+    """Answer a :class:`RemoteProblem` until it is closed or its process ends; return the seconds since it began.
 
     Args:
         objective: of the problem that it stands for; it counts and records all evaluations.
@@ -90,26 +86,17 @@ def serve(objective: Objective, file: int) -> float:
     Raises:
         Exception: what the problem raises, after the optimizer has been given it.
     """
-    began = ended = 0.0
+    began = 0.0
     raised = None
     with Connection(file) as end, suppress(EOFError, OSError):
-        while not ended:
+        while True:
             message = end.recv_bytes(1 + _LONGEST)
-            request, content = message[:1], message[1:]
-            if (request == _BEGIN) == bool(began):  # the clock begins once, and first
-                break
+            began = began or perf_counter()
             answer, kind = b"", _DONE
             try:
-                if request == _BEGIN:
-                    began = perf_counter()
-                elif request == _END:
-                    ended = perf_counter()
-                    if (reason := json.loads(content)) is not None:
-                        objective.stop(reason)
-                else:
-                    points = np.frombuffer(content).reshape(-1, objective.dimension)
-                    found = objective(points) if request == _EVALUATE else objective.repair(points.copy())
-                    answer = found.tobytes()
+                points = np.frombuffer(message, offset=1).reshape(-1, objective.dimension)
+                values = objective(points) if message[:1] == _EVALUATE else objective.repair(points.copy())
+                answer = values.tobytes()
             except BudgetExhausted:
                 kind = _EXHAUSTED
             except Exception as error:
@@ -118,7 +105,7 @@ def serve(objective: Objective, file: int) -> float:
             end.send_bytes(kind + answer)
     if raised is not None:
         raise raised
-    return (ended or perf_counter()) - began if began else 0.0
+    return perf_counter() - began if began else 0.0
 
 
 def hide_problems() -> None:
@@ -127,7 +114,7 @@ def hide_problems() -> None:
 
     def refuse(event: str, arguments: tuple[object, ...]) -> None:  # no code in Python can undo it
         name = str(arguments[0]) if event == "import" else ""
-        if any(name == each or name.startswith(f"{each}.") for each in hidden):
+        if any(name == module or name.startswith(f"{module}.") for module in hidden):
             raise ImportError(f"{name} is hidden from the optimizers of strict trials")
 
     sys.addaudithook(refuse)
@@ -141,16 +128,16 @@ def problem_files() -> Iterator[Path]:
         if spec is None or spec.origin is None:
             continue
         path = Path(spec.origin).parent.joinpath(*parts) if spec.submodule_search_locations else Path(spec.origin)
-        yield from (each for each in path.iterdir() if each.name != "__init__.py") if path.is_dir() else [path]
+        yield from (file for file in path.iterdir() if file.name != "__init__.py") if path.is_dir() else [path]
 
 
 def _problem_modules() -> set[str]:
     """Return the outermost packages that hold installed problems and no installed optimizer."""
     optimizers = [entry.module for entry in registry.entries("optimizers").values()]
-    found = set()
+    outermost = set()
     for entry in registry.entries("problems").values():
         parts = entry.module.split(".")
         names = [".".join(parts[: depth + 1]) for depth in range(len(parts))]
-        free = [name for name in names if not any(f"{each}.".startswith(f"{name}.") for each in optimizers)]
-        found.update(free[:1])
-    return found
+        free = [name for name in names if not any(f"{module}.".startswith(f"{name}.") for module in optimizers)]
+        outermost.update(free[:1])
+    return outermost

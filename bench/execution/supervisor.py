@@ -7,14 +7,14 @@ import signal
 import threading
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.descriptions import Description, Descriptions, accepting, read
-from bench.execution.job import LOADING, PRINTED, Job, root
+from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
 from bench.plugins import from_file
 from bench.sandbox.forks import ForkServer
@@ -41,19 +41,6 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 
 
 @dataclass(frozen=True)
-class Task:
-    """What every trial of a run has in common."""
-
-    study: Study  # as frozen in its folder; processes load its plug-ins by name
-    timeout: float | None = None  # wall seconds that a trial may take
-    memory: int | None = None  # bytes that a trial's process may hold
-    hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
-    strict: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
-    sandbox: str | None = None  # in which all processes run
-    package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
-
-
-@dataclass(frozen=True)
 class Checked:
     """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers."""
 
@@ -64,6 +51,10 @@ class Checked:
 
 class KilledError(RuntimeError):
     """The supervisor was ended by another thread."""
+
+
+class WorkerDiedError(RuntimeError):
+    """Workers were killed several times in a row, or their scheduler was lost; every finished trial is kept."""
 
 
 def check(task: Task) -> Checked:
@@ -78,7 +69,7 @@ def check(task: Task) -> Checked:
     doing = "loading the study's problems and optimizers"
     for left in reversed(range(CHECKS)):
         try:
-            with root(task.study, task.sandbox, hash_seed=task.hash_seed) as server:
+            with root(task) as server:
                 return _checked(server, task.study)
         except BenchError:
             raise
@@ -99,32 +90,32 @@ def _checked(first: ForkServer, study: Study) -> Checked:
     """Return what forks of a process find; raises what they raise, or whatever a strange answer leads to."""
 
     def ask(server: ForkServer, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
-        found = server.call(*call, seconds=LOADING)
-        if "error" in found:
-            raise BenchError(printable(str(found["error"]), 4000))
-        return {label: str(found["hashes"][label]) for label in labels if label in found["hashes"]}, found
+        answer = server.call(*call, seconds=LOADING)
+        if "error" in answer:
+            raise BenchError(printable(str(answer["error"]), 4000))
+        return {label: str(answer["hashes"][label]) for label in labels if label in answer["hashes"]}, answer
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     problems.call(trial_process.begin, study, seconds=LOADING)
-    data, found = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
+    data, answer = ask(problems, [entry.label for entry in study.problems], trial_process.check_problems)
     code: dict[str, str] = {}
-    machine, least = dict(found["machine"]), int(found["least"])
+    machine, least = dict(answer["machine"]), int(answer["least"])
     packages: dict[str, ForkServer] = {}
     for package, labels in study.packages().items():
         packages[package] = problems.branch()
-        hashes, found = ask(packages[package], labels, trial_process.check_optimizers, labels, least)
-        code, machine = code | hashes, provenance.united(machine, dict(found["machine"]))
+        hashes, answer = ask(packages[package], labels, trial_process.check_optimizers, labels, least)
+        code, machine = code | hashes, provenance.united(machine, dict(answer["machine"]))
 
     def describe(study: Study) -> Descriptions:
         described = {entry.label: Description() for entry in study.with_controls}
         for package, labels in study.packages().items():
             with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
-                packages[package].ensure(trial_process.begin, study, seconds=DESCRIBING)
-                answer = packages[package].call(trial_process.descriptions, labels, seconds=DESCRIBING)
+                answer = packages[package].call(trial_process.descriptions, study, labels, seconds=DESCRIBING)
                 described |= read(answer, labels)
         return described
 
-    named = {each.label: from_file.fingerprint(each.name) for each in study.with_controls if from_file.split(each.name)}
+    files = [entry for entry in study.with_controls if from_file.split(entry.name)]
+    named = {entry.label: from_file.fingerprint(entry.name) for entry in files}
     return Checked(Fingerprints(data, code | named), json.dumps(machine), accepting(study, describe))
 
 
@@ -202,10 +193,7 @@ class Supervisor:
             if self._killed:
                 raise KilledError
             if self._job is None:
-                task = self._task
-                self._job = Job(
-                    task.study, task.hash_seed, task.timeout, task.memory, strictly=task.strict, sandbox=task.sandbox
-                )
+                self._job = Job(self._task)
             return self._job
 
     def _made(self, trial: Trial, job: Job) -> Row:
@@ -220,20 +208,20 @@ class Supervisor:
         answer, seconds = make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        found = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
+        claimed = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
         if self._task.strict:  # another process has kept account
             metrics = answers.metrics(answer)
         else:
             self._doing = "while its best point was evaluated again"
-            metrics = self._confirmed(found, trial.problem, box, seconds, job)
-        return as_row(replace(found, metrics=metrics), box.variables)
+            metrics = self._confirmed(claimed, trial.problem, box, seconds, job)
+        return as_row(replace(claimed, metrics=metrics), box.variables)
 
-    def _confirmed(self, found: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
+    def _confirmed(self, claimed: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
         """Return the metrics of a claimed result whose best point has that value, by a new evaluator if need be."""
-        point = found.x.tolist()
+        point = claimed.x.tolist()
         with suppress(*FAILURES, RefusedError):
-            return answers.confirm(found, box, job.evaluate(problem, point, seconds))
-        return answers.confirm(found, box, job.evaluate(problem, point, seconds, anew=True))
+            return answers.confirm(claimed, box, job.evaluate(problem, point, seconds))
+        return answers.confirm(claimed, box, job.evaluate(problem, point, seconds, anew=True))
 
 
 def _why_it_ended(error: DiedError) -> str:

@@ -10,9 +10,9 @@ import contextlib
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
-from time import process_time
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,8 +22,9 @@ from threadpoolctl import threadpool_limits
 from bench import scoring
 from bench.errors import BenchError
 from bench.execution import strict
+from bench.execution.answers import Box
 from bench.helpers.text import option, printable
-from bench.objective import Objective, integer_flags, passes
+from bench.objective import integer_flags, passes
 from bench.optimizer import CONDITIONS, defaults, settings
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
@@ -32,7 +33,8 @@ from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
-from bench.trial import Result, Trial, measured, numbers, result, run, search
+from bench.trial import Result, Trial, measured, numbers, result, search
+from bench.typing import Floats
 
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
@@ -52,7 +54,7 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, least = study.data(_problem)
-        modules = provenance.modules([_problem(each.label).unscored for each in study.problems])
+        modules = provenance.modules([_problem(entry.label).unscored for entry in study.problems])
         return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -69,31 +71,26 @@ def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
         return {"error": printable(str(error), 4000)}
 
 
-def descriptions(labels: list[str]) -> dict[str, Any]:
-    """Return what :func:`descriptions_of` does for the study of this process."""
-    return descriptions_of(_study(), labels)
-
-
-def descriptions_of(study: Study, labels: list[str]) -> dict[str, Any]:
+def descriptions(study: Study, labels: list[str]) -> dict[str, Any]:
     """Return BibTeX, parameters and defaults of optimizers by label, without those that cannot be loaded.
 
     ``values`` and ``defaults`` are texts by name of the parameter. A class attribute of the name of a condition that
     reports compare (:data:`bench.optimizer.CONDITIONS`) counts as a parameter without a choice.
     """
-    found: dict[str, Any] = {}
+    described: dict[str, Any] = {}
     for label in labels:
         with contextlib.suppress(Exception):  # a plug-in may raise anything
             optimizer = study.optimizer(label)
-            own = settings(optimizer)
+            chosen = settings(optimizer)
             fixed = {
-                name: getattr(optimizer, name) for name in CONDITIONS if name not in own and hasattr(optimizer, name)
+                name: getattr(optimizer, name) for name in CONDITIONS if name not in chosen and hasattr(optimizer, name)
             }
-            found[label] = {
+            described[label] = {
                 "bibtex": optimizer.bibtex,
-                "values": {name: option(value) for name, value in (own | fixed).items()},
+                "values": {name: option(value) for name, value in (chosen | fixed).items()},
                 "defaults": {name: option(value) for name, value in (defaults(optimizer) | fixed).items()},
             }
-    return found
+    return described
 
 
 def load_problem(label: str) -> dict[str, Any] | str:
@@ -103,7 +100,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
     """
     try:
         problem = _problem(label)
-        found = {
+        described = {
             "variables": [str(name) for name in problem.variables],
             "lower": [float(value) for value in problem.lower],
             "upper": [float(value) for value in problem.upper],
@@ -118,7 +115,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
             problem.describe(problem.repair(problem.lower[np.newaxis])[0])
             problem.evaluate(problem.lower[np.newaxis])
     _settle()
-    return found
+    return described
 
 
 def load_optimizer(label: str) -> None:
@@ -128,55 +125,55 @@ def load_optimizer(label: str) -> None:
     _settle()
 
 
-def warm_up(problem: str, optimizer: str) -> bool:
+def warm_up(problem: str, optimizer: str, box: Box | None = None) -> bool:
     """Make and discard a short trial, once for each kind of problem, so that no trial waits for a compiler.
 
-    Return whether a trial was made.
+    Return whether a trial was made. In a process that holds no problem, a sphere in the ``box`` stands for it.
     """
-    return _warm_up(lambda: _problem(problem), optimizer)
+    with contextlib.suppress(BaseException):  # the trial itself will report the error
+        study = _study()
+        loaded = _problem(problem) if box is None else FunctionProblem(_sphere, box.lower, box.upper)
+        chosen = study.optimizer(optimizer)
+        kind = type(loaded.unscored), optimizer
+        if kind in _warm:
+            return False
+        _warm.add(kind)
+        budget = study.evaluations(loaded.dimension)
+        with _noting():
+            search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
+            passes(budget, loaded.dimension)  # the optimizer may have imported numba
+    _settle()
+    return True
 
 
-def make(trial: Trial) -> dict[str, Any]:
+def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> dict[str, Any]:
     """Make one trial; return what :func:`bench.execution.answers.result` reads, or the reason why it failed.
 
     ``altered`` states whether the trial has left anything behind in this process.
+
+    Args:
+        trial: the trial.
+        core: on which a strict trial runs.
+        box: that of the problem of a strict trial, None for other trials.
+        end: the file number of the socket at whose other end a strict trial's problem is (:func:`serve`).
     """
     effects = SideEffects()
-    with _answering(effects) as answer:
+    answer: dict[str, Any] = {}
+    try:
         study = _study()
-        problem, optimizer = _problem(trial.problem), study.optimizer(trial.optimizer)
-        with effects:
-            budget = study.evaluations(problem.dimension)
-            answer |= as_answer(search(problem, optimizer, budget, trial.seed, end_if_stuck))
-    return answer | {"altered": effects.any}
-
-
-def warm_up_strictly(optimizer: str, lower: list[float], upper: list[float]) -> bool:
-    """Do as :func:`warm_up`, on a sphere in this box, in a process that holds no problem."""
-    return _warm_up(lambda: FunctionProblem(lambda x: (x * x).sum(axis=1), lower, upper), optimizer)
-
-
-def make_strictly(
-    trial: Trial, core: int, lower: list[float], upper: list[float], integer: list[bool], end: int
-) -> dict[str, Any]:
-    """Run the optimizer of a trial on the problem at the other end of the socket (:func:`serve`).
-
-    Return its processor seconds, or the reason why the trial failed.
-    """
-    effects = SideEffects()
-    with _answering(effects) as answer:
-        _stay_on(core)
-        study, (start_stream, search_stream) = _study(), streams(trial.seed)
         optimizer = study.optimizer(trial.optimizer)
-        problem = strict.RemoteProblem(end, lower, upper, integer)
-        objective = Objective(problem, study.evaluations(problem.dimension), start_stream, end_if_stuck)
-        with effects:
-            problem.begin()
-            cpu = process_time()
-            run(optimizer, objective, search_stream)
-            answer["cpu_s"] = process_time() - cpu
-            problem.end(objective.stop_reason)
-    return answer
+        if box is None:
+            problem: AbstractContextManager[Problem] = nullcontext(_problem(trial.problem))
+        else:
+            _stay_on(core)
+            problem = closing(strict.RemoteProblem(end, box.lower, box.upper, box.integer))
+        with effects, problem as minimized:
+            budget = study.evaluations(minimized.dimension)
+            answer = as_answer(search(minimized, optimizer, budget, trial.seed, end_if_stuck))
+        reason = _why_void(effects)
+    except BaseException as error:  # a plug-in may raise anything; only its own trial fails
+        reason = _failure(error)
+    return ({"error": reason} if reason else answer) | {"altered": effects.any}
 
 
 def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
@@ -187,8 +184,8 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     _stay_on(core)
     problem = _problem(trial.problem)
     objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
-    found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
-    return as_answer(found) | {"metrics": numbers(found.metrics)}
+    kept = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
+    return as_answer(kept) | {"metrics": numbers(kept.metrics)}
 
 
 def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
@@ -213,35 +210,9 @@ def as_answer(result: Result) -> dict[str, Any]:
     }
 
 
-def _warm_up(load: Callable[[], Problem], optimizer: str) -> bool:
-    """Make and discard a short trial of an optimizer, once for each kind of problem; return whether it was made."""
-    with contextlib.suppress(BaseException):  # the trial itself will report the error
-        study = _study()
-        loaded, chosen = load(), study.optimizer(optimizer)
-        kind = type(loaded.unscored), optimizer
-        if kind in _warm:
-            return False
-        _warm.add(kind)
-        budget = study.evaluations(loaded.dimension)
-        with _noting():
-            search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
-            passes(budget, loaded.dimension)  # the optimizer may have imported numba
-    _settle()
-    return True
-
-
-@contextlib.contextmanager
-def _answering(effects: SideEffects) -> Iterator[dict[str, Any]]:
-    """Yield the answer of a trial to be filled in; what the trial raises or leaves behind becomes its error."""
-    answer: dict[str, Any] = {}
-    try:
-        yield answer
-        reason = _why_void(effects)
-    except BaseException as error:  # a plug-in may raise anything; only its own trial fails
-        reason = _failure(error)
-    if reason:
-        answer.clear()
-        answer["error"] = reason
+def _sphere(x: Floats) -> Floats:
+    values: Floats = (x * x).sum(axis=1)
+    return values
 
 
 def _text(array: np.ndarray[Any, Any]) -> str:

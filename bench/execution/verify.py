@@ -11,8 +11,8 @@ from joblib import cpu_count
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.job import Task
 from bench.execution.runner import prepare
-from bench.execution.supervisor import Task
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
 from bench.storage import provenance
@@ -43,10 +43,10 @@ class Verification:
         same = self.trials - len(self.different)
         workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
         same_bits = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
-        other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
+        elsewhere = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
         apart = ", the problem in another process than the optimizer" if self.strict else ""
         order = "one of each optimizer made both first and last"
-        return f"{same_bits} with {workers} and another PYTHONHASHSEED, {order}{apart}{other}"
+        return f"{same_bits} with {workers} and another PYTHONHASHSEED, {order}{apart}{elsewhere}"
 
     def lines(self) -> Iterator[str]:
         """Yield a line for every trial that differs."""
@@ -103,10 +103,10 @@ def verify(
         jobs = pool.jobs
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
-    found = Verification(cells, len(chosen), jobs, different, notes, strict, store)
-    outcome = {"strict": strict, "sentence": found.sentence, "different": [*found.lines()]}
-    folder.note(VERIFICATION, {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
-    return found
+    outcome = Verification(cells, len(chosen), jobs, different, notes, strict, store)
+    noted = {"strict": strict, "sentence": outcome.sentence, "different": [*outcome.lines()]}
+    folder.note(VERIFICATION, {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | noted)
+    return outcome
 
 
 def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[Trial]:

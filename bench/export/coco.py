@@ -110,8 +110,8 @@ def about(results: Results) -> str:
     for place in places.values():
         if place.own:
             numbers.setdefault(place.suite, set()).add(place.function)
-    suites = {suite: f"functions {', '.join(map(str, sorted(own)))}" for suite, own in numbers.items()}
-    others = {
+    suites = {suite: f"functions {', '.join(map(str, sorted(functions)))}" for suite, functions in numbers.items()}
+    stand_ins = {
         place.function: f"{label}: {optima[label].value!r}, {optima[label].source}"
         for label, place in places.items()
         if not place.own
@@ -119,7 +119,7 @@ def about(results: Results) -> str:
     parts: dict[str, Mapping[Any, str]] = {
         "suites": suites,
         "constrained": suites if CONSTRAINED in suites else {},
-        "others": others,
+        "others": stand_ins,
     }
     details = [
         readme(f"coco-{name}", functions=readme_lines(lines), constrained=CONSTRAINED)
@@ -143,17 +143,17 @@ def places_in_coco(results: Results) -> dict[str, Place]:
     Raises:
         BenchError: when more problems are of no suite of COCO than ``bbob-constrained`` has functions.
     """
-    own = {entry.label: own_place(results.facts(entry.label)) for entry in results.study.problems}
-    others = [label for label, place in own.items() if place is None]
+    places = {entry.label: own_place(results.facts(entry.label)) for entry in results.study.problems}
+    strange = [label for label, place in places.items() if place is None]
     functions = SUITES[CONSTRAINED]
-    if len(others) > len(functions):
-        reason = next((f" ({why})" for label in others if (why := results.facts(label).reason)), "")
+    if len(strange) > len(functions):
+        reason = next((f" ({why})" for label in strange if (why := results.facts(label).reason)), "")
         raise BenchError(
             f"the coco format holds at most {len(functions)} problems that are not known to be of COCO's own suites, "
-            f"and this study has {len(others)}{reason}; export fewer of them at a time, or choose ioh"
+            f"and this study has {len(strange)}{reason}; export fewer of them at a time, or choose ioh"
         )
-    stand_ins = dict(zip(others, functions, strict=False))
-    return {label: place or Place(CONSTRAINED, stand_ins[label], 1, own=False) for label, place in own.items()}
+    stand_ins = dict(zip(strange, functions, strict=False))
+    return {label: place or Place(CONSTRAINED, stand_ins[label], 1, own=False) for label, place in places.items()}
 
 
 def own_place(facts: ProblemFacts) -> Place | None:
@@ -184,15 +184,15 @@ def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
     lowest = {entry.label: np.inf for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
-    known_optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
+    known_optima = {label: optimum for label in lowest if (optimum := results.facts(label).optimum) is not None}
     places = places_in_coco(results)
     for label in lowest:
         if places[label].own:
             lowest[label] = known_optima[label]
-    found = analysis.reference_values(lowest, known_optima)
+    references = analysis.reference_values(lowest, known_optima)
     return {
         label: AssumedOptimum(value, SOURCES[known]) if np.isfinite(value) else AssumedOptimum(0.0, NOTHING_FOUND)
-        for label, (value, known) in found.items()
+        for label, (value, known) in references.items()
     }
 
 
@@ -203,18 +203,18 @@ def _function_files(
     place = places[cells[0].problem]
     index, logs = [], {}
     for dimension, group in groupby(cells, attrgetter("dimension")):
-        own = list(group)
+        group_cells = list(group)
         path = f"data_f{place.function}/bbobexp_f{place.function}_DIM{dimension}"
         logs[path] = [
             Run(places[cell.problem].instance, optima[cell.problem].value, trial)
-            for cell in own
+            for cell in group_cells
             for trial in cell.trials
         ]
         head = (
             f"suite = '{place.suite}', funcId = {place.function}, DIM = {dimension}, Precision = {PRECISION:.3e}, "
             f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{place.suite}', data_format = 'bbob-new2'"
         )
-        comment = own[0].problem if place.own else f"{STAND_IN}{own[0].problem}"
+        comment = group_cells[0].problem if place.own else f"{STAND_IN}{group_cells[0].problem}"
         index += [head, f"% {comment}", ", ".join([f"{path}.dat", *map(_indexed, logs[path])])]
     yield f"bbobexp_f{place.function}.info", "\n".join([*index, ""])
     for path, runs in logs.items():

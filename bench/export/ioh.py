@@ -99,21 +99,21 @@ def about(results: Results) -> str:
 def places_in_ioh(results: Results) -> dict[str, Place]:
     """Return the place of each problem, by label: in its suite where its label is its name there, else in the study."""
     numbers: dict[tuple[str, str], int] = {}
-    found = {}
+    places = {}
     for number, entry in enumerate(results.study.problems, start=1):
         facts = results.facts(entry.label)
         suite, function = str(facts.features.get("suite", "")), str(facts.features.get("function", ""))
         instance = facts.features.get("instance", 1)
         if not suite or not function or entry.label != entry.name or not 0 < int(instance) <= LARGEST:
-            found[entry.label] = Place(results.study.name, number, entry.label, 1, None)
+            places[entry.label] = Place(results.study.name, number, entry.label, 1, None)
             continue
         if named := re.fullmatch(r"f(\d+)", function):
-            own = int(named[1])
+            position = int(named[1])
         else:
-            own = numbers.setdefault((suite, function), sum(known == suite for known, _ in numbers) + 1)
-        name = BBOB[own - 1] if suite in SUITES else function
-        found[entry.label] = Place(SUITES.get(suite, suite), own, name, int(instance), facts.optimum or 0.0)
-    return found
+            position = numbers.setdefault((suite, function), sum(known == suite for known, _ in numbers) + 1)
+        name = BBOB[position - 1] if suite in SUITES else function
+        places[entry.label] = Place(SUITES.get(suite, suite), position, name, int(instance), facts.optimum or 0.0)
+    return places
 
 
 def _function_files(
@@ -149,15 +149,16 @@ def _function_files(
 def _run(place: Place, trial: ExportedTrial) -> dict[str, Any]:
     """Return the entry of a trial."""
     trace = _above(place, trial)
-    found = len(trace.values) > 0
+    reached = len(trace.values) > 0
     best = {
-        "evals": int(trace.evaluations[-1]) if found else trial.nfev,
-        "y": float(trace.values[-1]) if found else None,
+        "evals": int(trace.evaluations[-1]) if reached else trial.nfev,
+        "y": float(trace.values[-1]) if reached else None,
         "x": [value if math.isfinite(value) else None for value in trial.x.tolist()],
     }
-    own = {} if place.optimum is None else {F_OPT: place.optimum}
+    f_opt = {} if place.optimum is None else {F_OPT: place.optimum}
     return {
-        "instance": place.instance, "evals": trial.nfev, "best": best, "trial": trial.number, "seed": trial.seed, **own
+        "instance": place.instance, "evals": trial.nfev, "best": best, "trial": trial.number, "seed": trial.seed,
+        **f_opt,
     }  # fmt: skip
 
 

@@ -60,20 +60,20 @@ def exported_cells(results: Results) -> list[ExportedCell]:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
     cells, traces = [], results.traces
     by_problem = dict(iter(finished.groupby("problem", observed=True)))
-    names = {problem: variables(own) for problem, own in by_problem.items()}
+    names = {problem: variables(rows) for problem, rows in by_problem.items()}
     by_cell = {
-        (problem, optimizer): own
+        (problem, optimizer): rows
         for problem, here in by_problem.items()
-        for optimizer, own in here.groupby("optimizer", observed=True)
+        for optimizer, rows in here.groupby("optimizer", observed=True)
     }
     for optimizer in results.study.optimizers:
         for problem in results.study.problems:
-            own = by_cell.get((problem.label, optimizer.label))
-            if own is None:
+            rows = by_cell.get((problem.label, optimizer.label))
+            if rows is None:
                 continue
-            points = own[names[problem.label]].to_numpy(dtype=np.float64)
-            seeds = [None if pd.isna(seed) else int(seed) for seed in own["seed"]]
-            columns = own["trial"].tolist(), seeds, own["nfev"], points
+            points = rows[names[problem.label]].to_numpy(dtype=np.float64)
+            seeds = [None if pd.isna(seed) else int(seed) for seed in rows["seed"]]
+            columns = rows["trial"].tolist(), seeds, rows["nfev"], points
             trials = tuple(
                 ExportedTrial(trial, seed, int(nfev), x, traces[problem.label, optimizer.label, trial])
                 for trial, seed, nfev, x in zip(*columns, strict=True)

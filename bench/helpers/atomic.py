@@ -42,7 +42,7 @@ def names_in(folder: Path) -> set[str]:
         BenchError: where it cannot be read.
     """
     try:
-        return {each.name for each in folder.iterdir()}
+        return {entry.name for entry in folder.iterdir()}
     except FileNotFoundError:
         return set()
     except NotADirectoryError:

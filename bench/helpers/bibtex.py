@@ -79,12 +79,12 @@ class Work:
 
     def _field(self, name: str) -> str:
         """Return a field's value without its delimiters, "" where the entry has none."""
-        found = re.search(rf"(?:^|[\s,]){name}\s*=\s*([{{\"]?)", self.fields, re.IGNORECASE)
-        if not found:
+        match = re.search(rf"(?:^|[\s,]){name}\s*=\s*([{{\"]?)", self.fields, re.IGNORECASE)
+        if not match:
             return ""
-        if found[1] == "{":
-            return self.fields[found.end() : _closing(self.fields, found.end()) - 1]
-        return re.split(r'"' if found[1] else r"[,\s]", self.fields[found.end() :], maxsplit=1)[0]
+        if match[1] == "{":
+            return self.fields[match.end() : _closing(self.fields, match.end()) - 1]
+        return re.split(r'"' if match[1] else r"[,\s]", self.fields[match.end() :], maxsplit=1)[0]
 
 
 @cache
@@ -110,7 +110,7 @@ def parse(bibtex: str) -> list[Work]:
         body = bibtex[entry.end() : start - 1]
         if not (key := _KEY.match(body)):
             raise BenchError(f"a BibTeX entry needs a plain key and a comma after it: {entry[0]}{body[:40]!r}")
-        if unknown := next((each[0] for each in _COMMAND.finditer(body) if not _is_safe(each[1])), ""):
+        if unknown := next((command[0] for command in _COMMAND.finditer(body) if not _is_safe(command[1])), ""):
             raise BenchError(f"the BibTeX entry {key[1]!r} has {unknown[:40]!r}, TeX that no reference needs")
         works.append(Work(key[1], entry[1], body[key.end() :].strip()))
     if not works and bibtex.strip():
@@ -145,7 +145,7 @@ def _family_name(author: str) -> str:
 def _plain(tex: str) -> str:
     """Return the TeX of a field as plain text, with accented letters."""
     marks = {command[1:]: mark for mark, command in ACCENTS.items()}
-    text = _ACCENT.sub(lambda found: found[3] + marks[found[1] or found[2]], tex)
+    text = _ACCENT.sub(lambda accent: accent[3] + marks[accent[1] or accent[2]], tex)
     for letter, command in LETTERS.items():
         text = re.sub(re.escape(command[:-2]) + r"(?![A-Za-z])\s*", letter, text)
     text = re.sub(r"\\([&%$#_])", r"\1", text).replace("~", " ")

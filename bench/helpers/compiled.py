@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 
+@cache
 def compiled(function: Callable[..., Any], signature: Any) -> Callable[..., Any]:
     """Return a function compiled for a numba signature, or loaded from numba's cache on disk.
 

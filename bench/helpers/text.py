@@ -26,11 +26,11 @@ def slug(name: str) -> str:
 
 def free(name: str, taken: Container[str]) -> str:
     """Return the name, numbered from 2 on where it is taken."""
-    found, number = name, 1
-    while found in taken:
+    candidate, number = name, 1
+    while candidate in taken:
         number += 1
-        found = f"{name}-{number}"
-    return found
+        candidate = f"{name}-{number}"
+    return candidate
 
 
 def unique(names: Iterable[str]) -> list[str]:
@@ -69,11 +69,11 @@ def html_table(caption: str, rows: Iterable[Sequence[Any]], heads: Sequence[str]
     def cell(tag: str, text: Any, scope: str = "") -> str:
         return f'<{tag}{scope} style="text-align: left">{html.escape(str(text))}</{tag}>'
 
-    columns = "".join(cell("th", each, ' scope="col"') for each in heads)
+    columns = "".join(cell("th", head, ' scope="col"') for head in heads)
     head = f"<thead><tr>{columns}</tr></thead>" if heads else ""
     lines = []
-    for first, *others in rows:
-        cells = [cell("th", first, ' scope="row"'), *(cell("td", each) for each in others)]
+    for first, *cells in rows:
+        cells = [cell("th", first, ' scope="row"'), *(cell("td", text) for text in cells)]
         lines.append(f"<tr>{''.join(cells)}</tr>")
     title = f'<caption style="text-align: left; caption-side: top">{html.escape(caption)}</caption>'
     return f"<table>{title}{head}<tbody>{''.join(lines)}</tbody></table>"

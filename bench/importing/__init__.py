@@ -6,17 +6,15 @@ An imported folder is read, reported on, compared and exported like any other. I
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path, PurePosixPath
-from typing import NamedTuple
+from pathlib import Path
 
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.importing import coco, ioh, ioh_info, tables
-from bench.importing.runs import Reading, Run
-from bench.importing.source import Source, opened
+from bench.importing.runs import Reading
+from bench.importing.source import opened
 from bench.importing.write import numbered, study_of, write
 from bench.storage import provenance
 from bench.study.entries import LONGEST_LABEL
@@ -24,16 +22,8 @@ from bench.study.entries import LONGEST_LABEL
 __all__ = ["FORMATS", "Imported", "import_results"]
 
 
-class _Format(NamedTuple):
-    is_index: Callable[[Source, PurePosixPath], bool]
-    runs: Callable[[Source, Sequence[PurePosixPath], Reading], Iterator[Run]]
-
-
-FORMATS = {
-    name: _Format(module.is_index, module.runs)
-    for name, module in {"coco": coco, "ioh": ioh, "ioh-info": ioh_info, "csv": tables}.items()
-}
-"""The formats by name; a source is of one of them."""
+FORMATS = {"coco": coco, "ioh": ioh, "ioh-info": ioh_info, "csv": tables}
+"""The reader of each format by its name; a source is of one of them."""
 
 
 @dataclass(frozen=True)
@@ -75,26 +65,29 @@ def import_results(
             project's, or cannot be read, and where the output cannot be written.
     """
     started = provenance.now()
-    with opened(Path(source)) as found:
-        indices = {kind: [file for file in found.files if each.is_index(found, file)] for kind, each in FORMATS.items()}
-        kinds = [kind for kind, files in indices.items() if files]
-        if len(kinds) != 1:
+    with opened(Path(source)) as contents:
+        indices = {}
+        for kind, reader in FORMATS.items():
+            if files := [file for file in contents.files if reader.is_index(contents, file)]:
+                indices[kind] = files
+        if len(indices) != 1:
             raise BenchError(
-                f"{source} holds results of {' and of '.join(kinds)}; import one of them at a time"
-                if kinds
+                f"{source} holds results of {' and of '.join(indices)}; import one of them at a time"
+                if indices
                 else f"{source} holds no results in a known format: neither an index of COCO (.info), nor one of "
                 f"IOHprofiler (.json, .info), nor a table ({', '.join(tables.COLUMNS)})"
             )
+        ((kind, files),) = indices.items()
         reading = Reading(partial)
-        runs = numbered(FORMATS[kinds[0]].runs(found, indices[kinds[0]], reading))
+        runs = numbered(FORMATS[kind].runs(contents, files, reading))
         if not runs:
             raise BenchError("; ".join([f"{source} holds no run that can be read", *reading.left_out[:1]]))
-        called = printable(name or found.name, LONGEST_LABEL)
+        called = printable(name or contents.name, LONGEST_LABEL)
         study = study_of(called, runs)
         record = {
             "imported": called,
-            "format": kinds[0],
-            "sha256": found.sha256,
+            "format": kind,
+            "sha256": contents.sha256,
             "licence": licence,
             "left_out": reading.left_out,
             "importer": provenance.package(),
@@ -104,5 +97,5 @@ def import_results(
         }
     write(Path(output), study, runs, record)
     return Imported(
-        kinds[0], len(runs), len(study.problems), len(study.optimizers), tuple(reading.notes), tuple(reading.left_out)
+        kind, len(runs), len(study.problems), len(study.optimizers), tuple(reading.notes), tuple(reading.left_out)
     )

@@ -55,6 +55,11 @@ class DataSet(NamedTuple):
         """The algorithm, the first part of the file's name."""
         return PurePosixPath(_stem(self.path)).name.partition("_")[0]
 
+    @property
+    def names(self) -> tuple[str, str, str]:
+        """What stands for it after the suite: path, algorithm, or year and algorithm, as in ``2009/DIRECT``."""
+        return _stem(self.path), self.algorithm, f"{PurePosixPath(self.path).parent}/{self.algorithm}"
+
 
 def data_folder() -> Path:
     """Return the folder that keeps data sets: ``$BENCH_ARCHIVE``, or one among the user's data."""
@@ -91,19 +96,18 @@ def find(name: str, source: Path | None = None) -> DataSet:
     Raises:
         BenchError: where none has that name, or several have.
     """
-    suite, slash, rest = name.partition("/")
-    if not slash or not rest:
+    suite, _, within = name.partition("/")
+    if not within:
         raise BenchError(f"{name!r} is no name of a published data set, such as 'bbob/BIPOP-CMA-ES'")
-    known = data_sets(suite, source)
-    wanted = _stem(rest).lower()
-    for way in (lambda each: _stem(each.path), lambda each: each.algorithm, lambda each: _short(each)):
-        found = [each for each in known if way(each).lower() == wanted]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            shown = ", ".join(each.name for each in found[:_SHOWN])
-            raise BenchError(f"{name!r} stands for {len(found)} data sets; give one of {shown}")
-    raise BenchError(f"the archive has no {name!r}{nearest(name, {f'{suite}/{each.algorithm}' for each in known})}")
+    sets = data_sets(suite, source)
+    for form in range(3):
+        matches = [data for data in sets if data.names[form].lower() == _stem(within).lower()]
+        if len(matches) > 1:
+            shown = ", ".join(data.name for data in matches[:_SHOWN])
+            raise BenchError(f"{name!r} stands for {len(matches)} data sets; give one of {shown}")
+        if matches:
+            return matches[0]
+    raise BenchError(f"the archive has no {name!r}{nearest(name, {f'{suite}/{data.algorithm}' for data in sets})}")
 
 
 def fetch(name: str, source: Path | None = None) -> Path:
@@ -142,11 +146,6 @@ def imported(name: str, source: Path | None = None) -> Path:
 
 def _stem(path: str) -> str:
     return re.sub(r"\.(tgz|tar\.gz|tar|zip)$", "", path, flags=re.IGNORECASE)
-
-
-def _short(each: DataSet) -> str:
-    """Return the year and algorithm, as in ``2009/DIRECT``."""
-    return f"{PurePosixPath(each.path).parent}/{each.algorithm}"
 
 
 def _checked(path: object, sha256: object, kilobytes: object) -> tuple[str, str, float]:
@@ -188,8 +187,8 @@ def _download(path: str, kept: Path, sha256: str | None) -> None:
     downloader = pooch.HTTPDownloader(timeout=TIMEOUT, chunk_size=2**16)
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
-        known = None if sha256 is None else f"sha256:{sha256}"
-        pooch.retrieve(BASE_URL + quote(path), known, fname=kept.name, path=kept.parent, downloader=downloader)
+        checksum = None if sha256 is None else f"sha256:{sha256}"
+        pooch.retrieve(BASE_URL + quote(path), checksum, fname=kept.name, path=kept.parent, downloader=downloader)
     except ValueError as error:
         raise BenchError(f"{BASE_URL}{path} has another SHA-256 than the archive's list; try again later") from error
     except OSError as error:  # the errors of requests are OSErrors, too

@@ -73,7 +73,7 @@ _INSTALL = "pip install 'backlash-bench[coco]'"
 
 def _package() -> Path:
     """Return the folder of cocopp."""
-    found = find_spec("cocopp")
-    if found is None or found.origin is None:
+    spec = find_spec("cocopp")
+    if spec is None or spec.origin is None:
         raise BenchError(f"{NAME} is read from cocopp, which is not installed; install it with: {_INSTALL}")
-    return Path(found.origin).parent
+    return Path(spec.origin).parent

@@ -108,19 +108,19 @@ def _blocks(
     """Yield the named runs as both logs have them; there may be no .tdat file, else it must have as many runs."""
     if log not in source.files:
         raise BenchError(f"the log {log} is missing, which the index names")
-    found, timed = logged(source, log), log.with_suffix(".tdat")
-    others = logged(source, timed) if timed in source.files else [None] * len(found)
-    if len(others) != len(found):
-        raise BenchError(f"{log} has {len(found)} runs and {timed} has {len(others)}; one of them is cut short")
-    if len(found) < len(named):
-        data, entry = named[len(found)]
+    blocks, timed = logged(source, log), log.with_suffix(".tdat")
+    timed_blocks = logged(source, timed) if timed in source.files else [None] * len(blocks)
+    if len(timed_blocks) != len(blocks):
+        raise BenchError(f"{log} has {len(blocks)} runs and {timed} has {len(timed_blocks)}; one of them is cut short")
+    if len(blocks) < len(named):
+        data, entry = named[len(blocks)]
         raise BenchError(f"{log} ends before the run on instance {entry.instance} that {data.index} names")
-    if len(found) > len(named):
-        raise BenchError(f"{log}, line {found[len(named)].line}, begins a run that no index names")
-    for (data, entry), one, other in zip(named, found, others, strict=True):
-        if other is not None:
-            _require_rows(entry, one, other, log, last=one is found[-1])
-        yield data, entry, one, other
+    if len(blocks) > len(named):
+        raise BenchError(f"{log}, line {blocks[len(named)].line}, begins a run that no index names")
+    for (data, entry), one, timed_block in zip(named, blocks, timed_blocks, strict=True):
+        if timed_block is not None:
+            _require_rows(entry, one, timed_block, log, last=one is blocks[-1])
+        yield data, entry, one, timed_block
 
 
 def _require_rows(entry: Logged, one: Block, timed: Block, log: PurePosixPath, *, last: bool) -> None:
@@ -166,32 +166,25 @@ def logged(source: Source, file: PurePosixPath) -> list[Block]:
     blocks: list[Block] = []
     text = source.text(file)
     lines = text.splitlines()
-    header: str | None = None
+    header = ""
     begin = 0
-    counts: list[str] = []
-    values: list[str] = []
-    places: list[int] = []
-
-    def close() -> None:
-        if header is not None:
-            blocks.append(_block(header, begin, counts, values, places, file))
-
+    rows: list[tuple[int, str, str]] = []
     for number, line in enumerate(lines, start=1):
         if line.startswith("%"):
-            if header is not None and not counts:
+            if header and not rows:
                 header += line  # a header may have several lines
                 continue
-            close()
-            header, begin, counts, values, places = line, number, [], [], []
+            if header:
+                blocks.append(_block(header, begin, rows, file))
+            header, begin, rows = line, number, []
         elif line.strip():
             cells = line.split(None, 3)
-            if header is None or len(cells) < 3:
-                what = "is cut short" if header is not None else "comes before the header of a run"
+            if not header or len(cells) < 3:
+                what = "is cut short" if header else "comes before the header of a run"
                 raise BenchError(f"{file}, line {number}, {what}: {shown(line)}")
-            counts.append(cells[0])
-            values.append(cells[2])
-            places.append(number)
-    close()
+            rows.append((number, cells[0], cells[2]))
+    if header:
+        blocks.append(_block(header, begin, rows, file))
     if lines and not text.endswith(("\n", "\r")) and _is_cut(lines[-2:]):
         raise BenchError(f"{file} is cut short in line {len(lines)}: {shown(lines[-1])}")
     return blocks
@@ -203,15 +196,15 @@ def _is_cut(lines: list[str]) -> bool:
     return len(last) != len(before) or len(last[-1].lstrip("+-")) < len(before[-1].lstrip("+-"))
 
 
-def _block(
-    header: str, begin: int, counts: list[str], values: list[str], places: list[int], file: PurePosixPath
-) -> Block:
-    if not counts:
+def _block(header: str, begin: int, rows: list[tuple[int, str, str]], file: PurePosixPath) -> Block:
+    """Return the run of a header and its rows, each a line's number and its texts of evaluations and value."""
+    if not rows:
         raise BenchError(f"{file}, line {begin}, begins a run without an evaluation; the file may be cut short")
+    places, counts, values = zip(*rows, strict=True)
     try:
         evaluations, best = np.array(counts).astype(np.float64), np.array(values).astype(np.float64)
     except ValueError:
-        for number, *cells in zip(places, counts, values, strict=True):
+        for number, *cells in rows:
             if not all(map(_is_number, cells)):
                 raise BenchError(f"{file}, line {number}, has {shown(' … '.join(cells))}, no numbers") from None
         raise
@@ -238,13 +231,13 @@ def _is_number(text: str) -> bool:
 
 
 def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: Block, timed: Block | None) -> Run:
-    own = not data.comment.startswith(STAND_IN)
+    of_suite = not data.comment.startswith(STAND_IN)
     where = f"{log}, line {one.line},"
-    if own:
+    if of_suite:
         problem = naming.problem_name(data.suite, int(data.function), data.dimension, entry.instance)
     else:
         problem = label(data.comment.removeprefix(STAND_IN), where)
-    optimum = _optimum(problem, one.header, where, own=own)
+    optimum = _optimum(problem, one.header, where, of_suite=of_suite)
     block = one if timed is None else _joined(one, timed, optimum)
     last = int(block.evaluations[-1])
     _require_whole(entry, block, log)
@@ -253,17 +246,17 @@ def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: 
     return Run(problem, algorithm, data.dimension, max(last, entry.evaluations or 0), trace)
 
 
-def _optimum(problem: str, header: str, where: str, *, own: bool) -> float:
+def _optimum(problem: str, header: str, where: str, *, of_suite: bool) -> float:
     """Return f_opt: the family's, with all its digits, where the header's agrees with it."""
-    found = _FOPT.search(header)
-    if found is None or not _is_number(found[1]):
+    match = _FOPT.search(header)
+    if match is None or not _is_number(match[1]):
         raise BenchError(f"{where} is the header of a run without its f_opt: {shown(header)}")
-    optimum = naming.known(problem).optimum if own else None
+    optimum = naming.known(problem).optimum if of_suite else None
     if optimum is None:
-        return float(found[1])
-    if not naming.agrees(found[1], optimum):
+        return float(match[1])
+    if not naming.agrees(match[1], optimum):
         raise BenchError(
-            f"{where} has f_opt = {found[1]} for {problem}, whose optimum is {optimum!r} here; the data are of another "
+            f"{where} has f_opt = {match[1]} for {problem}, whose optimum is {optimum!r} here; the data are of another "
             "function or instance"
         )
     return optimum

@@ -85,11 +85,11 @@ def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[st
 
 def by_log(sets: Iterable[DataSet]) -> dict[PurePosixPath, list[tuple[DataSet, Logged]]]:
     """Return the runs of all data sets by log, in the order in which the indices name them."""
-    found: dict[PurePosixPath, list[tuple[DataSet, Logged]]] = {}
+    runs: dict[PurePosixPath, list[tuple[DataSet, Logged]]] = {}
     for data in sets:
         for log, run in data.runs:
-            found.setdefault(log, []).append((data, run))
-    return found
+            runs.setdefault(log, []).append((data, run))
+    return runs
 
 
 def algorithm_labels(sets: Iterable[DataSet]) -> dict[tuple[PurePosixPath, str], str]:
@@ -115,11 +115,11 @@ def _begun(text: str, file: PurePosixPath, line: int) -> DataSet:
 
 def _add_runs(text: str, where: str, data: DataSet, run: re.Pattern[str]) -> None:
     """Add the logs and runs of a line."""
-    for item in filter(None, (each.strip() for each in text.split(","))):
-        if found := run.fullmatch(item):
+    for item in filter(None, (part.strip() for part in text.split(","))):
+        if match := run.fullmatch(item):
             if not data.logs:
                 raise BenchError(f"{where} names a run before its log: {shown(item)}")
-            instance, evaluations, final = found.groups()
+            instance, evaluations, final = match.groups()
             try:
                 logged = Logged(
                     int(instance),

@@ -14,7 +14,6 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from functools import partial
-from itertools import compress
 from pathlib import PurePosixPath
 from typing import Any, NamedTuple
 
@@ -79,26 +78,21 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     """
     scenarios = list(reading.each(indices, partial(_scenarios, source)))
     unnamed = [
-        is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name"))
-        for each in scenarios
+        data
+        for data in scenarios
+        if is_guessed(data.head.get("suite"), data.head["function_id"], data.head.get("function_name"))
     ]
-    if any(unnamed):
-        suite = "bbob" if all(map(_is_bbob, compress(scenarios, unnamed))) else SBOX
+    if unnamed:
+        suite = "bbob" if all(map(_is_bbob, unnamed)) else SBOX
         reading.notes.append(GUESSED.format(suite))
-        scenarios = [
-            each._replace(head=each.head | {"suite": suite}) if guessed else each
-            for each, guessed in zip(scenarios, unnamed, strict=True)
-        ]
+        for data in unnamed:
+            data.head["suite"] = suite
     names = optimizer_labels(
-        (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in scenarios
+        (data.file.parent, data.algorithm, (data.head["function_id"], data.dimension)) for data in scenarios
     )
 
     def runs_of(data: _Data) -> Iterator[Run]:
-        blocks = logged(source, data.log, "evaluations", VALUE)
-        if len(blocks) != len(data.runs):
-            raise BenchError(
-                f"{data.log} has {len(blocks)} runs and {data.file} names {len(data.runs)}; one of them is cut short"
-            )
+        blocks = logged(source, data.log, "evaluations", VALUE, data.file, len(data.runs))
         for position, (run, block) in enumerate(zip(data.runs, blocks, strict=True), start=1):
             yield _run(data, names[data.file.parent, data.algorithm], run, block, f"{data.log}, run {position},")
 
@@ -114,10 +108,10 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
         if head["maximization"]:
             raise BenchError(f"{file} holds results of maximisation; only minimisation can be compared here")
         algorithm = label(head["algorithm"]["name"], str(file))
-        for each in head["scenarios"]:
-            log = inside(file.parent, each["path"], str(file))
-            numbers = int(head["function_id"]), int(each["dimension"])
-            runs = [{"instance": int(run["instance"]), "evals": int(run["evals"]), **run} for run in each["runs"]]
+        for scenario in head["scenarios"]:
+            log = inside(file.parent, scenario["path"], str(file))
+            numbers = int(head["function_id"]), int(scenario["dimension"])
+            runs = [{"instance": int(run["instance"]), "evals": int(run["evals"]), **run} for run in scenario["runs"]]
             yield _Data(file, head | {"function_id": numbers[0]}, algorithm, numbers[1], log, runs)
     except BenchError:
         raise
@@ -126,11 +120,14 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
         raise BenchError(f"{file} is no file of IOHprofiler: it {what}") from error
 
 
-def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[Block]:
+def logged(
+    source: Source, log: PurePosixPath, first: str, value: str, index: PurePosixPath, number: int
+) -> list[Block]:
     """Return evaluations and values of each run of a log; a line that begins with the column ``first`` begins a run.
 
     Raises:
-        BenchError: for a log that is missing, is cut short, or lacks the column ``value``.
+        BenchError: for a log that is missing, is cut short, lacks the column ``value``, or has another number of runs
+            than its index names.
     """
     if log not in source.files:
         raise BenchError(f"the log {log} is missing, which its index names")
@@ -142,7 +139,7 @@ def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[B
     columns: list[str] = []
     rows: list[tuple[int, float]] = []
     begin = 1
-    for number, line in enumerate([*lines, f'"{first}"'], start=1):
+    for place, line in enumerate([*lines, f'"{first}"'], start=1):
         cells = line.split()
         if not cells:
             continue
@@ -150,14 +147,16 @@ def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[B
             if columns:
                 blocks.append(_block(rows, log, begin))
             columns = [quoted or plain for quoted, plain in _COLUMN.findall(line)]
-            rows, begin = [], number + 1
-            if number <= len(lines) and value not in columns:
-                raise BenchError(f"{log}, line {number}, has no column {value!r}")
+            rows, begin = [], place + 1
+            if place <= len(lines) and value not in columns:
+                raise BenchError(f"{log}, line {place}, has no column {value!r}")
             continue
         try:
             rows.append((evaluation(cells[0]), float(cells[columns.index(value)])))
         except (ValueError, IndexError) as error:
-            raise BenchError(f"{log}, line {number}, is no row of evaluations and values: {shown(line)}") from error
+            raise BenchError(f"{log}, line {place}, is no row of evaluations and values: {shown(line)}") from error
+    if len(blocks) != number:
+        raise BenchError(f"{log} has {len(blocks)} runs and {index} names {number}; one of them is cut short")
     return blocks
 
 
@@ -171,21 +170,21 @@ def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Blo
 
 
 def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> Run:
-    own = "trial" in run and "seed" in run  # this package's export
+    exported = "trial" in run and "seed" in run  # this package's export
     name = str(data.head.get("function_name", ""))
-    if own and F_OPT not in run:  # of no suite
+    if exported and F_OPT not in run:  # of no suite
         problem, less = label(name, str(data.file)), 0.0
     else:
         function = data.head["function_id"]
         problem, less = problem_of(data.head.get("suite"), function, name, data.dimension, run["instance"], data.file)
-        less = float(run[F_OPT]) if own else less
+        less = float(run[F_OPT]) if exported else less
     trace = _exact(improvements(*block), run.get("best") or {}, where)
     trace = improvements(trace.evaluations, trace.values + less)
     last = int(block[0][-1]) if len(block[0]) else 0
     columns: dict[str, Any] = {"x": _point(run.get("best") or {}, problem)}
-    if own and is_whole(run["seed"]):
+    if exported and is_whole(run["seed"]):
         columns["seed"] = run["seed"]
-    number = run["trial"] if own and is_whole(run["trial"]) and run["trial"] >= 0 else None
+    number = run["trial"] if exported and is_whole(run["trial"]) and run["trial"] >= 0 else None
     return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
 
 
@@ -216,14 +215,14 @@ def problem_of(
     Raises:
         BenchError: where f_opt cannot be looked up.
     """
-    given = str(suite or "").strip()
-    shifted = {"bbob": "bbob", "sbox": SBOX, SBOX: SBOX}.get(given.lower())
+    named = str(suite or "").strip()
+    shifted = {"bbob": "bbob", "sbox": SBOX, SBOX: SBOX}.get(named.lower())
     if shifted is None and is_guessed(suite, function, name):
         shifted = "bbob"
     if shifted is None or isinstance(function, str):
-        return naming.problem_name(given or name, function, dimension, instance, name), 0.0
-    for known in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
-        optimum = naming.known(naming.problem_name("bbob", function, known, instance)).optimum
+        return naming.problem_name(named or name, function, dimension, instance, name), 0.0
+    for tried in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
+        optimum = naming.known(naming.problem_name("bbob", function, tried, instance)).optimum
         if optimum is not None:
             return naming.problem_name(shifted, function, dimension, instance), optimum
     raise BenchError(
@@ -237,12 +236,12 @@ def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:
     y: Any = best.get("y")
     if not is_finite(y):
         return trace
-    found = float(trace.values[-1]) if len(trace.values) else math.inf
+    last = float(trace.values[-1]) if len(trace.values) else math.inf
     near = DECIMALS * max(1.0, abs(float(y)))
-    if found > float(y) + near:
-        raise BenchError(f"{where} ends at {found!r} and its JSON file has {y!r}; the log is cut short")
-    if found < float(y) - near:
-        raise BenchError(f"{where} has {found!r}, which is below the best value of its JSON file, {y!r}")
+    if last > float(y) + near:
+        raise BenchError(f"{where} ends at {last!r} and its JSON file has {y!r}; the log is cut short")
+    if last < float(y) - near:
+        raise BenchError(f"{where} has {last!r}, which is below the best value of its JSON file, {y!r}")
     return improvements(trace.evaluations, np.append(trace.values[:-1], float(y)))
 
 

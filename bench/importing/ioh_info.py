@@ -51,17 +51,15 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
 
     def runs_of(log: PurePosixPath) -> Iterator[Run]:
         entries = [(data, entry) for data, entry in named[log] if entry.evaluations]  # without one, a run has no rows
-        file = next((each for each in map(log.with_suffix, SUFFIXES) if each in source.files), log)
-        blocks = logged(source, file, FIRST, VALUE)
-        if len(blocks) != len(entries):
-            index = named[log][0][0].index
-            raise BenchError(
-                f"{file} has {len(blocks)} runs and {index} names {len(entries)}; one of them is cut short"
-            )
-        shifted = logged(source, file, FIRST, SHIFTED) if SHIFTED in source.text(file).partition("\n")[0] else blocks
-        for position, ((data, entry), block, other) in enumerate(zip(entries, blocks, shifted, strict=True), start=1):
+        file = next((path for path in map(log.with_suffix, SUFFIXES) if path in source.files), log)
+        read = partial(logged, source, file, FIRST, index=named[log][0][0].index, number=len(entries))
+        blocks = read(VALUE)
+        shifted = read(SHIFTED) if SHIFTED in source.text(file).partition("\n")[0] else blocks
+        for position, ((data, entry), block, shifted_block) in enumerate(
+            zip(entries, blocks, shifted, strict=True), start=1
+        ):
             where = f"{file}, run {position},"
-            yield _run(data, names[data.index.parent, data.algorithm], entry, block, other, where)
+            yield _run(data, names[data.index.parent, data.algorithm], entry, block, shifted_block, where)
 
     yield from reading.each(named, runs_of)
 
@@ -100,7 +98,7 @@ def _run(data: DataSet, algorithm: str, entry: Logged, block: Block, shifted: Bl
 def _require_whole(final: float, last: float, best: list[float], where: str) -> None:
     """Refuse a run whose best value is not the final one of the index, which has at least five digits."""
     near = 1e-5 * abs(final) + 1e-9
-    if not any(abs(each - final) <= near or each == final for each in best):
+    if not any(abs(value - final) <= near or value == final for value in best):
         raise BenchError(
             f"{where} ends at {last!s} and its index has {final!r}; one of them is cut short or of another run"
         )

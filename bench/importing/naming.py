@@ -49,13 +49,9 @@ def _clean(text: str) -> str:
 @cache
 def _grid(suite: str) -> Grid | None:
     """Return the functions of a suite, None of an unknown one."""
-    if suite not in registry.entries("problems"):
-        return None
-    try:
-        grid = getattr(registry.load("problems", suite), "grid", None)
-    except BenchError:
-        return None
-    return grid if isinstance(grid, Grid) else None
+    with suppress(BenchError):
+        return registry.grid(suite) if suite in registry.entries("problems") else None
+    return None
 
 
 @cache

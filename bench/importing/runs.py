@@ -41,13 +41,13 @@ class Reading:
         """Yield what each part holds, whole or not at all; raises BenchError unless parts may be left out."""
         for part in parts:
             try:
-                found = list(read(part))
+                contents = list(read(part))
             except BenchError as error:
                 if not self.partial:
                     raise
                 self.left_out.append(str(error))
             else:
-                yield from found
+                yield from contents
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,6 @@ class Run:
 
 def improvements(evaluations: NDArray[np.int64], values: Floats) -> Trace:
     """Return the improvements among the values of a run, in order of evaluations; infinite values are none."""
-    if not len(values):
-        return Trace(evaluations, values)
     best = np.minimum.accumulate(values)
     new = best < np.append(np.inf, best[:-1])
     return Trace(evaluations[new], best[new])
@@ -158,18 +156,18 @@ def inside(folder: PurePosixPath, name: object, where: str) -> PurePosixPath:
 
 def evaluation(text: str) -> int:
     """Return the number of an evaluation in a file; raises ValueError for a text that is none, or is too large."""
-    found = int(text)
-    if found > LARGEST_BUDGET:
-        raise ValueError(f"{found} is too large")
-    return found
+    number = int(text)
+    if number > LARGEST_BUDGET:
+        raise ValueError(f"{number} is too large")
+    return number
 
 
 def label(text: object, where: str) -> str:
     """Return the name of a problem or an optimizer as a label; raises BenchError for one that cannot be."""
-    found = str(text).strip()
-    if not found or not found.isprintable() or len(found) > LONGEST_LABEL:
-        raise BenchError(f"{where} has a name that is empty, too long or not printable: {shown(found)}")
-    return found
+    name = str(text).strip()
+    if not name or not name.isprintable() or len(name) > LONGEST_LABEL:
+        raise BenchError(f"{where} has a name that is empty, too long or not printable: {shown(name)}")
+    return name
 
 
 def shown(text: object) -> str:

@@ -91,8 +91,8 @@ def _folder(name: str, root: Path, sha256: str) -> Source:
     files.sort(key=_natural)
     if not sha256:
         digest = hashlib.sha256()
-        for each in files:
-            digest.update(f"{each}\0{sha256_of(root / each)}\n".encode())
+        for path in files:
+            digest.update(f"{path}\0{sha256_of(root / path)}\n".encode())
         sha256 = digest.hexdigest()
     return Source(name, root, tuple(files), sha256)
 

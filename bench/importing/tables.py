@@ -58,17 +58,16 @@ def _runs_of(source: Source, file: PurePosixPath) -> Iterator[Run]:
 
 def _plain(source: Source, file: PurePosixPath) -> Iterator[Run]:
     table = _table(source, file)
-    for key, own in table.groupby(KEYS, sort=False):
+    for key, rows in table.groupby(KEYS, sort=False):
         problem, optimizer, number = cast("tuple[str, str, int]", key)
-        evaluations = own["evaluations"].to_numpy(dtype=np.int64)
-        trace = _trace(own, file)
-        yield Run(problem, optimizer, naming.dimension_of(problem), int(evaluations[-1]), trace, int(number))
+        nfev = int(rows["evaluations"].iloc[-1])
+        yield Run(problem, optimizer, naming.dimension_of(problem), nfev, _trace(rows, file), int(number))
 
 
-def _trace(own: pd.DataFrame, file: PurePosixPath) -> Trace:
-    evaluations = own["evaluations"].to_numpy(dtype=np.int64)
-    require_increasing(evaluations, own["line"], str(file))
-    return improvements(evaluations, own["value"].to_numpy(dtype=np.float64))
+def _trace(rows: pd.DataFrame, file: PurePosixPath) -> Trace:
+    evaluations = rows["evaluations"].to_numpy(dtype=np.int64)
+    require_increasing(evaluations, rows["line"], str(file))
+    return improvements(evaluations, rows["value"].to_numpy(dtype=np.float64))
 
 
 def _read(source: Source, file: PurePosixPath) -> pd.DataFrame:
@@ -92,8 +91,8 @@ def _table(source: Source, file: PurePosixPath) -> pd.DataFrame:
         if wrong.any():
             raise BenchError(f"{file}, line {table.loc[wrong, 'line'].iloc[0]}, has {what}")
     for name in ("problem", "optimizer"):
-        known = {text: label(text, f"{file}, column {name},") for text in table[name].unique()}
-        table[name] = table[name].map(known)
+        labels = {text: label(text, f"{file}, column {name},") for text in table[name].unique()}
+        table[name] = table[name].map(labels)
     return table
 
 
@@ -111,37 +110,39 @@ def _counts(table: pd.DataFrame, name: str, file: PurePosixPath, *, all_given: b
 def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[float]:
     try:
         texts: list[str] = table[name].tolist()
-        return pd.Series([float(each) if each.strip() else np.nan for each in texts], index=table.index)
+        return pd.Series([float(text) if text.strip() else np.nan for text in texts], index=table.index)
     except ValueError as error:
         raise BenchError(f"{file} has a {name} that is no number: {error}") from error
 
 
 def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Iterator[Run]:
     """Yield the trials of this package's own export, with those that failed."""
-    traces = {key: _trace(own, file) for key, own in _table(source, file).groupby(KEYS, sort=False)}
+    traces = {key: _trace(rows, file) for key, rows in _table(source, file).groupby(KEYS, sort=False)}
     table = _read(source, trials)
     if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
     table["trial"] = _counts(table, "trial", trials, all_given=True)
     counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
-    own = {*FRAME_COLUMNS, PRECISION, "line"}
+    reserved = {*FRAME_COLUMNS, PRECISION, "line"}
     measured: dict[str, list[float]] = {
         name: _numbers(table, name, trials).tolist()
         for name in map(str, table)
-        if name not in own or name in (*_TIMES, "fun")
+        if name not in reserved or name in (*_TIMES, "fun")
     }
     for place, row in enumerate(table.to_dict("records")):
         key = row["problem"], row["optimizer"], row["trial"]
-        numbers = {name: each[place] for name, each in measured.items()}
+        numbers = {name: column[place] for name, column in measured.items()}
         columns: dict[str, Any] = {"status": row["status"], "fun": _known(numbers["fun"])}
         columns |= {name: counts[name][place] for name in _COUNTS if name in counts}
         columns |= {name: _known(numbers.get(name, np.nan)) for name in _TIMES}
         columns |= {name: row.get(name) or None for name in _TEXTS}
         if row["status"] == "ok":
-            columns["x"] = {n[2:]: each for n, each in numbers.items() if n.startswith("x_") and not np.isnan(each)}
-            rest = set(measured) - {*_TIMES, "fun"}
+            columns["x"] = {
+                n[2:]: number for n, number in numbers.items() if n.startswith("x_") and not np.isnan(number)
+            }
+            metrics = set(measured) - {*_TIMES, "fun"}
             columns["metrics"] = {
-                n: each for n, each in numbers.items() if n in rest and n[:2] != "x_" and not np.isnan(each)
+                n: number for n, number in numbers.items() if n in metrics and n[:2] != "x_" and not np.isnan(number)
             }
         optimizer = label(row["optimizer"], str(trials))
         problem = label(row["problem"], str(trials))

@@ -41,8 +41,8 @@ def study_of(name: str, runs: Iterable[Run]) -> Study:
     clean = re.sub(r"[^A-Za-z0-9._-]+", "-", re.sub(r"\.(tgz|tar(\.\w+)?|zip|csv)$", "", name)).strip("._-")[:100]
     return Study(
         clean or "imported",
-        tuple(Entry(each if naming.is_offered(each) else f"{IMPORTED}:{each}", each) for each in problems),
-        tuple(Entry(f"{IMPORTED}:{each}", each) for each in optimizers),
+        tuple(Entry(label if naming.is_offered(label) else f"{IMPORTED}:{label}", label) for label in problems),
+        tuple(Entry(f"{IMPORTED}:{label}", label) for label in optimizers),
         trials=trials,
         budget=budget,
         title=f"Imported from {name}" if name.isprintable() else "Imported results",
@@ -55,7 +55,7 @@ def numbered(runs: Iterable[Run]) -> list[Run]:
     Raises:
         BenchError: for a number that is given twice.
     """
-    found: list[Run] = []
+    results: list[Run] = []
     counts: Counter[tuple[str, str]] = Counter()
     seen: set[tuple[str, str, int]] = set()
     for run in runs:
@@ -64,8 +64,8 @@ def numbered(runs: Iterable[Run]) -> list[Run]:
         if (key := (run.problem, run.optimizer, number)) in seen:
             raise BenchError(f"trial {number} of {run.optimizer} on {run.problem} occurs twice")
         seen.add(key)
-        found.append(replace(run, number=number))
-    return found
+        results.append(replace(run, number=number))
+    return results
 
 
 def write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any]) -> None:
@@ -76,12 +76,8 @@ def write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise BenchError(f"{folder} is there already and not empty; give another -o")
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BenchError(f"{folder} cannot be written: {error.strerror or error}") from error
     with replacing(folder) as temporary:
-        temporary.mkdir()
+        temporary.mkdir(parents=True)
         target = Folder(temporary)
         target.claim(study)
         with target.store.writer() as writer:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
@@ -25,20 +24,15 @@ UNSTATED = "No licence is stated; ask the authors before you use or share these 
 
 Entity = dict[str, Any]
 
+DESCRIPTOR: Entity = {
+    "@id": CRATE,
+    "@type": "CreativeWork",
+    "conformsTo": {"@id": PROFILE},
+    "about": {"@id": "./"},
+    "description": "Describes the files of this archive, and what made them.",
+}
+
 _ORCID = re.compile(r"(.*?)[\s(<]*(?:https://orcid\.org/)?(\d{4}-\d{4}-\d{4}-\d{3}[\dX])[)>]*")
-
-
-@dataclass(frozen=True)
-class Credits:
-    """Who made the results and how they may be used, as far as it is stated.
-
-    Attributes:
-        licence: as :func:`stated` returns it.
-        authors: names, each with an ORCID behind it where there is one.
-    """
-
-    licence: str = ""
-    authors: tuple[str, ...] = field(default=())
 
 
 def describe(
@@ -48,7 +42,8 @@ def describe(
     *,
     trials: int,
     fallback_date: str,
-    credits: Credits,
+    licence: str = "",
+    authors: Sequence[str] = (),
 ) -> Entity:
     """Return the description of an archive, to be written as JSON.
 
@@ -58,17 +53,18 @@ def describe(
         environments: the records of the runs that made the trials, oldest first.
         trials: the number of stored trials.
         fallback_date: the date, ISO 8601, where no record has one.
-        credits: authors and licence.
+        licence: how the results may be used, as :func:`stated` returns it.
+        authors: names of those who made them, each with an ORCID behind it where there is one.
 
     Raises:
         BenchError: where an author has no name.
     """
-    authors = [_person(each) for each in credits.authors]
-    licence, about_licence = _licence(credits.licence)
+    people = [_person(author) for author in authors]
+    terms, about_terms = _licence(licence)
     dates = _dates(environments) or [fallback_date]
-    found = list(_software(environments))
-    software = [entity for entity, _ in found]
-    actions = [_action(number, each, software, authors) for number, each in enumerate(environments, start=1)]
+    described = list(_software(environments))
+    software = [entity for entity, _ in described]
+    actions = [_action(number, record, software, people) for number, record in enumerate(environments, start=1)]
     controls = f" and {len(study.controls):,} controls" if study.controls else ""
     root = {
         "@id": "./",
@@ -82,10 +78,10 @@ def describe(
         "dateCreated": dates[0],
         "dateModified": dates[-1],
         "datePublished": dates[-1][:10],
-        "license": licence,
-        **({"author": _one_or_all(map(_link, authors))} if authors else {}),
-        **({"mentions": _one_or_all(map(_link, actions))} if actions else {}),
-        "hasPart": [{"@id": _identifier(each.name)} for each in files] + [{"@id": SUMS}],
+        "license": terms,
+        **_links("author", people),
+        **_links("mentions", actions),
+        "hasPart": [{"@id": quote(file.name)} for file in files] + [{"@id": SUMS}],
     }
     sums = {
         "@id": SUMS,
@@ -94,75 +90,57 @@ def describe(
         "description": "The SHA-256 of every other file; 'sha256sum --check' reads it.",
         "encodingFormat": "text/plain",
     }
-    graph = [_descriptor(), root, *map(_file, files), sums, *about_licence, *authors]
-    graph += [*actions, *software, *(each for _, others in found for each in others)]
-    return {"@context": CONTEXT, "@graph": list({each["@id"]: each for each in graph}.values())}
+    graph = [DESCRIPTOR, root, *map(_file, files), sums, *about_terms, *people]
+    graph += [*actions, *software, *(entity for _, makers in described for entity in makers)]
+    return {"@context": CONTEXT, "@graph": list({entity["@id"]: entity for entity in graph}.values())}
 
 
 def listed(crate: object) -> dict[str, str]:
     """Return the SHA-256 of every file that a description lists, by path; empty where it is malformed."""
     graph = crate.get("@graph") if isinstance(crate, dict) else None
-    entities = [each for each in graph if isinstance(each, dict)] if isinstance(graph, list) else []
-    files = [each for each in entities if each.get("@type") == "File" and "sha256" in each]
-    return {str(each.get("@id")): str(each["sha256"]) for each in files}
+    entities = [entity for entity in graph if isinstance(entity, dict)] if isinstance(graph, list) else []
+    files = [entity for entity in entities if entity.get("@type") == "File" and "sha256" in entity]
+    return {str(file.get("@id")): str(file["sha256"]) for file in files}
 
 
 def _dates(environments: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return when runs began and ended, as far as it is noted in ISO 8601, oldest first."""
-    found = []
+    dates = []
     for text in (record.get(key) for record in environments for key in ("started", "ended")):
         with suppress(TypeError, ValueError):
             datetime.fromisoformat(text)  # type: ignore[arg-type]  # records of other versions may hold anything
-            found.append(str(text))
-    return sorted(found)
+            dates.append(str(text))
+    return sorted(dates)
 
 
-def _descriptor() -> Entity:
+def _file(file: PackedFile) -> Entity:
+    name, description = file.about
     return {
-        "@id": CRATE,
-        "@type": "CreativeWork",
-        "conformsTo": {"@id": PROFILE},
-        "about": {"@id": "./"},
-        "description": "Describes the files of this archive, and what made them.",
-    }
-
-
-def _file(each: PackedFile) -> Entity:
-    name, description = each.about
-    return {
-        "@id": _identifier(each.name),
+        "@id": quote(file.name),
         "@type": "File",
         "name": name,
         "description": description,
-        "contentSize": str(each.size),
-        "encodingFormat": each.media_type,
-        "sha256": each.sha256,
+        "contentSize": str(file.size),
+        "encodingFormat": file.media_type,
+        "sha256": file.sha256,
     }
 
 
-def _identifier(name: str) -> str:
-    return quote(name)
-
-
-def _link(entity: Entity) -> Entity:
-    return {"@id": entity["@id"]}
-
-
-def _one_or_all(values: Any) -> Any:
-    """Return the values as compacted JSON-LD has them: a single one stands without a list."""
-    found = list(values)
-    return found[0] if len(found) == 1 else found
+def _links(key: str, entities: Sequence[Entity]) -> Entity:
+    """Return a key that refers to entities, none where there are none; a single one stands without a list."""
+    links = [{"@id": entity["@id"]} for entity in entities]
+    return {key: links[0] if len(links) == 1 else links} if links else {}
 
 
 # people and licences
 
 
 def _person(text: str) -> Entity:
-    found = _ORCID.fullmatch(text.strip())
-    name = " ".join((found[1] if found else text).split())
+    match = _ORCID.fullmatch(text.strip())
+    name = " ".join((match[1] if match else text).split())
     if not name:
         raise BenchError(f"{text!r} names no author; write as in --author 'Ada Lovelace 0000-0002-1825-0097'")
-    return {"@id": f"https://orcid.org/{found[2]}" if found else f"#{quote(name)}", "@type": "Person", "name": name}
+    return {"@id": f"https://orcid.org/{match[2]}" if match else f"#{quote(name)}", "@type": "Person", "name": name}
 
 
 def stated(licence: str) -> str:
@@ -174,8 +152,8 @@ def stated(licence: str) -> str:
     text = licence.strip()
     if not text or text.startswith(("https://", "http://")):
         return text
-    if known := _spdx(text):
-        return known
+    if expression := _spdx(text):
+        return expression
     raise BenchError(
         f"the licence {licence!r} is no SPDX identifier, such as CC-BY-4.0 or MIT; take one of "
         "https://spdx.org/licenses, or give the URL of your terms"
@@ -196,8 +174,8 @@ def _licence(text: str) -> tuple[Any, list[Entity]]:
         return UNSTATED, []
     if text.startswith(("https://", "http://")):
         address = text
-    elif re.fullmatch(r"(?!LicenseRef-)\S+", known := _spdx(text)):  # neither an expression nor one's own
-        address = f"https://spdx.org/licenses/{known}"
+    elif re.fullmatch(r"(?!LicenseRef-)\S+", identifier := _spdx(text)):  # neither an expression nor one's own
+        address = f"https://spdx.org/licenses/{identifier}"
     else:
         return text, []
     about = f"The licence {text}; its text is at {address}"
@@ -211,41 +189,44 @@ def _software(environments: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Entit
     """Yield an entity for each version of each package that the runs used, and those of its author and licence."""
     versions: dict[tuple[str, str], None] = {}
     for record in environments:
-        python = {"Python": record["python"]} if record.get("python") else {}
-        packages = record.get("packages")
-        own = packages if isinstance(packages, Mapping) else {}
-        versions |= dict.fromkeys((str(name), str(version)) for name, version in {**python, **own}.items())
+        versions |= dict.fromkeys(_used(record))
     for name, version in versions:
         about = _installed(name, version)
         words, author = ((about.get(key) or "").strip() for key in ("license", "author"))
         short = words if len(words) <= 100 and "\n" not in words else ""  # older packages give the whole text there
-        licence, known = _licence((about.get("license_expression") or short).strip())
-        person = {"@id": f"#author-{quote(author)}", "@type": "Organization", "name": author}
+        licence, about_licence = _licence((about.get("license_expression") or short).strip())
+        people = [{"@id": f"#author-{quote(author)}", "@type": "Organization", "name": author}] if author else []
         entity = {
             "@id": f"#{quote(f'{name}-{version}')}",
             "@type": "SoftwareApplication",
             "name": name,
             "version": version,
             **({"license": licence} if licence != UNSTATED else {}),
-            **({"author": _link(person)} if author else {}),
+            **_links("author", people),
         }
-        yield entity, [*known, *([person] if author else [])]
+        yield entity, [*about_licence, *people]
+
+
+def _used(record: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return name and version of Python and of every package that a run used, as far as they are noted."""
+    packages = record.get("packages")
+    python = {"Python": record["python"]} if record.get("python") else {}
+    versions = {**python, **(packages if isinstance(packages, Mapping) else {})}
+    return [(str(name), str(version)) for name, version in versions.items()]
 
 
 def _installed(name: str, version: str) -> Mapping[str, Any]:
     """Return the metadata of a package, empty where this very version is not installed here."""
     try:
-        found = metadata(name).json
+        about = metadata(name).json
     except (PackageNotFoundError, ValueError):
         return {}
-    return found if found.get("version") == version else {}
+    return about if about.get("version") == version else {}
 
 
 def _action(number: int, record: Mapping[str, Any], software: Sequence[Entity], authors: Sequence[Entity]) -> Entity:
     """Return the entity of a run, which made trials with software from the study."""
-    packages = record.get("packages")
-    used = {"Python": record.get("python"), **(packages if isinstance(packages, Mapping) else {})}
-    own = [entity for entity in software if str(used.get(entity["name"])) == entity["version"]]
+    used = _used(record)
     return {
         "@id": f"#run-{number}",
         "@type": "CreateAction",
@@ -253,8 +234,8 @@ def _action(number: int, record: Mapping[str, Any], software: Sequence[Entity], 
         **({"description": str(record["command"])} if record.get("command") else {}),
         **({"startTime": str(record["started"])} if _dates([{"started": record.get("started")}]) else {}),
         **({"endTime": str(record["ended"])} if _dates([{"ended": record.get("ended")}]) else {}),
-        **({"instrument": _one_or_all(map(_link, own))} if own else {}),
-        **({"agent": _one_or_all(map(_link, authors))} if authors else {}),
+        **_links("instrument", [entity for entity in software if (entity["name"], entity["version"]) in used]),
+        **_links("agent", authors),
         "object": {"@id": STUDY},
         "result": {"@id": TRIALS},
     }

@@ -18,7 +18,7 @@ from bench.errors import BenchError
 from bench.execution.looks import stopped_cells
 from bench.helpers.atomic import replacing
 from bench.packing.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
-from bench.packing.crate import Credits, describe, stated
+from bench.packing.crate import describe, stated
 from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
 from bench.study import Study
@@ -70,9 +70,9 @@ def pack(
         raise BenchError(f"{target} is another file than an archive; give another --output")
     folder.checks(), folder.noted(VERIFICATION)  # raise where a note is damaged
     reported = report_files(folder.path)
-    try:
+    with replacing(target) as temporary:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".pack-") as place, replacing(target) as temporary:
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".pack-") as place:
             copy = _copied(folder, Path(place))
             sources = {name: folder.path / name for name in [STUDY, *NOTES, *reported] if (folder.path / name).exists()}
             sources |= {name: copy.path / name for name in (TRIALS, ENVIRONMENT)}
@@ -83,16 +83,15 @@ def pack(
             trials = sum(cell.done + cell.failed for cell in copy.store.cells())
             with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
                 files = [_add(archive, name, sources[name]) for name in sorted(sources)]
+                frozen = datetime.fromtimestamp((folder.path / STUDY).stat().st_mtime, UTC)
                 crate = describe(
-                    study, files, copy.environments(), trials=trials, fallback_date=_date(folder.path / STUDY),
-                    credits=Credits(licence, tuple(authors)),
+                    study, files, copy.environments(), trials=trials, licence=licence, authors=authors,
+                    fallback_date=frozen.isoformat(timespec="seconds"),
                 )  # fmt: skip
-                text = json.dumps(crate, indent=1, ensure_ascii=False).encode()
-                _add_bytes(archive, CRATE, text)
-                files.append(PackedFile(CRATE, len(text), hashlib.sha256(text).hexdigest()))
-                _add_bytes(archive, SUMS, "".join(f"{each.sha256}  {each.name}\n" for each in files).encode())
-    except OSError as error:
-        raise BenchError(f"{target} cannot be written: {error.strerror or error}") from error
+                (copy.path / CRATE).write_bytes(json.dumps(crate, indent=1, ensure_ascii=False).encode())
+                files.append(_add(archive, CRATE, copy.path / CRATE))
+                (copy.path / SUMS).write_bytes("".join(f"{file.sha256}  {file.name}\n" for file in files).encode())
+                _add(archive, SUMS, copy.path / SUMS)
     notes = _notes(folder, study, trials, reported=bool(reported), licence=licence)
     return Packed(target, len(files) + 1, trials, tuple(notes))
 
@@ -102,40 +101,27 @@ def _copied(folder: Folder, place: Path) -> Folder:
     copy = Folder(place)
     counted = folder.store.count()
     folder.store.copy(copy.store.path)
-    for found in (counted, copy.store.check(structure=True)):
-        if not found.sound:
-            raise BenchError(f"{folder.path}: {found.sentence}; only sound results are packed")
+    for health in (counted, copy.store.check(structure=True)):
+        if not health.sound:
+            raise BenchError(f"{folder.path}: {health.sentence}; only sound results are packed")
     copy.write_environments()
     return copy
 
 
-def _entry(name: str, size: int) -> zipfile.ZipInfo:
-    """Return a zip entry that depends on name and content alone."""
+def _add(archive: zipfile.ZipFile, name: str, source: Path) -> PackedFile:
+    """Add a file under an entry that depends on name and content alone; return size and hash of the bytes added."""
     entry = zipfile.ZipInfo(name, EPOCH)
     entry.create_system = 3  # Unix, on every system
     entry.external_attr = (stat.S_IFREG | 0o644) << 16
     entry.compress_type = zipfile.ZIP_DEFLATED
-    entry.file_size = size  # so that a file of more than 2 GB gets the fields that it needs
-    return entry
-
-
-def _add(archive: zipfile.ZipFile, name: str, source: Path) -> PackedFile:
-    """Add a file, and return the size and hash of the very bytes that were added."""
+    entry.file_size = source.stat().st_size  # so that a file of more than 2 GB gets the fields that it needs
     digest, size = hashlib.sha256(), 0
-    with source.open("rb") as file, archive.open(_entry(name, source.stat().st_size), "w") as entry:
+    with source.open("rb") as file, archive.open(entry, "w") as packed:
         while block := file.read(BLOCK):
             digest.update(block)
             size += len(block)
-            entry.write(block)
+            packed.write(block)
     return PackedFile(name, size, digest.hexdigest())
-
-
-def _add_bytes(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
-    archive.writestr(_entry(name, len(content)), content, compresslevel=LEVEL)
-
-
-def _date(file: Path) -> str:
-    return datetime.fromtimestamp(file.stat().st_mtime, UTC).isoformat(timespec="seconds")
 
 
 def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence: str) -> Iterator[str]:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
 from zlib import error as ZlibError  # noqa: N812 - zlib calls it error
 
 from bench.errors import BenchError
@@ -89,10 +88,10 @@ def _entries(archive: zipfile.ZipFile, source: Path, limit_gb: float) -> dict[st
     """Return the archive's entries by name; raises BenchError where one is no plain file of a name that we write."""
     entries: dict[str, zipfile.ZipInfo] = {}
     folded: set[str] = set()
-    every = archive.infolist()
-    if len(every) > MOST_FILES:
-        raise BenchError(f"{source} holds {len(every):,} files; an archive of results has at most {MOST_FILES:,}")
-    for entry in every:
+    members = archive.infolist()
+    if len(members) > MOST_FILES:
+        raise BenchError(f"{source} holds {len(members):,} files; an archive of results has at most {MOST_FILES:,}")
+    for entry in members:
         shown = repr(printable(entry.orig_filename, LONGEST))
         kind = stat.S_IFMT(entry.external_attr >> 16)
         if kind not in (0, stat.S_IFREG) or entry.is_dir():
@@ -105,7 +104,7 @@ def _entries(archive: zipfile.ZipFile, source: Path, limit_gb: float) -> dict[st
             raise BenchError(f"{source} holds {shown} twice; it is not unpacked")
         folded.add(entry.filename.lower())
         entries[entry.filename] = entry
-    size, packed = sum(entry.file_size for entry in every), max(source.stat().st_size, 1)
+    size, packed = sum(entry.file_size for entry in members), max(source.stat().st_size, 1)
     if size > limit_gb * 1e9:
         raise BenchError(
             f"{source} unpacks to {size / 1e9:,.1f} GB, more than the limit of {limit_gb:g} GB; --limit raises it"
@@ -133,10 +132,10 @@ def _sums(content: bytes, source: Path) -> dict[str, str]:
     """Return the SHA-256 of every file by name."""
     sums: dict[str, str] = {}
     for number, line in enumerate(content.decode(errors="replace").splitlines(), start=1):
-        found = _SUM.fullmatch(line)
-        if found is None or found[2] in sums:
+        match = _SUM.fullmatch(line)
+        if match is None or match[2] in sums:
             raise BenchError(f"{source}: line {number} of {SUMS} is malformed; get the archive again")
-        sums[found[2]] = found[1]
+        sums[match[2]] = match[1]
     return sums
 
 
@@ -172,18 +171,18 @@ def _refuse_full_disk(target: Path, entries: Mapping[str, zipfile.ZipInfo]) -> N
 def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path, digest: str, source: Path) -> None:
     """Write one file, and compare what was written with its hash."""
     path.parent.mkdir(exist_ok=True)
-    found, size = hashlib.sha256(), 0
+    sha256, size = hashlib.sha256(), 0
     try:
         with archive.open(entry) as content, path.open("xb") as file:
             while block := content.read(BLOCK):
                 size += len(block)
                 if size > entry.file_size:
                     raise BenchError(f"{source}: {entry.filename} is longer than declared; get the archive again")
-                found.update(block)
+                sha256.update(block)
                 file.write(block)
     except (zipfile.BadZipFile, NotImplementedError, EOFError, ZlibError) as error:
         raise BenchError(f"{source}: {entry.filename} is damaged ({_said(error)}); get the archive again") from error
-    if found.hexdigest() != digest:
+    if sha256.hexdigest() != digest:
         raise BenchError(f"{source}: {entry.filename} was changed: its SHA-256 is not that of {SUMS}")
 
 
@@ -193,23 +192,19 @@ def _checked(temporary: Path, source: Path) -> tuple[int, str]:
     try:
         study = folder.study()
         folder.fingerprints()
-        found = folder.store.check(structure=True)
+        health = folder.store.check(structure=True)
         cells = folder.store.cells()
     except BenchError as error:
-        raise BenchError(f"{source}: {_local(error, temporary)}") from error
-    if not found.sound:
-        raise BenchError(f"{source}: {found.sentence}")
-    known = {entry.label for entry in study.problems}, {entry.label for entry in study.with_controls}
-    if strange := [cell for cell in cells if cell.problem not in known[0] or cell.optimizer not in known[1]]:
+        sentence = str(error).replace(f"{temporary.resolve()}/", "").replace(f"{temporary}/", "")
+        raise BenchError(f"{source}: {sentence}") from error
+    if not health.sound:
+        raise BenchError(f"{source}: {health.sentence}")
+    problems, optimizers = ({entry.label for entry in part} for part in (study.problems, study.with_controls))
+    if strange := [cell for cell in cells if cell.problem not in problems or cell.optimizer not in optimizers]:
         where = printable(f"{strange[0].optimizer} on {strange[0].problem}", LONGEST)
         raise BenchError(f"{source}: it holds trials of {where}, which its study does not name")
-    folder.note_store(found)
-    return found.trials, found.sentence
-
-
-def _local(error: Any, temporary: Path) -> str:
-    """Return a message with paths relative to the archive."""
-    return str(error).replace(f"{temporary.resolve()}/", "").replace(f"{temporary}/", "")
+    folder.note_store(health)
+    return health.trials, health.sentence
 
 
 def _said(error: Exception) -> str:

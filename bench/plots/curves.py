@@ -159,7 +159,7 @@ def scaling(
     ax.set_xscale("log")
     ax.set_xlim(dimensions[0] / 1.2, dimensions[-1] * 1.2)
     ax.xaxis.set_major_locator(FixedLocator(dimensions))
-    ax.xaxis.set_major_formatter(FixedFormatter([f"{each:g}" for each in dimensions]))
+    ax.xaxis.set_major_formatter(FixedFormatter([f"{dimension:g}" for dimension in dimensions]))
     ax.xaxis.set_minor_locator(NullLocator())
     return _finish(ax, "dimension d", "ERT / d", pens if legend else None, problem)
 

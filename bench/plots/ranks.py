@@ -133,7 +133,7 @@ def rank_course(ranks: pd.DataFrame, *, pens: style.Pens | None = None, ax: Axes
     panel = ax.get_window_extent()
     width, height = panel.width / ax.figure.dpi, panel.height / ax.figure.dpi
     ax.set_xticks(
-        stages, _legible([f"{each:.0%}" if along == "share" else f"{each:,.0f}" for each in stages], stages, width)
+        stages, _legible([f"{stage:.0%}" if along == "share" else f"{stage:,.0f}" for stage in stages], stages, width)
     )
     ax.set_xlim(stages[0], stages[-1])
     beside = ax.get_yaxis_transform()

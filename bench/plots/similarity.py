@@ -34,7 +34,7 @@ def similarity_map(similarity: Similarity) -> matplotlib.figure.Figure:
         members = np.flatnonzero(spots == spot)
         at = places[members[places[members, 0].argmax()]]
         left.annotate(
-            ", ".join(str(each + 1) for each in members), at, xytext=(5, 0), textcoords="offset points", va="center"
+            ", ".join(str(member + 1) for member in members), at, xytext=(5, 0), textcoords="offset points", va="center"
         )
     left.margins(0.15)
     if height > SQUARE:  # beside a long tree, the map is a square at its top

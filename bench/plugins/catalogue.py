@@ -49,18 +49,18 @@ class Record:
 def record(name: str) -> Record:
     """Return the record of the optimizer of that name; raises BenchError where it cannot be loaded."""
     family, colon, _ = name.partition(":")
-    own = from_file.split(name) is None
+    installed = from_file.split(name) is None
     kind = type(loading.load_optimizer(name))
     return Record(
         name=name,
-        family=family if colon and own else "",
+        family=family if colon and installed else "",
         about=first_line(kind),
         paper=_papers(kind.bibtex),
         code=kind.code,
         parameters=_parameters(kind),
-        extra=str(getattr(registry.load("optimizers", family), "extra", "")) if colon and own else "",
+        extra=str(getattr(registry.load("optimizers", family), "extra", "")) if colon and installed else "",
         unmapped=list(kind.unmapped),
-        package=registry.package("optimizers", family) if own else "",
+        package=registry.package("optimizers", family) if installed else "",
     )
 
 
@@ -81,11 +81,11 @@ def _papers(bibtex: str) -> list[str]:
 
 def _parameters(kind: type[Optimizer]) -> list[Parameter]:
     hints = get_type_hints(kind)
-    found = []
+    parameters = []
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]
         low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
-        found.append(Parameter(field.name, field.default, _type_name(hints[field.name]), low, high))
-    return found
+        parameters.append(Parameter(field.name, field.default, _type_name(hints[field.name]), low, high))
+    return parameters
 
 
 def _type_name(hint: Any) -> str:

@@ -41,16 +41,22 @@ def require_class(name: str, kind: str = "optimizer") -> None:
     except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
         raise BenchError(f"the {kind} file {name} cannot be read as Python: {error}") from error
     kinds = (ast.ClassDef, ast.FunctionDef)
-    found = [each.name for each in parts if isinstance(each, kinds) and not each.name.startswith("_")]
-    holds = f"; it holds {listed(found)}" if found else ""
+    names = [part.name for part in parts if isinstance(part, kinds) and not part.name.startswith("_")]
+    holds = f"; it holds {listed(names)}" if names else ""
     raise BenchError(
-        f"{name!r} names a file alone; add the class or function: {name}:{(found or ['ClassName'])[0]}{holds}"
+        f"{name!r} names a file alone; add the class or function: {name}:{(names or ['ClassName'])[0]}{holds}"
     )
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
-    """Return the optimizer of that file with these parameters; raises BenchError as :func:`load`, or for them."""
-    return build(load(name), name, options)
+    """Return the optimizer of that file with these parameters; a plain function becomes one.
+
+    Raises:
+        BenchError: where the file is missing or fails to run, or holds no such class or function, and for options that
+            are no parameters or out of range.
+    """
+    path, _, attribute = name.rpartition(":")
+    return build(_optimizer(name, attribute, Path(path).resolve(), fingerprint(name)), name, options)
 
 
 def load_problem(name: str, /, **options: Any) -> Problem:
@@ -61,39 +67,28 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
     """
-    path, attribute = _parts(name)
-    digest = fingerprint(name, "problem")
+    file, _, attribute = name.rpartition(":")
+    path, digest = Path(file), fingerprint(name, "problem")
     module = _module(path.resolve(), digest, "problem")
     if attribute not in vars(module):
-        own = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
-        raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, own)}")
-    found = vars(module)[attribute]
-    if callable(found) and not isinstance(found, Problem):
+        names = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
+        raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, names)}")
+    problem = vars(module)[attribute]
+    if callable(problem) and not isinstance(problem, Problem):
         try:
-            found = found(**options)
+            problem = problem(**options)
         except Exception as error:  # the file may raise anything
             raise BenchError(f"{name!r} cannot be made: {type(error).__name__}: {error}") from error
-    if not isinstance(found, Problem):
+    if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
-    if not found.fingerprint():
-        object.__setattr__(found, "fingerprint", partial(str, digest))  # also of a frozen dataclass
-    return found
-
-
-def load(name: str) -> type[Optimizer]:
-    """Return the optimizer class of that file; a plain function becomes one.
-
-    Raises:
-        BenchError: where the file is missing or fails to run, or holds no such class or function.
-    """
-    path, attribute = _parts(name)
-    return _optimizer(name, attribute, path.resolve(), fingerprint(name))
+    if not problem.fingerprint():
+        object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
+    return problem
 
 
 def fingerprint(name: str, kind: str = "optimizer") -> str:
     """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
-    path, _ = _parts(name)
-    return hashlib.sha256(_content(path, kind)).hexdigest()[:16]
+    return hashlib.sha256(_content(Path(name.rpartition(":")[0]), kind)).hexdigest()[:16]
 
 
 def _content(path: Path, kind: str) -> bytes:
@@ -103,27 +98,20 @@ def _content(path: Path, kind: str) -> bytes:
         raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
 
 
-def _parts(name: str) -> tuple[Path, str]:
-    parts = split(name)
-    if parts is None:
-        raise BenchError(f"{name!r} is not of the form path/to/file.py:ClassName")
-    return parts
-
-
 @cache
 def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[Optimizer]:
     module = _module(path, fingerprint)
-    found = vars(module).get(attribute)
-    if isinstance(found, type) and issubclass(found, Optimizer):
-        if not is_frozen(found):
-            return found  # build() refuses it
-        return derive(found, name, {}, load_optimizer, __doc__=found.__doc__, fingerprint=fingerprint)
-    if inspect.isfunction(found):
-        return _of_function(found, name, fingerprint)
+    plugin = vars(module).get(attribute)
+    if isinstance(plugin, type) and issubclass(plugin, Optimizer):
+        if not is_frozen(plugin):
+            return plugin  # build() refuses it
+        return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__, fingerprint=fingerprint)
+    if inspect.isfunction(plugin):
+        return _of_function(plugin, name, fingerprint)
     if attribute in vars(module):
         raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
-    own = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
-    raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, own)}")
+    names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
+    raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
 
 
 class _UncachedLoader(SourceFileLoader):
@@ -153,8 +141,8 @@ def _module(path: Path, fingerprint: str, kind: str = "optimizer") -> ModuleType
 
 
 def _is_own_optimizer(module: ModuleType, value: object) -> bool:
-    mine = getattr(value, "__module__", None) == module.__name__
-    return mine and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))
+    is_own = getattr(value, "__module__", None) == module.__name__
+    return is_own and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))
 
 
 @dataclass(frozen=True)
@@ -174,14 +162,14 @@ def _of_function(function: Callable[..., Any], name: str, fingerprint: str) -> t
         taken = list(inspect.signature(function).parameters.values())
     except (TypeError, ValueError):  # a decorator may leave a signature that cannot be read
         taken = []
-    own, plain = taken[2:], (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    if len(taken) < 2 or any(each.kind not in plain for each in taken[:2]):
+    keywords, plain = taken[2:], (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    if len(taken) < 2 or any(argument.kind not in plain for argument in taken[:2]):
         raise BenchError(f"{name!r} must take (objective, rng) first, as in def minimize(objective, rng, step=0.1)")
-    for each in own:
-        if each.default is each.empty or each.kind is inspect.Parameter.POSITIONAL_ONLY:
-            raise BenchError(f"parameter {each.name!r} of {name!r} must be a keyword with a default")
+    for argument in keywords:
+        if argument.default is argument.empty or argument.kind is inspect.Parameter.POSITIONAL_ONLY:
+            raise BenchError(f"parameter {argument.name!r} of {name!r} must be a keyword with a default")
     kinds = {bool: bool, int: int, float: float, str: str}
-    parameters = {each.name: (kinds.get(type(each.default), Any), each.default) for each in own}
+    parameters = {argument.name: (kinds.get(type(argument.default), Any), argument.default) for argument in keywords}
     doc = inspect.getdoc(function) or f"The function {name}."
-    given = {"function": staticmethod(function), "__doc__": doc, "fingerprint": fingerprint}
-    return derive(_FunctionOptimizer, name, parameters, load_optimizer, **given)
+    attributes = {"function": staticmethod(function), "__doc__": doc, "fingerprint": fingerprint}
+    return derive(_FunctionOptimizer, name, parameters, load_optimizer, **attributes)

@@ -78,7 +78,7 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     families = registry.entries("problems")
     if colon and prefix in families:
         return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
-    known: list[str] = []
+    listed: list[str] = []
     for family in sorted(families, key=lambda family: -len(family) if name.startswith(family) else 0):
         try:
             plugin = registry.load("problems", family)
@@ -90,18 +90,19 @@ def load_problem(name: str, /, **options: Any) -> Problem:
             continue
         if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
-        known += names
+        listed += names
     from_file.require_class(name, "problem")
     otherwise = f"; the families are {', '.join(sorted(families))}: 'bench list problems' shows them"
-    raise BenchError(f"unknown problem {name!r}{nearest(name, known, otherwise)}")
+    raise BenchError(f"unknown problem {name!r}{nearest(name, listed, otherwise)}")
 
 
 def family(problem: str) -> str:
     """Return the family that a problem's name points to, without loading it; the name itself where none is known."""
     prefix, colon, _ = problem.partition(":")
     families = registry.entries("problems")
-    fitting = [prefix] if colon and prefix in families else [each for each in families if problem.startswith(each)]
-    return max(fitting, key=len, default=problem)
+    if colon and prefix in families:
+        return prefix
+    return max(filter(problem.startswith, families), key=len, default=problem)
 
 
 def package(optimizer: str) -> str:
@@ -122,13 +123,13 @@ def is_built_in(optimizer: str) -> bool:
 
 def _like_optimizer(name: str) -> str:
     """Return a hint at names that are near; the built-in families' libraries are imported only where none is."""
-    known = list(registry.entries("optimizers"))
-    if not near(name, known, cutoff=0.6):
-        for each in filter(is_built_in, tuple(known)):
+    names = list(registry.entries("optimizers"))
+    if not near(name, names, cutoff=0.6):
+        for entry in filter(is_built_in, tuple(names)):
             with suppress(Exception):  # a library that is missing or broken
-                plugin = registry.load("optimizers", each)
-                known += plugin.names() if registry.is_family(plugin) else []
-    return nearest(name, known, f"; known: {', '.join(sorted(registry.entries('optimizers')))}")
+                plugin = registry.load("optimizers", entry)
+                names += plugin.names() if registry.is_family(plugin) else []
+    return nearest(name, names, f"; known: {', '.join(sorted(registry.entries('optimizers')))}")
 
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 from bench.errors import BenchError
+from bench.families import Grid
 
 DISTRIBUTION = "backlash-bench"
 
@@ -49,15 +50,15 @@ def entries(group: str) -> dict[str, EntryPoint]:
         BenchError: when two packages offer different plug-ins under one name.
     """
     _refuse_foreign_modules()
-    found: dict[str, EntryPoint] = {}
+    plugins: dict[str, EntryPoint] = {}
     for entry in entry_points(group=f"bench.{group}"):
-        other = found.setdefault(entry.name, entry)
-        if other.value != entry.value:
+        first = plugins.setdefault(entry.name, entry)
+        if first.value != entry.value:
             raise BenchError(
-                f"two plug-ins of bench.{group} are called {entry.name!r}: {other.value} and {entry.value}; "
+                f"two plug-ins of bench.{group} are called {entry.name!r}: {first.value} and {entry.value}; "
                 "uninstall one or have its author rename it"
             )
-    return found
+    return plugins
 
 
 @cache
@@ -74,13 +75,19 @@ def load(group: str, name: str) -> Any:
 
 def package(group: str, name: str) -> str:
     """Return the name and version of the package that offers an entry point, "" where there is none."""
-    found = entries(group).get(name)
-    return f"{found.dist.name} {found.dist.version}" if found is not None and found.dist is not None else ""
+    entry = entries(group).get(name)
+    return f"{entry.dist.name} {entry.dist.version}" if entry is not None and entry.dist is not None else ""
 
 
 def is_family(plugin: Any) -> bool:
     """Return whether the object behind an entry point is a family of plug-ins."""
     return isinstance(plugin, Family) and not isinstance(plugin, type)
+
+
+def grid(family: str) -> Grid | None:
+    """Return the functions of a suite, None for another family of problems; raises BenchError as :func:`load`."""
+    functions = getattr(load("problems", family), "grid", None)
+    return functions if isinstance(functions, Grid) else None
 
 
 def own() -> Distribution:
@@ -119,16 +126,18 @@ def conflict(module: str) -> str:
         )
     noted = re.search(rf"^{module}/__init__\.py,sha256=([^,]+),", own().read_text("RECORD") or "", re.MULTILINE)
     if noted and noted[1] != _record_hash(Path(origin)):  # an editable installation notes none
-        others = " and ".join(claimants(module)) or "another package"
-        return f"the file {origin} of {DISTRIBUTION} was replaced, by {others}; {again} of their own"
+        packages = " and ".join(claimants(module)) or "another package"
+        return f"the file {origin} of {DISTRIBUTION} was replaced, by {packages}; {again} of their own"
     return ""
 
 
 def claimants(module: str) -> list[str]:
     """Return the names of the other installed distributions that have a file ``module/__init__.py``, too."""
     file = f"{module}/__init__.py"
-    found = (each for each in distributions() if f"\n{file}," in "\n" + (each.read_text("RECORD") or ""))
-    return sorted({each.name for each in found} - {DISTRIBUTION})
+    holders = (
+        installed for installed in distributions() if f"\n{file}," in "\n" + (installed.read_text("RECORD") or "")
+    )
+    return sorted({installed.name for installed in holders} - {DISTRIBUTION})
 
 
 def _record_hash(file: Path) -> str:

@@ -73,10 +73,10 @@ def _limited(names: list[str], what: str) -> list[str]:
 def is_of_suite(problem: str) -> bool:
     """Return whether a problem's name is that of a suite's problem, a family with a grid; the problem is not loaded."""
     families = registry.entries("problems")
-    for family in (each for each in families if problem.startswith(f"{each}-")):
+    for family in (suite for suite in families if problem.startswith(f"{suite}-")):
         with suppress(Exception):  # a broken family, or the name of another one
-            grid = getattr(registry.load("problems", family), "grid", None)
-            if isinstance(grid, Grid) and grid.member(problem):
+            grid = registry.grid(family)
+            if grid and grid.member(problem):
                 return True
     return False
 
@@ -85,55 +85,53 @@ def _all_names() -> Iterator[str]:
     """Yield the names of every problem that can be listed, and of all that are on a grid."""
     for family in registry.entries("problems"):
         with suppress(Exception):  # a broken family must not hide another's problems
-            plugin = registry.load("problems", family)
-            grid = getattr(plugin, "grid", None)
-            yield from grid.names() if isinstance(grid, Grid) else plugin.names()
+            yield from (registry.grid(family) or registry.load("problems", family)).names()
 
 
 def _grid(suite: Any) -> Grid:
     families = registry.entries("problems")
     if not isinstance(suite, str) or suite not in families:
         raise BenchError(f"unknown suite {suite!r}{nearest(str(suite), families)}")
-    grid = getattr(registry.load("problems", suite), "grid", None)
-    if not isinstance(grid, Grid):
+    grid = registry.grid(suite)
+    if grid is None:
         raise BenchError(f"the problems of {suite!r} are no suite with functions and dimensions; give their names")
     return grid
 
 
-def _functions(grid: Grid, given: Any) -> list[str]:
+def _functions(grid: Grid, chosen: Any) -> list[str]:
     """Return the names of functions that are given as numbers, ranges or names."""
     numbered = {int(name[1:]): name for name in grid.functions if re.fullmatch(r"f\d+", name)}
-    found: list[str] = []
-    for item in _items(given, "functions"):
+    names: list[str] = []
+    for item in _items(chosen, "functions"):
         if isinstance(item, str) and item in grid.functions:
-            found.append(item)
+            names.append(item)
         elif numbered and (span := _span(item)) and span[0] in numbered and span[1] in numbered:
-            found += [numbered[number] for number in range(span[0], span[1] + 1) if number in numbered]
+            names += [numbered[number] for number in range(span[0], span[1] + 1) if number in numbered]
         else:
             raise BenchError(f"{grid.suite} has no function {item!r}{nearest_function(str(item), grid.functions)}")
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(names))
 
 
-def _numbers(given: Any, what: str, grid: Grid, known: list[int] | range) -> list[int]:
+def _numbers(chosen: Any, what: str, grid: Grid, offered: list[int] | range) -> list[int]:
     """Return the numbers that are given as such or as ranges, among those that there are."""
-    found: list[int] = []
-    for item in _items(given, f"{what}s"):
+    numbers: list[int] = []
+    for item in _items(chosen, f"{what}s"):
         span = _span(item)
-        if span is None or span[0] not in known or span[1] not in known:
-            there = f"{known[0]} to {known[-1]}" if isinstance(known, range) else ", ".join(map(str, known))
+        if span is None or span[0] not in offered or span[1] not in offered:
+            there = f"{offered[0]} to {offered[-1]}" if isinstance(offered, range) else ", ".join(map(str, offered))
             raise BenchError(f"{grid.suite} has no {what} {item!r}; it has {there}")
-        found += [number for number in range(span[0], span[1] + 1) if number in known]
-    return list(dict.fromkeys(found))
+        numbers += [number for number in range(span[0], span[1] + 1) if number in offered]
+    return list(dict.fromkeys(numbers))
 
 
-def _items(given: Any, what: str) -> list[Any]:
+def _items(selection: Any, what: str) -> list[Any]:
     """Return a list of numbers and texts; ``"1-5, 8"`` has two."""
-    if given == []:
+    if selection == []:
         raise BenchError(f"a list of {what} is empty; leave it out to select all")
-    found: list[Any] = []
-    for item in given if isinstance(given, list) else [given]:
-        found += [part.strip() for part in item.split(",")] if isinstance(item, str) else [item]
-    return found
+    items: list[Any] = []
+    for item in selection if isinstance(selection, list) else [selection]:
+        items += [part.strip() for part in item.split(",")] if isinstance(item, str) else [item]
+    return items
 
 
 def _span(item: Any) -> tuple[int, int] | None:

@@ -49,23 +49,23 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
 def read(folder: Path) -> dict[str, Any]:
     """Return the answer of the report in a folder; empty where there is none that can be read."""
     try:
-        noted = parse_json(read_text(folder / NOTE))
-        return noted if isinstance(noted, dict) and isinstance(noted.get("rows"), list) else {}
+        content = parse_json(read_text(folder / NOTE))
+        return content if isinstance(content, dict) and isinstance(content.get("rows"), list) else {}
     except (OSError, ValueError):
         return {}
 
 
-def shown(noted: dict[str, Any]) -> Group:
+def shown(content: dict[str, Any]) -> Group:
     """Return an answer as lines for a terminal."""
-    parts: list[RenderableType] = [Text(str(noted.get("sentence", "")), style="bold")]
-    if noted["rows"]:
-        first, *others = map(str, noted["columns"])
+    parts: list[RenderableType] = [Text(str(content.get("sentence", "")), style="bold")]
+    if content["rows"]:
+        first, *heads = map(str, content["columns"])
         table = Table(first, box=None, pad_edge=False)
-        for head in others:
+        for head in heads:
             table.add_column(head, justify="right")
-        for row in noted["rows"]:
+        for row in content["rows"]:
             table.add_row(*(Text(str(cell)) for cell in row))
         parts += [Text(), table]
-    if noted.get("more"):
-        parts.append(Text(str(noted["more"])))
+    if content.get("more"):
+        parts.append(Text(str(content["more"])))
     return Group(*parts)

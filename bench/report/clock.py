@@ -20,13 +20,13 @@ def sentence(findings: Findings) -> str:
         return ""
     solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
     level = words.level if words.level in solved else min(solved, default=np.nan)
-    own = table[table[words.unit] == level]
-    if own.empty:
+    times = table[table[words.unit] == level]
+    if times.empty:
         return ""
-    ert, seconds = (analysis.table(own, name).astype(float).replace(np.inf, np.nan) for name in ("ert", "ert_s"))
-    first, fast = (each.eq(each.min(axis=1), axis=0).sum() for each in (ert, seconds))
+    ert, seconds = (analysis.table(times, name).astype(float).replace(np.inf, np.nan) for name in ("ert", "ert_s"))
+    first, fast = (times_in.eq(times_in.min(axis=1), axis=0).sum() for times_in in (ert, seconds))
     leader, fastest = str(first.idxmax()), str(fast.idxmax())
-    problems = own["problem"].nunique()
+    problems = times["problem"].nunique()
     if leader == fastest or 2 * min(first[leader], fast[fastest]) <= problems:
         return ""  # an order is turned round only where there is one, on most problems
     costs = break_even(ert, overhead(findings.trials.whole), leader, fastest).dropna()
@@ -44,9 +44,9 @@ def overhead(frame: pd.DataFrame) -> pd.DataFrame:
     wall, objective, nfev = (
         pd.to_numeric(frame[name], errors="coerce").astype(float) for name in ("wall_s", "objective_s", "nfev")
     )
-    own = ((wall - objective) / nfev.where(nfev > 0)).where(frame["status"] == "ok")
+    cost = ((wall - objective) / nfev.where(nfev > 0)).where(frame["status"] == "ok")
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
-    return own.groupby(keys).median().unstack()
+    return cost.groupby(keys).median().unstack()
 
 
 def break_even(ert: pd.DataFrame, overheads: pd.DataFrame, leader: str, fastest: str) -> pd.Series[float]:
@@ -61,8 +61,8 @@ def break_even(ert: pd.DataFrame, overheads: pd.DataFrame, leader: str, fastest:
         leader: the optimizer with fewer evaluations.
         fastest: the other one.
     """
-    own = ert * overheads.reindex(index=ert.index, columns=ert.columns)
-    cost = (own[leader] - own[fastest]) / (ert[fastest] - ert[leader]).where(lambda more: more > 0)
+    seconds = ert * overheads.reindex(index=ert.index, columns=ert.columns)
+    cost = (seconds[leader] - seconds[fastest]) / (ert[fastest] - ert[leader]).where(lambda more: more > 0)
     return cost.where(cost > 0)
 
 

@@ -34,7 +34,7 @@ def repairing(study: Study) -> dict[str, bool]:
         except Exception:  # its library may be missing, and may raise anything
             return asked
 
-    return {each.label: handling(each) != "box" for each in study.optimizers}
+    return {entry.label: handling(entry) != "box" for entry in study.optimizers}
 
 
 def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
@@ -114,13 +114,13 @@ def _said(value: object) -> str:
 
 def grouped(groups: Mapping[str, list[str]]) -> str:
     """Return who has which value, the largest group last, such as ``"box for cma-es and repair for the 4 others"``."""
-    ordered = sorted(groups.items(), key=lambda each: len(each[1]))
+    ordered = sorted(groups.items(), key=lambda group: len(group[1]))
     if len(ordered) > MOST_VALUES:
         return f"set in {len(ordered)} ways"
-    *few, (value, labels) = ordered
-    parts = [f"{each} for {listing(names, at_most=MOST_LABELS)}" for each, names in few]
-    rest = f"the {len(labels)} others" if len(labels) > 1 else labels[0]
-    return listing([*parts, f"{value} for {rest}"])
+    parts = [f"{value} for {listing(labels, at_most=MOST_LABELS)}" for value, labels in ordered[:-1]]
+    value, labels = ordered[-1]
+    most = f"the {len(labels)} others" if len(labels) > 1 else labels[0]
+    return listing([*parts, f"{value} for {most}"])
 
 
 def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:

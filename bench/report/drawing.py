@@ -71,12 +71,12 @@ class Drawer:
     """
 
     def __init__(self, jobs: int) -> None:
-        others = min(MOST, (cpu_count() if jobs == -1 else jobs) - 1)
-        self._pool = Pool(others, ready) if others else None
+        processes = min(MOST, (cpu_count() if jobs == -1 else jobs) - 1)
+        self._pool = Pool(processes, ready) if processes else None
         self._begun: dict[int, tuple[matplotlib.figure.Figure, Future[Any]]] = {}  # by identity: figures have no hash
-        self._drawn: dict[int, tuple[matplotlib.figure.Figure, Drawing]] = {}
+        self._drawn: dict[int, Drawing] = {}  # of figures begun
         if self._pool is not None:
-            for _ in range(others):  # start now, while the first figures are prepared
+            for _ in range(processes):  # start now, while the first figures are prepared
                 self._pool.submit(0, ready)
 
     def __enter__(self) -> Drawer:
@@ -101,12 +101,12 @@ class Drawer:
         for figure, future in reversed(self._begun.values()):
             if future.cancel():
                 with suppress(Exception):  # raised again where the drawing is asked for
-                    self._drawn[id(figure)] = figure, draw(figure)
+                    self._drawn[id(figure)] = draw(figure)
 
     def finish(self, figure: matplotlib.figure.Figure) -> Drawing:
         """Return the drawing of a figure; raises what matplotlib raises."""
         if id(figure) in self._drawn:
-            return self._drawn[id(figure)][1]
+            return self._drawn[id(figure)]
         if id(figure) in self._begun:
             with suppress(Exception):  # it is drawn here instead
                 answer = self._begun[id(figure)][1].result()

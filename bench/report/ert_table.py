@@ -47,7 +47,10 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
             cells = [row_of.get((problem, optimizer, level)) for level in levels]
             last = cells[-1] if cells else None
             rows[name, optimizer] = [
-                *(_cell(cell, each, ratio=anytime.shows_best) for cell, each in zip(cells, divisors, strict=True)),
+                *(
+                    _cell(cell, best_ert, ratio=anytime.shows_best)
+                    for cell, best_ert in zip(cells, divisors, strict=True)
+                ),
                 f"{last['successes']:.0f}/{last['trials']:.0f}" if last else "",
             ]
             least = [
@@ -58,8 +61,8 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
             marks.append([*("*" if (problem, optimizer, level) in stars else "" for level in levels), ""])
     index = pd.MultiIndex.from_tuples(list(rows), names=["function", "optimizer"])
     frames = [
-        pd.DataFrame(each, index=index, columns=[*map(words.shown, levels), "successes"])
-        for each in (list(rows.values()), bold, marks)
+        pd.DataFrame(content, index=index, columns=[*map(words.shown, levels), "successes"])
+        for content in (list(rows.values()), bold, marks)
     ]
     over = "over that of the best of 2009" if anytime.shows_best else "in evaluations"
     return Table(

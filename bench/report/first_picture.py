@@ -61,8 +61,8 @@ def trials_figure(
     drawn = frame[frame["problem"].isin(problems)]
     summary = analysis.summarise(drawn)
     summary = summary[summary["problem"].isin(problems)].set_index(["problem", "optimizer"])
-    noted = not style.drawable(analysis.scores(drawn)).all() or bool((summary["n"] == 0).any())
-    beside = 0.7 if noted else 0.1  # for the number of failed trials
+    unfinished = not style.drawable(analysis.scores(drawn)).all() or bool((summary["n"] == 0).any())
+    beside = 0.7 if unfinished else 0.1  # for the number of failed trials
     columns = {5: 3, 6: 3}.get(len(problems), ONE_ROW)
     figure, axes = style.grid(
         len(problems), columns=columns, width=style.COLUMN if len(problems) == 1 else style.TEXT,

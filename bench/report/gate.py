@@ -89,15 +89,14 @@ def gate(
     if len(missing) == len(labels(frame, "problem")):
         raise BenchError(f"{old} and {new} have no problem in common on which both versions have trials")
     if missing and not common:
-        where = listing([f"{problem} in {(old, new)[which]}" for problem, which in missing.items()], at_most=4)
+        where = listing([f"{problem} in {(old, new)[place]}" for problem, place in missing.items()], at_most=4)
         raise BenchError(f"there are no trials on {where}; run them, or compare the other problems with --common")
     frame = frame[~frame["problem"].isin(list(missing))]
     if target is not None:
         frame = _by_speed(findings.trials, frame, target)
     test = noninferiority(frame, *chosen, margin=margin, alpha=alpha, every=every)
-    same = _identical(
-        findings.results.frame, chosen, [each for label in missing for each in findings.trials.pooled.members[label]]
-    )
+    left_out = [instance for label in missing for instance in findings.trials.pooled.members[label]]
+    same = _identical(findings.results.frame, chosen, left_out)
     return _worded(test, findings, frame, chosen, missing, same, target)
 
 
@@ -113,11 +112,11 @@ def _place(study: Study, optimizer: str | None, path: AnyPath) -> int:
 
 def _missing(frame: pd.DataFrame, chosen: tuple[str, str]) -> dict[str, int]:
     """Return the problems on which one of two optimizers has no trial, and which one it is."""
-    have = [set(frame.loc[frame["optimizer"] == each, "problem"]) for each in chosen]
+    first, second = (set(frame.loc[frame["optimizer"] == label, "problem"]) for label in chosen)
     return {
-        label: 0 if label not in have[0] else 1
-        for label in labels(frame, "problem")
-        if not all(label in each for each in have)
+        problem: 0 if problem not in first else 1
+        for problem in labels(frame, "problem")
+        if problem not in first & second
     }
 
 
@@ -145,7 +144,7 @@ def _identical(frame: pd.DataFrame, chosen: tuple[str, str], missing: list[str])
     """Return how many trials of both versions are identical in value and evaluations, and the trials in all."""
     rows = frame[~frame["problem"].isin(missing)]
     names = ["problem", "trial", "seed", "status", "fun", "nfev"]
-    first, second = (rows.loc[rows["optimizer"] == each, names] for each in chosen)
+    first, second = (rows.loc[rows["optimizer"] == label, names] for label in chosen)
     same = len(first.merge(second, on=names))  # failed trials have no value, and equal each other
     return same, max(len(first), len(second))
 
@@ -183,21 +182,21 @@ def _worded(
         notes.append(f"{alike:,} of {count(trials, 'trial')} are identical, as their seeds are.")
     if missing:
         notes.append(f"Left out, as one version has no trial: {listing(list(missing))}.")
-    for each in chosen:
-        trials_of = frame[frame["optimizer"] == each]
+    for label in chosen:
+        trials_of = frame[frame["optimizer"] == label]
         if lost := int((trials_of["status"] != "ok").sum()):
-            notes.append(f"{lost:,} of {count(len(trials_of), 'trial')} of {each} failed, and count as the worst.")
+            notes.append(f"{lost:,} of {count(len(trials_of), 'trial')} of {label} failed, and count as the worst.")
     notes += findings.results.damage
     ordered = problems.sort_values(["worse", "low", "a12"], ascending=False, kind="stable")
     shown = _shown(test.worse_overall, test.high <= test.bound or identical)
     rows = [("all problems", "", *_measured(test.a12, test.low, test.high), "", shown)]
     rows += [
         (
-            each["problem"], " / ".join(dict.fromkeys(f"{each[size]:,}" for size in ("n_old", "n_new"))),
-            *_measured(each["a12"], each["low"], each["high"]), p_text(each["p_holm"])[2:].removeprefix("= "),
-            _shown(each["worse"], each["not_worse"] or identical),
+            row["problem"], " / ".join(dict.fromkeys(f"{row[size]:,}" for size in ("n_old", "n_new"))),
+            *_measured(row["a12"], row["low"], row["high"]), p_text(row["p_holm"])[2:].removeprefix("= "),
+            _shown(row["worse"], row["not_worse"] or identical),
         )
-        for each in ordered.iloc[:SHOWN].to_dict("records")
+        for row in ordered.iloc[:SHOWN].to_dict("records")
     ]  # fmt: skip
     if len(ordered) > SHOWN:
         notes.append(f"The table shows {SHOWN} of {len(ordered):,} problems, those with the largest lower ends first.")
@@ -233,7 +232,7 @@ def _sentence(test: Noninferiority, identical: bool) -> str:
 def _not_shown(test: Noninferiority) -> str:
     """Return a sentence on the problems on which the new version may still be worse, the worst first; "" for none."""
     missing = test.problems[~test.problems["not_worse"]].sort_values(["high", "a12"], ascending=False, kind="stable")
-    named = [f"{each['problem']} (up to {each['high']:.1%})" for each in missing.to_dict("records")]
+    named = [f"{row['problem']} (up to {row['high']:.1%})" for row in missing.to_dict("records")]
     if not named:
         return ""
     if len(named) > NAMED:

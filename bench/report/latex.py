@@ -11,7 +11,7 @@ from functools import cache
 from importlib.resources import files
 from itertools import groupby
 from math import ceil
-from typing import Any
+from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, Template
 
@@ -26,6 +26,20 @@ CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a l
 PAGE = 45  # rows that fit on a page with their caption
 BLOCK = 10  # rows of a block that is named once, and that no page break divides
 WIDEST = 1.5  # lines; the type of a wider table would be too small to read where it shrinks to a line
+
+
+class _Column(NamedTuple):
+    """A column of a table: its place, title, whether it holds numbers, and about its width in characters."""
+
+    place: int
+    title: str
+    numeric: bool
+    width: int
+
+    @property
+    def wraps(self) -> bool:
+        """Whether its texts are set in paragraphs."""
+        return self.width > WRAP
 
 
 def _symbols() -> dict[str, str]:
@@ -64,18 +78,19 @@ def to_latex(table: Table, label: str) -> str:
 
     References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
-    titles, numeric = [title for title, _ in table.header], [number for _, number in table.header]
     rows = table.rows
-    texts = [titles, *([cell.text for cell in row] for row in rows)]
-    widths = [min(max(map(len, column)), 2 * LINE) for column in zip(*texts, strict=True)]
-    wrapped = [width > WRAP for width in widths]
-    width, long = sum(widths) + 2 * len(widths), len(rows) > PAGE
-    breaks = long and (width <= LINE or any(wrapped))  # paragraphs fit, and their height is not known
-    sets = [[*range(len(widths))]]
-    turned = width > WIDEST * LINE and not any(wrapped)
-    if turned and len(apart := _sets(widths, table.frame.index.nlevels * table.has_index)) * len(rows) <= PAGE:
+    columns = []
+    for place, (title, numeric) in enumerate(table.header):
+        longest = max(map(len, [title, *(row[place].text for row in rows)]))
+        columns.append(_Column(place, title, numeric, min(longest, 2 * LINE)))
+    wraps = any(column.wraps for column in columns)
+    width, long = _width(columns), len(rows) > PAGE
+    breaks = long and (width <= LINE or wraps)  # paragraphs fit, and their height is not known
+    sets = [columns]
+    turned = width > WIDEST * LINE and not wraps
+    if turned and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index)) * len(rows) <= PAGE:
         sets, turned = apart, False
-    needed = {"array": any(wrapped), "longtable": breaks, "graphicx": width > COLUMN and not breaks}
+    needed = {"array": wraps, "longtable": breaks, "graphicx": width > COLUMN and not breaks}
     caption = escape(table.caption)
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
@@ -90,7 +105,7 @@ def to_latex(table: Table, label: str) -> str:
         turned=turned,
         float="table*" if width > LINE else "table",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
-        tabulars=[_tabular(columns, titles, blocks, widths, numeric, wrapped, most) for columns in sets],
+        tabulars=[_tabular(columns_of, blocks, most) for columns_of in sets],
         totals=table.totals,
         note=escape(table.note),
     )
@@ -108,38 +123,34 @@ def _most_rows(width: int, note: int, *, turned: bool) -> int:
     return max((int(0.28 * width) if turned else min(int(0.73 * width), 75)) - lines, 1)
 
 
-def _sets(widths: Sequence[int], heads: int) -> list[list[int]]:
+def _width(columns: Iterable[_Column]) -> int:
+    """Return about how many characters wide a table of these columns is, with the space between them."""
+    return sum(column.width + 2 for column in columns)
+
+
+def _sets(columns: Sequence[_Column], heads: int) -> list[list[_Column]]:
     """Return the columns in sets of about the same size, each after those of the index, that are not very wide."""
-    index, others = list(range(heads)), list(range(heads, len(widths)))
-    for number in range(1, len(others) + 1):
-        size = ceil(len(others) / number)
-        sets = [[*index, *others[start : start + size]] for start in range(0, len(others), size)]
-        if max(sum(widths[i] + 2 for i in columns) for columns in sets) <= WIDEST * LINE:
+    index, values = columns[:heads], columns[heads:]
+    for number in range(1, len(values) + 1):
+        size = ceil(len(values) / number)
+        sets = [[*index, *values[start : start + size]] for start in range(0, len(values), size)]
+        if max(map(_width, sets)) <= WIDEST * LINE:
             return sets
-    return [[*index, i] for i in others]
+    return [[*index, column] for column in values]
 
 
-def _tabular(
-    columns: Sequence[int],
-    titles: Sequence[str],
-    blocks: list[list[list[TableCell]]],
-    widths: Sequence[int],
-    numeric: Sequence[bool],
-    wrapped: Sequence[bool],
-    most: int,
-) -> dict[str, Any]:
+def _tabular(columns: Sequence[_Column], blocks: list[list[list[TableCell]]], most: int) -> dict[str, Any]:
     """Return what the template needs of some columns: their types, their header, and their rows by part and block."""
-    numbers, wraps = [numeric[i] for i in columns], [wrapped[i] for i in columns]
     lines = [
         [
-            _row(map(_cell, (row[i] for i in columns), numbers, wraps), skip=number > 0)
+            _row([_cell(row[column.place], column) for column in columns], skip=number > 0)
             for number, row in enumerate(block)
         ]
         for block in blocks
     ]
     return {
-        "columns": _columns([widths[i] for i in columns], numbers, wraps) or "l",
-        "header": _row(map(_text, (titles[i] for i in columns), wraps)),
+        "columns": _types(columns) or "l",
+        "header": _row([_text(column.title, column.wraps) for column in columns]),
         "parts": _parts(lines, most),
     }
 
@@ -179,31 +190,31 @@ def _template() -> Template:
     return environment.get_template("table.tex.j2")
 
 
-def _columns(widths: Sequence[int], numeric: Sequence[bool], wrapped: Sequence[bool]) -> str:
+def _types(columns: Sequence[_Column]) -> str:
     """Return the column types: numbers right, texts left, and paragraphs, which share the rest of the width."""
-    wants = sum(width for width, wrap in zip(widths, wrapped, strict=True) if wrap)
-    taken = sum(width + 2 for width, wrap in zip(widths, wrapped, strict=True) if not wrap)
-    room = max(LINE - taken, WRAP * sum(wrapped)) / LINE
+    paragraphs = [column for column in columns if column.wraps]
+    wants = sum(column.width for column in paragraphs)
+    taken = _width(column for column in columns if not column.wraps)
+    room = max(LINE - taken, WRAP * len(paragraphs)) / LINE
     types = []
-    for width, number, wrap in zip(widths, numeric, wrapped, strict=True):
-        side = "left" if number else "right"  # \raggedleft sets to the right
-        paragraph = f">{{\\ragged{side}\\arraybackslash}}p{{{room * width / max(wants, 1):.2f}\\linewidth}}"
-        types.append(paragraph if wrap else "lr"[number])
+    for column in columns:
+        side = "left" if column.numeric else "right"  # \raggedleft sets to the right
+        paragraph = f">{{\\ragged{side}\\arraybackslash}}p{{{room * column.width / max(wants, 1):.2f}\\linewidth}}"
+        types.append(paragraph if column.wraps else "lr"[column.numeric])
     return "".join(types)
 
 
-def _row(cells: Iterable[str], *, skip: bool = False) -> str:
+def _row(cells: Sequence[str], *, skip: bool = False) -> str:
     r"""Return a row of the table, without its end, that does not start like an optional argument of ``\\`` or a rule.
 
     The first cell is left empty on request.
     """
-    own = list(cells)
-    text = " & ".join(["", *own[1:]] if skip else own)
+    text = " & ".join(["", *cells[1:]] if skip else cells)
     return ("{}" if text[:1] in ("[", "*") else "") + text
 
 
-def _cell(cell: TableCell, number: bool, wrap: bool) -> str:
-    text = _number(cell.text) if number else _text(cell.text, wrap)
+def _cell(cell: TableCell, column: _Column) -> str:
+    text = _number(cell.text) if column.numeric else _text(cell.text, column.wraps)
     text = f"\\textit{{{text}}}" if cell.italic else text
     if cell.bold:
         text = f"\\textbf{{\\boldmath {text}}}" if "$" in text else f"\\textbf{{{text}}}"

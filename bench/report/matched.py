@@ -35,6 +35,6 @@ def options_differing(findings: Findings) -> str:
             alike.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
     clauses = []
     for owners, values in alike.items():
-        together = {", ".join(own): [*labels] for *own, labels in zip(*values.values(), owners, strict=True)}
+        together = {", ".join(of_one): [*labels] for *of_one, labels in zip(*values.values(), owners, strict=True)}
         clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {grouped(together)}")
     return ", ".join(clauses)

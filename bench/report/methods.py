@@ -89,19 +89,19 @@ def facts(findings: Findings) -> dict[str, Any]:
         "known_optima": int(anytime.targets.drop_duplicates("problem")["known"].sum()),
         "targets": anytime.targets["problem"].nunique(),
         "target_set": anytime.words,
-        "run_lengths": [f"{each:g}" for each in analysis.RUN_LENGTHS],
+        "run_lengths": [f"{length:g}" for length in analysis.RUN_LENGTHS],
         "aocc": anytime.aocc["problem"].nunique() if anytime.words.absolute else 0,
         "early": {label: int((early & (trials.frame["optimizer"] == label)).sum()) for label in trials.optimizers},
         "checks": results.checks,
         "rope": final.rope if len(final.equivalence) else None,
         "landscapes": len(findings.landscapes.table),
         "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,
-        "budgets": {label: described(each) for label, each in results.budgets.items()},
+        "budgets": {label: described(budget) for label, budget in results.budgets.items()},
         "common": trials.common_words,
         "confined": len({problem for (problem, _), by in trials.shifts.items() if by}),  # optimum out of reach
         "best2009": anytime.best_times.dropna()["problem"].nunique(),
         "tuning": study.tuning if study.tuning and not study.tuning.doubt else None,
-        "sweeps": sum(not each.levels.empty for each in final.contributions.values()),
+        "sweeps": sum(not parameters.levels.empty for parameters in final.contributions.values()),
         "stopped": len(trials.decisions.stopped),  # cells, by a declared look
         "extensions": undeclared(trials.extensions),
         "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),
@@ -118,9 +118,9 @@ def write(study: Study, descriptions: Mapping[str, Description], stated: Mapping
     front = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---"
     comment = f"% {BIBLIOGRAPHY} has the works cited"
     return Methods(
-        text=tuple(TEXT.write(each, works) for each in prose),
-        markdown="\n\n".join([front, *(MARKDOWN.write(each, works) for each in prose)]) + "\n",
-        latex="\n\n".join([comment, *(LATEX.write(each, works) for each in prose)]) + "\n",
+        text=tuple(TEXT.write(paragraph, works) for paragraph in prose),
+        markdown="\n\n".join([front, *(MARKDOWN.write(paragraph, works) for paragraph in prose)]) + "\n",
+        latex="\n\n".join([comment, *(LATEX.write(paragraph, works) for paragraph in prose)]) + "\n",
         bibtex="\n".join(works[key].bibtex + "\n" for key in cited_keys(prose)),
         warnings=warnings,
     )
@@ -144,13 +144,13 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "fewest": min((cells.fewest for cells in replications), default=0),
         "most": max((cells.most for cells in replications), default=0),
         "made": _made(study, replications),
-        "constrained": sum(bool(each.constraints) for each in problem_facts.values()),
-        "noisy": sum(each.noisy for each in problem_facts.values()),
-        "mixed": sum(bool(each.integers) for each in problem_facts.values()),
+        "constrained": sum(bool(problem.constraints) for problem in problem_facts.values()),
+        "noisy": sum(problem.noisy for problem in problem_facts.values()),
+        "mixed": sum(bool(problem.integers) for problem in problem_facts.values()),
         "dimensions": problem_words.dimensions(problem_facts),
         "boxes": problem_words.boxes(problem_facts),
         "optima": problem_words.optima(problem_facts),
-        "unknown_optima": sum(each.optimum is None for each in problem_facts.values()),
+        "unknown_optima": sum(problem.optimum is None for problem in problem_facts.values()),
         "measures": problem_words.measures(problem_facts),
         "steps": problem_words.sweeps(problem_facts),
         "handling": _handling(study, descriptions),
@@ -196,7 +196,7 @@ def _handling(study: Study, descriptions: Mapping[str, Description]) -> dict[str
 
 def _tested(checks: Mapping[str, Sequence[Mapping[str, Any]]], check: str) -> list[str]:
     """Return the optimizers that ``bench check`` tested for a bias."""
-    return [label for label, results in checks.items() if any(each["check"] == check for each in results)]
+    return [label for label, results in checks.items() if any(result["check"] == check for result in results)]
 
 
 def _versions(environments: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
@@ -248,20 +248,20 @@ def _bibliography(
     return {work.key: work for work in works}, works_of, tuple(warnings)
 
 
-def merge_works(works: list[Work], others: list[Work]) -> tuple[list[Work], list[Work]]:
-    """Return ``works`` with those of ``others`` that they lack, and ``others`` under their keys in that list.
+def merge_works(works: list[Work], added: list[Work]) -> tuple[list[Work], list[Work]]:
+    """Return ``works`` with those of ``added`` that they lack, and ``added`` under their keys in that list.
 
     BibTeX ignores the case of keys, so a number is appended to the key of another work whose key is taken.
     """
     taken = {work.key.lower(): work for work in works}
     named = []
-    for other in others:
-        number, each = 1, other
-        while not taken.get(each.key.lower(), each).is_same(each):
+    for work in added:
+        number, candidate = 1, work
+        while not taken.get(candidate.key.lower(), candidate).is_same(candidate):
             number += 1
-            each = replace(other, key=f"{other.key}-{number}")
-        taken[each.key.lower()] = each
-        named.append(each)
+            candidate = replace(work, key=f"{work.key}-{number}")
+        taken[candidate.key.lower()] = candidate
+        named.append(candidate)
     return list(taken.values()), named
 
 
@@ -284,12 +284,12 @@ def _data(value: Any) -> str:
 
 def paragraphs(filled: str) -> list[str]:
     """Return the paragraphs of a filled template, each as one line; blank lines separate them."""
-    return [" ".join(each.split()) for each in re.split(r"\n\s*\n", filled) if each.strip()]
+    return [" ".join(text.split()) for text in re.split(r"\n\s*\n", filled) if text.strip()]
 
 
 def cited_keys(prose: Sequence[str]) -> list[str]:
     """Return the keys that the paragraphs cite, in alphabetical order."""
-    return sorted({key for each in prose for keys in _CITATION.findall(each) for key in keys.split("; @")})
+    return sorted({key for text in prose for keys in _CITATION.findall(text) for key in keys.split("; @")})
 
 
 @dataclass(frozen=True)

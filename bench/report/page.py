@@ -6,7 +6,7 @@ import re
 import zlib
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from itertools import groupby
@@ -16,7 +16,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bench.report.interactive.part import Interactive, digest
-from bench.report.parts import LIKE_FRAME, Figure, Part, Section, Table, TableCell
+from bench.report.parts import Figure, Part, Section, Table, TableCell
 from bench.report.paths import shortened
 from bench.report.wording import clause
 
@@ -111,12 +111,7 @@ def render(
 
 def grid(table: Table) -> Grid:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
-    shown = table
-    if len(table.frame) > table.most_rows:
-        frames = {name: getattr(table, name) for name in LIKE_FRAME}
-        shown = replace(
-            table, **{name: frame.head(table.most_rows) for name, frame in frames.items() if frame is not None}
-        )
+    shown = table.arranged(lambda frame: frame.head(table.most_rows)) if len(table.frame) > table.most_rows else table
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]
@@ -193,7 +188,7 @@ def inline(svg: str, name: str, caption: str) -> Markup:
 
 def _properties(element: ElementTree.Element) -> dict[str, str]:
     """Return the style of an element, by property."""
-    pairs = (each.partition(":") for each in element.get("style", "").split(";") if each.strip())
+    pairs = (pair.partition(":") for pair in element.get("style", "").split(";") if pair.strip())
     return {name.strip(): value.strip() for name, _, value in pairs}
 
 
@@ -216,8 +211,8 @@ def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
         )
     if key == "style":
         value = re.sub(r"([:;]) +", r"\1", value)
-        value = re.sub(r"#(000000|ffffff|dddddd)\b", lambda found: PAGE_COLOURS[found[0]], value)
-    return re.sub(r"(^|url\()#([^)]+)", lambda found: f"{found[1]}#{ids.get(found[2], found[2])}", value)
+        value = re.sub(r"#(000000|ffffff|dddddd)\b", lambda colour: PAGE_COLOURS[colour[0]], value)
+    return re.sub(r"(^|url\()#([^)]+)", lambda link: f"{link[1]}#{ids.get(link[2], link[2])}", value)
 
 
 def _slim(parent: ElementTree.Element) -> list[ElementTree.Element]:
@@ -257,7 +252,7 @@ def _hoist(group: ElementTree.Element) -> None:
     styles = {shape.get("style", "") for shape in shapes}
     if len(shapes) > 1 and len(styles) == 1 and "style" not in group.attrib:
         style = styles.pop()
-        if style and all(each.lstrip().startswith(("fill", "stroke")) for each in style.split(";")):
+        if style and all(pair.lstrip().startswith(("fill", "stroke")) for pair in style.split(";")):
             group.set("style", style)
             for shape in shapes:
                 del shape.attrib["style"]
@@ -265,7 +260,7 @@ def _hoist(group: ElementTree.Element) -> None:
 
 def _widest(views: list[View]) -> int:
     """Return the number of columns of the page's widest table."""
-    items = [item for view in views for each in (view, *view.views) for item in each.items]
+    items = [item for outer in views for view in (outer, *outer.views) for item in view.items]
     return max((len(item.grid.header) for item in items), default=0)
 
 

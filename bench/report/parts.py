@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import matplotlib.figure
@@ -77,6 +77,12 @@ class Table:
     most_rows: int = MOST_ROWS
     totals: int = 0
 
+    def arranged(self, change: Callable[[pd.DataFrame], pd.DataFrame]) -> Table:
+        """Return the table with its frame, and every attribute like the frame, changed alike."""
+        frames = {name: getattr(self, name) for name in LIKE_FRAME}
+        changed: dict[str, Any] = {name: change(frame) for name, frame in frames.items() if frame is not None}
+        return replace(self, **changed)
+
     @property
     def has_index(self) -> bool:
         """Whether the index is part of the table."""
@@ -107,18 +113,18 @@ class Table:
                 )
             ]
             for name, values in self.frame.items()
-            for styles in [[self._styles(which, name) for which in looks]]
+            for styles in [[self._styles(like_frame, name) for like_frame in looks]]
             for decimals in [self._decimals(name, values)]
         ]  # fmt: skip
         heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
 
     def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:
-        given = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
-        return usual_decimals(values) if given is None and _is_number(values) else given
+        decimals = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
+        return usual_decimals(values) if decimals is None and _is_number(values) else decimals
 
-    def _styles(self, which: pd.DataFrame | None, column: Any) -> list[Any]:
-        return [None] * len(self.frame) if which is None or column not in which else list(which[column])
+    def _styles(self, like_frame: pd.DataFrame | None, column: Any) -> list[Any]:
+        return [None] * len(self.frame) if like_frame is None or column not in like_frame else list(like_frame[column])
 
 
 def _is_number(values: pd.Series[Any]) -> bool:

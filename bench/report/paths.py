@@ -20,12 +20,12 @@ def shortened(path: str) -> str:
     that does not begin with M, or has other commands than M, L, C, Q and Z, the ones that matplotlib writes, comes
     back as it is.
     """
-    found = COMMAND.findall(path)
-    if not found or found[0][0] != "M" or any(command not in {*PAIRS, "Z", "z"} for command, _ in found):
+    commands = COMMAND.findall(path)
+    if not commands or commands[0][0] != "M" or any(command not in {*PAIRS, "Z", "z"} for command, _ in commands):
         return path
     steps: list[Step] = []
     here = start = (0, 0)
-    for command, text in found:
+    for command, text in commands:
         if command not in PAIRS:
             steps.append(("z", []))
             here = start

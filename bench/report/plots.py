@@ -168,7 +168,7 @@ def ert_figure(
             ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
             style.log_scale(ax, "x")
         if words.kind == "runlength":
-            ax.set_xticks(words.tabled, [words.shown(each) for each in words.tabled], minor=False)
+            ax.set_xticks(words.tabled, [words.shown(tau) for tau in words.tabled], minor=False)
         ax.tick_params(labelleft=place % COLUMNS == 0)
     _span_times(axes, drawn["ert"])
     caption = (
@@ -240,7 +240,7 @@ def reached_figure(
         ax.set_ylabel("share reached")
         return ax
 
-    longest = max((len(f"{each}") for each in labels(curves, "problem")), default=0)
+    longest = max((len(f"{label}") for label in labels(curves, "problem")), default=0)
     down = 0.4 if longest > TITLE_LETTERS else 0.28  # for titles of two lines
     figure, _ = _multiples(curves, pens, draw, across=0.46, down=down, columns=columns)
     caption = (
@@ -379,13 +379,13 @@ def timing_figure(table: pd.DataFrame) -> Figure:
     return Figure("mean-time", caption, figure, data)
 
 
-def portfolio_figure(found: Portfolio) -> Figure:
+def portfolio_figure(portfolio: Portfolio) -> Figure:
     """Return the score of each optimizer alone and of the best larger sets, beside that of the virtual best."""
-    alone = found.members.sort_values("score", ascending=False, kind="stable")[["optimizer", "score"]]
-    sets = found.sets[found.sets["size"] > 1]
+    alone = portfolio.members.sort_values("score", ascending=False, kind="stable")[["optimizer", "score"]]
+    sets = portfolio.sets[portfolio.sets["size"] > 1]
     drawn = alone[:MOST_ROWS]
     names = [*style.names(drawn["optimizer"]).values(), *(f"best set of {size}" for size in sets["size"])]
-    best, left = float(found.gap["virtual_score"].iloc[0]), _left(names)
+    best, left = float(portfolio.gap["virtual_score"].iloc[0]), _left(names)
     figure, (ax,) = style.grid(
         1, width=_width(left), height=style.rows_height(len(names)), left=left, right=0.5, bottom=0.45, top=0.08
     )
@@ -399,8 +399,8 @@ def portfolio_figure(found: Portfolio) -> Figure:
         else ""
     )
     caption = f"The share of the targets that {which} reaches alone{larger}. Line: the virtual best, {best:.1%}."
-    rows = [(each, 1, score) for each, score in alone.itertuples(index=False)]
-    rows += [(" + ".join(own), size, score) for size, own, score, _ in sets.itertuples(index=False)]
+    rows = [(optimizer, 1, score) for optimizer, score in alone.itertuples(index=False)]
+    rows += [(" + ".join(members), size, score) for size, members, score, _ in sets.itertuples(index=False)]
     return Figure("portfolio-sets", caption, figure, pd.DataFrame(rows, columns=["optimizers", "size", "score"]))
 
 

@@ -32,15 +32,15 @@ class Choice:
     def budgets(self) -> dict[str, int]:
         """The evaluations that count, by problem; a problem whose trials had fewer than asked for is left out."""
         trials = self.findings.trials
-        own = {problem: trials.common.get(problem, trials.budgets[problem]) for problem in trials.problems}
+        spent = {problem: trials.common.get(problem, trials.budgets[problem]) for problem in trials.problems}
         if self.asked is None:
-            return own
+            return spent
         wanted = {
             problem: evaluations(self.asked, trials.dimensions.get(problem, 1))
-            for problem in own
+            for problem in spent
             if problem in trials.dimensions or isinstance(self.asked, int)
         }
-        return {problem: most for problem, most in wanted.items() if most <= own[problem]}
+        return {problem: most for problem, most in wanted.items() if most <= spent[problem]}
 
     @property
     def blocks(self) -> dict[str, str]:
@@ -63,8 +63,8 @@ class Choice:
     def features(self) -> pd.DataFrame:
         """The features of the problems that could be described, the dimension among them."""
         table = self.findings.landscapes.table
-        own = table[table.index.isin(list(self.budgets))]
-        return own.assign(dimension=[self.findings.trials.dimensions.get(problem, np.nan) for problem in own.index])
+        table = table[table.index.isin(list(self.budgets))]
+        return table.assign(dimension=[self.findings.trials.dimensions.get(problem, np.nan) for problem in table.index])
 
     @cached_property
     def validated(self) -> pd.DataFrame:
@@ -84,15 +84,15 @@ class Choice:
 
 def points(difference: float, low: float, high: float) -> str:
     """Return a difference of shares in points of a percentage with its interval: "3.1 (95% interval 1.0 to 5.2)"."""
-    shown, lowest, highest = (f"{round(100 * each, 1) + 0.0:.1f}" for each in (difference, low, high))  # no "-0.0"
+    shown, lowest, highest = (f"{round(100 * share, 1) + 0.0:.1f}" for share in (difference, low, high))  # no "-0.0"
     if np.isnan(low):
         return f"{shown} (no interval, as this is one function)"
     return f"{shown} (95% interval {lowest} to {highest})"
 
 
-def gap_sentence(found: pd.DataFrame) -> str:
+def gap_sentence(gap: pd.DataFrame) -> str:
     """Return whether the virtual best is shown to be above the single best, from the gap of a portfolio."""
-    row = found.iloc[0]
+    row = gap.iloc[0]
     by = points(*(float(row[name]) for name in ("gap", "low", "high")))
     over = f"percentage points over {count(int(row['functions']), 'function')}"
     beginning = (
@@ -115,11 +115,11 @@ def selection_sentence(choice: Choice) -> str:
             f"Whether to choose by features of the landscape is validated from {LEAST_FUNCTIONS} functions on; here "
             f"{functions} can be described."
         )
-    own, single = (validated.groupby("function")[name].mean().mean() for name in ("score", "single_score"))
+    chosen, single = (validated.groupby("function")[name].mean().mean() for name in ("score", "single_score"))
     outcome = "pays" if choice.pays else "is not shown to be better than the single best"
     return (
         f"To choose by features of the landscape {outcome}: with each of {validated['function'].nunique()} functions "
         f"left out in turn, the best optimizer on the {NEIGHBOURS} problems with the most similar features reaches "
-        f"{own:.1%} of the targets, after the sample that shows the features, and the single best, chosen on all "
+        f"{chosen:.1%} of the targets, after the sample that shows the features, and the single best, chosen on all "
         f"trials, {single:.1%}, a difference of {points(*choice.gain)} percentage points."
     )

@@ -19,7 +19,7 @@ UNNAMED = "the problem itself"  # where an optimum is from whose problem does no
 
 def dimensions(facts: Known) -> list[int]:
     """Return the dimensions of the problems, as far as they are known, from small to large."""
-    return sorted({len(each.box) for each in facts.values()} - {0})
+    return sorted({len(problem.box) for problem in facts.values()} - {0})
 
 
 def box_text(box: Mapping[str, tuple[float, float]]) -> str:
@@ -30,26 +30,24 @@ def box_text(box: Mapping[str, tuple[float, float]]) -> str:
 
 def boxes(facts: Known) -> dict[str, str]:
     """Return the problems of each box, in words: ``{"[-5, 5]^d": "the bbob problems"}``; "" of those without one."""
-    boxed = {label: each for label, each in facts.items() if each.box}
-    return _grouped(boxed, lambda each: box_text(each.box), facts)
+    return _grouped(facts, lambda problem: box_text(problem.box) if problem.box else None)
 
 
 def optima(facts: Known) -> dict[str, str]:
     """Return the problems whose optimum is known, in words, by where it is from."""
-    solved = {label: each for label, each in facts.items() if each.optimum is not None}
-    return _grouped(solved, lambda each: each.optimum_source or UNNAMED, facts)
+    return _grouped(facts, lambda problem: None if problem.optimum is None else problem.optimum_source or UNNAMED)
 
 
 def measures(facts: Known) -> dict[str, str]:
     """Return the problems that say what their objective value measures, in words, by what it is."""
-    return _grouped({label: each for label, each in facts.items() if each.measure}, lambda each: each.measure, facts)
+    return _grouped(facts, lambda problem: problem.measure or None)
 
 
 def sweeps(facts: Known) -> dict[str, list[str]]:
     """Return the problems, three or more, that are steps of one sweep, by its name."""
     steps: dict[str, list[str]] = {}
-    for label, each in facts.items():
-        if name := str(each.features.get("sweep", "")):
+    for label, problem in facts.items():
+        if name := str(problem.features.get("sweep", "")):
             steps.setdefault(name, []).append(label)
     return {name: labels for name, labels in steps.items() if len(labels) > 2}
 
@@ -60,10 +58,11 @@ def suites(facts: Known) -> str:
     "" where they are not all functions of suites, each in each dimension of its suite once.
     """
     members: dict[str, list[tuple[str, int]]] = {}
-    for each in facts.values():
-        if not each.box or not {"suite", "function"} <= set(each.features):
+    for problem in facts.values():
+        features, size = problem.features, len(problem.box)
+        if not size or not {"suite", "function"} <= set(features):
             return ""
-        members.setdefault(str(each.features["suite"]), []).append((str(each.features["function"]), len(each.box)))
+        members.setdefault(str(features["suite"]), []).append((str(features["function"]), size))
     parts = []
     for suite, cells in members.items():
         functions, sizes = {function for function, _ in cells}, sorted({size for _, size in cells})
@@ -91,27 +90,27 @@ def problems_table(facts: Known, members: Mapping[str, Sequence[str]]) -> Table:
     """Return the table of the problems: dimension, instances, box, and optimum with its source; every bound as data.
 
     Args:
-        known: the facts of the problems.
+        facts: of the problems, by label.
         members: the instances that each problem stands for.
     """
     rows = {
         label: {
-            "d": len(each.box) or None,
+            "d": len(problem.box) or None,
             "instances": len(members[label]),
-            "box": box_text(each.box) or ("by variable" if each.box else MISSING),
-            "constraints": "yes" if each.constraints else "no",
-            "optimum": each.optimum,
-            "optimum from": (each.optimum_source or UNNAMED) if each.optimum is not None else MISSING,
+            "box": box_text(problem.box) or ("by variable" if problem.box else MISSING),
+            "constraints": "yes" if problem.constraints else "no",
+            "optimum": problem.optimum,
+            "optimum from": (problem.optimum_source or UNNAMED) if problem.optimum is not None else MISSING,
         }
-        for label, each in facts.items()
+        for label, problem in facts.items()
     }
     shown = pd.DataFrame.from_dict(rows, orient="index").rename_axis("problem").astype({"d": "Int64"})
     if (shown["instances"] == 1).all():
         shown = shown.drop(columns="instances")
     bounds = [
-        (label, name, low, high, each.optimum)
-        for label, each in facts.items()
-        for name, (low, high) in (each.box or {"": (nan, nan)}).items()
+        (label, name, low, high, problem.optimum)
+        for label, problem in facts.items()
+        for name, (low, high) in (problem.box or {"": (nan, nan)}).items()
     ]
     return Table(
         "problems",
@@ -126,10 +125,11 @@ def _family(label: str, facts: Known) -> str:
     return str(facts[label].features.get("suite") or label.rpartition("-")[0] or label)
 
 
-def _grouped(named: Known, key: Callable[[ProblemFacts], str], facts: Known) -> dict[str, str]:
-    """Return which problems share a key, in words, the most frequent key first."""
+def _grouped(facts: Known, key: Callable[[ProblemFacts], str | None]) -> dict[str, str]:
+    """Return which problems share a key, in words, the most frequent key first, without those that have None."""
     groups: dict[str, list[str]] = {}
-    for label, each in named.items():
-        groups.setdefault(key(each), []).append(label)
-    ordered = sorted(groups.items(), key=lambda each: -len(each[1]))
+    for label, problem in facts.items():
+        if (name := key(problem)) is not None:
+            groups.setdefault(name, []).append(label)
+    ordered = sorted(groups.items(), key=lambda group: -len(group[1]))
     return {name: problems_named(labels, facts) for name, labels in ordered}

@@ -11,14 +11,13 @@ import pandas as pd
 from bench import analysis
 from bench.plots import style
 from bench.report.findings import Final, Findings, Trials
-from bench.report.parts import LIKE_FRAME, Table
+from bench.report.parts import Table
 from bench.report.wording import count
 
 MOST_PAIRED = 30  # optimizers of a matrix of pairs
 MOST_BLOCKS = 20  # columns of the map of a suite: optimizers times dimensions
 HEAD = 20  # letters of an optimizer there
 UPRIGHT_HEAD = 28  # of a problem, above a column of a map whose rows are the optimizers
-Frames = dict[str, pd.DataFrame]
 NEAR = "≈"  # beside the rank of an optimizer that no test separates from the first
 
 
@@ -31,42 +30,29 @@ def rank_map(findings: Findings) -> Table:
     order = findings.final.ranked
     ranks = analysis.table(findings.final.standings, "rank")[order]
     best = analysis.table(findings.final.matrix, "best").astype(bool)[order]
-    frames: Frames = {
-        "frame": ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object),
-        "bold": best,
-        "marks": (_beside_first(findings.final)[order] & ~best).map(lambda near: NEAR if near else ""),
-        "shades": (ranks - 1) / max(len(order) - 1, 1),
-    }
-    names = style.names(order, HEAD)
-    if places := _functions(findings.trials, ranks.index, len(order)):
-        arranged, cells = _by_function(frames, places, names)
-        rows = "function, a column for each dimension d"
-    else:
-        short = (
-            style.names(ranks.index, UPRIGHT_HEAD)
-            if findings.display.upright
-            else {label: label for label in ranks.index}
-        )
-        cells = {(short[problem], names[each]): (problem, each) for problem in ranks.index for each in order}
-        arranged = {name: frame.rename(index=short, columns=names) for name, frame in frames.items()}
-        arranged["frame"] = arranged["frame"].rename_axis("problem")
-        if findings.display.upright:
-            arranged = {name: frame.T for name, frame in arranged.items()}
-            arranged["frame"] = arranged["frame"].rename_axis(index="optimizer", columns=None)
-            cells = {(column, row): cell for (row, column), cell in cells.items()}
-        rows = "problem"
-    return Table(
+    places = _functions(findings.trials, ranks.index, len(order))
+    rows = "function, a column for each dimension d" if places else "problem"
+    table = Table(
         "rank-map",
         f"Rank of each optimizer on each {rows}, by the rivals that it beats.",
-        arranged["frame"],
-        bold=arranged["bold"],
-        marks=arranged["marks"],
-        shades=arranged["shades"],
-        cells=cells,
+        ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object),
+        bold=best,
+        marks=(_beside_first(findings.final)[order] & ~best).map(lambda near: NEAR if near else ""),
+        shades=(ranks - 1) / max(len(order) - 1, 1),
         note=f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no "
         "trial.",
         data=findings.final.standings,
     )
+    heads = style.names(order, HEAD)
+    if places:
+        return _by_function(table, places, heads)
+    if findings.display.upright:
+        short = style.names(ranks.index, UPRIGHT_HEAD)
+        cells = {(heads[label], short[problem]): (problem, label) for problem in ranks.index for label in order}
+        table = table.arranged(lambda frame: frame.rename(index=short, columns=heads).T)
+        return replace(table.arranged(lambda frame: frame.rename_axis(index="optimizer", columns=None)), cells=cells)
+    cells = {(problem, heads[label]): (problem, label) for problem in ranks.index for label in order}
+    return replace(table.arranged(lambda frame: frame.rename(columns=heads).rename_axis("problem")), cells=cells)
 
 
 def _functions(trials: Trials, problems: Iterable[str], optimizers: int) -> dict[tuple[str, int], str]:
@@ -74,47 +60,39 @@ def _functions(trials: Trials, problems: Iterable[str], optimizers: int) -> dict
     if not trials.many:
         return {}
     features = {label: trials.known[label].features for label in problems}
-    suites = {str(each.get("suite", "")) for each in features.values()}
-    places = {
-        (f"{each.get('suite', '')} {each.get('function', '')}" if len(suites) > 1 else str(each.get("function", "")),
-         trials.dimensions.get(label, 0)): label
-        for label, each in features.items()
-    }  # fmt: skip
+    suites = {str(of_problem.get("suite", "")) for of_problem in features.values()}
+    places = {}
+    for label, of_problem in features.items():
+        function = str(of_problem.get("function", ""))
+        name = f"{of_problem.get('suite', '')} {function}" if len(suites) > 1 else function
+        places[name, trials.dimensions.get(label, 0)] = label
     dimensions = {dimension for _, dimension in places}
-    whole = (
-        len(places) == len(features) and all("function" in each for each in features.values()) and 0 not in dimensions
-    )
+    named = all("function" in of_problem for of_problem in features.values())
+    whole = len(places) == len(features) and named and 0 not in dimensions
     fits = len(dimensions) > 1 and optimizers * len(dimensions) <= MOST_BLOCKS
     return places if whole and fits else {}
 
 
-def _by_function(
-    frames: Frames, places: Mapping[tuple[str, int], str], names: Mapping[str, str]
-) -> tuple[Frames, dict[tuple[Any, Any], tuple[str, str]]]:
-    """Return frames of problems by optimizers as functions by optimizers and dimensions, and the cells they show."""
-    functions, dimensions = list(dict.fromkeys(name for name, _ in places)), sorted({each for _, each in places})
-    heads = {(label, each): f"{name}, d = {each}" for label, name in names.items() for each in dimensions}
-    missing = {"frame": "", "bold": False, "marks": "", "shades": float("nan")}
-    arranged = {
-        kind: pd.DataFrame(
-            {
-                head: [
-                    frame.at[places[function, each], label] if (function, each) in places else missing[kind]
-                    for function in functions
-                ]
-                for (label, each), head in heads.items()
-            },
-            index=pd.Index(functions, name="function"),
-        )
-        for kind, frame in frames.items()
-    }
+def _by_function(table: Table, places: Mapping[tuple[str, int], str], names: Mapping[str, str]) -> Table:
+    """Return a table of problems by optimizers as one of functions by optimizers and dimensions."""
+    functions, dimensions = list(dict.fromkeys(name for name, _ in places)), sorted({size for _, size in places})
+    heads = {(label, size): f"{name}, d = {size}" for label, name in names.items() for size in dimensions}
     cells = {
-        (function, head): (places[function, each], label)
-        for (label, each), head in heads.items()
+        (function, head): (places[function, size], label)
+        for (label, size), head in heads.items()
         for function in functions
-        if (function, each) in places
+        if (function, size) in places
     }
-    return arranged, cells
+
+    def arrange(frame: pd.DataFrame) -> pd.DataFrame:
+        empty = {"O": "", "b": False, "f": float("nan")}[frame.dtypes.iloc[0].kind]
+        columns = {
+            head: [frame.at[cells[function, head]] if (function, head) in cells else empty for function in functions]
+            for head in heads.values()
+        }
+        return pd.DataFrame(columns, index=pd.Index(functions, name="function"))
+
+    return replace(table.arranged(arrange), cells=cells)
 
 
 def pair_matrix(findings: Findings) -> Table:
@@ -131,11 +109,11 @@ def pair_matrix(findings: Findings) -> Table:
             clear.at[first, second] = clear.at[second, first] = True
     texts = chances.map(lambda chance: "" if pd.isna(chance) else f"{chance:.2f}").astype(object)
     left = len(findings.trials.optimizers) - len(order)
-    rest = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
+    of_best = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
     return Table(
         "pair-matrix",
         "The chance that a run of the optimizer of the row ends lower than one of that of the column, averaged over "
-        f"problems.{rest}",
+        f"problems.{of_best}",
         texts.rename_axis(index="optimizer", columns=None),
         bold=clear,
         shades=1 - chances,
@@ -156,10 +134,8 @@ def turned(table: Table, findings: Findings) -> Table:
     def turn(frame: pd.DataFrame) -> pd.DataFrame:
         return frame.reindex(columns=order).T.rename_axis("optimizer")
 
-    named = {name: getattr(table, name) for name in LIKE_FRAME}
-    swapped: dict[str, Any] = {name: turn(frame) for name, frame in named.items() if frame is not None}
     note = table.note.replace("the row", "the column").replace("a row", "a column")
-    return replace(table, note=note, **swapped)
+    return replace(table.arranged(turn), note=note)
 
 
 def _beside_first(final: Final) -> pd.DataFrame:
@@ -171,9 +147,9 @@ def _beside_first(final: Final) -> pd.DataFrame:
     first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))
     first_ones = best.to_numpy()
     near = first_ones.copy()
-    for one, other in ((first, second), (second, first)):
-        beside = first_ones[row, one]
-        near[row[beside], other[beside]] = True
+    for column, rival in ((first, second), (second, first)):
+        beside = first_ones[row, column]
+        near[row[beside], rival[beside]] = True
     return pd.DataFrame(near, index=best.index, columns=best.columns)
 
 
@@ -206,4 +182,4 @@ def ranking_table(findings: Findings) -> Table:
 
 
 def _with_interval(values: pd.Series[Any], low: pd.Series[Any], high: pd.Series[Any]) -> list[str]:
-    return [f"{one:.2f} [{least:.2f}, {most:.2f}]" for one, least, most in zip(values, low, high, strict=True)]
+    return [f"{value:.2f} [{least:.2f}, {most:.2f}]" for value, least, most in zip(values, low, high, strict=True)]

@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench.analysis.landscape import describe
 from bench.analysis.portfolio import Halves, best_gap
-from bench.analysis.selection import NEIGHBOURS, Space, best_on, cell_scores, single_best, usual_reach
+from bench.analysis.selection import NEIGHBOURS, best_on, cell_scores, feature_distances, single_best, usual_reach
 from bench.errors import BenchError
 from bench.plugins.loading import is_imported, load_problem
 from bench.problem import Problem
@@ -88,13 +88,13 @@ def recommend(
     if obstacle := _obstacle(choice, spent, cost):
         notes.append(f"{obstacle} The advice is the single best on all problems of the folders, {single}.")
     else:
-        known = choice.features[choice.features.index.isin(where)]
-        own = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
-        near = Space.of(known).distances(own).iloc[0].nsmallest(NEIGHBOURS)
+        features = choice.features[choice.features.index.isin(where)]
+        of_problem = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
+        near = feature_distances(features, of_problem).iloc[0].nsmallest(NEIGHBOURS)
         winners = [listing(list(row.index[row == row.max()]), 3) for _, row in plain.loc[near.index].iterrows()]
         nearest = pd.DataFrame({"problem": near.index, "distance": near.to_numpy(dtype=float), "best": winners})
         where, charged = list(near.index), choice.charged
-        notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), known, choice.blocks)
+        notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), features, choice.blocks)
     best = best_on(where, choice.scores, charged, choice.blocks)
     if not obstacle:
         first, reached = str(best["optimizer"].iloc[0]), bool(best["score"].iloc[0] > 0)
@@ -115,8 +115,8 @@ def _budget_notes(choice: Choice, words: str) -> list[str]:
     notes = []
     if left_out := len(trials.problems) - len(choice.budgets):
         notes.append(f"Left out: {count(left_out, 'problem')} whose trials had fewer evaluations than asked for.")
-    own = Choice(choice.findings).budgets
-    if any(most < own[problem] for problem, most in choice.budgets.items()):
+    whole = Choice(choice.findings).budgets
+    if any(most < whole[problem] for problem, most in choice.budgets.items()):
         notes.append(
             f"The trials had more evaluations and are looked at after {words}; an optimizer that plans by its budget "
             "may do better with fewer."

@@ -35,13 +35,13 @@ class Replication:
         """
         planned, pooled = self.planned * self.instances, self.instances > 1
         made = count(self.most, noun) if self.fewest == self.most else f"{self.fewest:,} to {count(self.most, noun)}"
-        each = f"{self.planned:,} on each of {self.instances:,} instances" if self.planned and pooled else ""
+        split = f"{self.planned:,} on each of {self.instances:,} instances" if self.planned and pooled else ""
         if at_most:
             return f"{made} (at most {at_most:,}, by declared looks)"
         if self.planned and not self.fewest == self.most == planned:
-            return f"{made} (of {planned:,} planned{f', {each}' if each else ''})"
-        each = each or (f"on {self.instances:,} instances" if pooled else "")
-        return f"{made} ({each})" if each else made
+            return f"{made} (of {planned:,} planned{f', {split}' if split else ''})"
+        split = split or (f"on {self.instances:,} instances" if pooled else "")
+        return f"{made} ({split})" if split else made
 
 
 def replications(
@@ -62,7 +62,7 @@ def replications(
         Replication(rows["problem"].nunique(), int(number), int(rows["stored"].min()), int(rows["stored"].max()), plan)
         for number, rows in stored.groupby(instances.astype(int))
     ]
-    return sorted(cells, key=lambda each: -each.problems)
+    return sorted(cells, key=lambda replication: -replication.problems)
 
 
 def each_problem(cells: Sequence[Replication], noun: str = "trial", at_most: int = 0) -> str:

@@ -32,9 +32,9 @@ def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -
         anchor = free(slug(section.title) or "part", taken)
         taken.add(anchor)
         return View(
-            anchor, section, [item(part) for part in section.items], [view(each) for each in section.sections], []
+            anchor, section, [item(part) for part in section.items], [view(inner) for inner in section.sections], []
         )
 
     with style.context(), replacing(path) as temporary:
-        temporary.write_text(render(title, lead, [view(each) for each in sections]), encoding="utf-8")
+        temporary.write_text(render(title, lead, [view(section) for section in sections]), encoding="utf-8")
     return path

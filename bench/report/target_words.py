@@ -77,8 +77,8 @@ def default_targets(facts: Mapping[str, ProblemFacts], functions: list[str]) -> 
     nothing.
     """
     usual = [
-        each.optimum is not None and (label in functions or str(each.features.get("suite", "")).startswith(FIELD))
-        for label, each in facts.items()
+        problem.optimum is not None and (label in functions or str(problem.features.get("suite", "")).startswith(FIELD))
+        for label, problem in facts.items()
     ]
     return "precisions" if usual and all(usual) else "relative"
 
@@ -94,7 +94,7 @@ def target_words(chosen: Targets) -> TargetWords:
         levels = (1.0, 1e-2, 1e-8)
         return TargetWords(chosen, chosen, "precision", "precisions", levels, 1e-2, analysis.PRECISIONS)
     if chosen == "runlength":
-        tabled = tuple(1 / each for each in analysis.RUN_LENGTHS)
+        tabled = tuple(1 / length for length in analysis.RUN_LENGTHS)
         return TargetWords(chosen, chosen, "budget / d", "running lengths", tabled[2:], tabled[3], tabled)
     if chosen == "quantiles":
         levels = (0.5, 0.25, 0.1)
@@ -121,16 +121,16 @@ def meaning(words: TargetWords, known: list[bool]) -> str:
     )
     asked = words.chosen if isinstance(words.chosen, list) else []
     if words.kind == "precisions":
-        which = (
+        targets = (
             f"{len(asked)} precisions from {asked[0]:g} to {asked[-1]:g}"
             if len(asked) > 1
             else f"the precision {asked[0]:g}"
             if asked
             else "51 precisions from 1e2 to 1e-8, five a decade, as in COCO (Hansen et al. 2021)"
         )
-        return f"The targets are {which}: the best value less {above}."
+        return f"The targets are {targets}: the best value less {above}."
     if words.kind == "runlength":
-        *lengths, last = (f"{each:g}" for each in analysis.RUN_LENGTHS)
+        *lengths, last = (f"{length:g}" for length in analysis.RUN_LENGTHS)
         return (
             "The targets of a problem are by running length, as cocopp sets them for expensive functions: for a budget "
             f"of {', '.join(lengths)} and {last} times d evaluations, the next precision (five a decade) after the "

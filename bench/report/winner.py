@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -124,32 +125,39 @@ class Standing:
         counts = {name: int(ranked[name]) for name in ("first", "separable", "worse")}
         return {str(name): value for name, value in ranked.items()} | counts
 
-    @property
+    @cached_property
+    def mean_ranks(self) -> dict[str, float]:
+        """The mean rank of each optimizer over the problems."""
+        return dict(zip(self.ranking["optimizer"], self.ranking["mean_rank"], strict=True))
+
+    @cached_property
     def ordered(self) -> list[str]:
         """The optimizers by mean rank, and by the mean chance to beat another where they tie."""
-        labels = list(self.ranking["optimizer"])
-        chances = {pair: 0.5 if math.isnan(each.chance) else each.chance for pair, each in self.across.items()}
-        against = {one: sum(chances[one, other] for other in labels if other != one) for one in labels}
-        ranks = dict(zip(labels, self.ranking["mean_rank"].round(9), strict=True))
-        return sorted(labels, key=lambda each: (ranks[each], -round(float(against[each]), 9)))
+        chances = {pair: 0.5 if math.isnan(seen.chance) else seen.chance for pair, seen in self.across.items()}
+
+        def place(label: str) -> tuple[float, float]:
+            chance = sum(chances[label, rival] for rival in self.mean_ranks if rival != label)
+            return round(self.mean_ranks[label], 9), -round(chance, 9)
+
+        return sorted(self.mean_ranks, key=place)
 
     @property
     def level(self) -> list[str]:
         """The optimizers that share the lowest mean rank."""
-        ranks = self.ranking.set_index("optimizer")["mean_rank"]
-        return [each for each in self.ordered if ranks[each] <= ranks.min() + TIED]
+        lowest = min(self.mean_ranks.values())
+        return [label for label in self.ordered if self.mean_ranks[label] <= lowest + TIED]
 
-    def lower_on_most(self, one: str, other: str) -> bool:
+    def lower_on_most(self, label: str, rival: str) -> bool:
         """Return whether one is separably lower than the other on more than half of the problems."""
-        return 2 * self.beaten.get((one, other), 0) > self.problems
+        return 2 * self.beaten.get((label, rival), 0) > self.problems
 
     @property
     def open(self) -> list[str]:
         """The rivals than which neither kind of evidence shows the leader to be lower, in order of rank."""
         leader, *rivals = self.ordered
         kinds = [
-            [each for each in rivals if not self.lower_on_most(leader, each)],
-            [each for each in rivals if not self.across[leader, each].lower],
+            [rival for rival in rivals if not self.lower_on_most(leader, rival)],
+            [rival for rival in rivals if not self.across[leader, rival].lower],
         ]
         return min(kinds, key=len)
 
@@ -171,7 +179,9 @@ def verdict(standing: Standing) -> Conclusion:
         Where=_where(standing, leader),
         By_how_much=_effect(standing, leader) if alone else "",
         How_sure=_sure(standing, leader),
-        At_what_budget=_course(standing, leader) if alone and testable else "",
+        At_what_budget=" ".join(filter(None, (_course(standing, leader), standing.clock)))
+        if alone and testable
+        else "",
     )
     return Conclusion(_headline(standing, leader), lines, bool(standing.leads) and not standing.conditions)
 
@@ -182,7 +192,7 @@ def _lines(**texts: str) -> tuple[tuple[str, str], ...]:
 
 def _split(standing: Standing) -> str:
     """Return who is separably lower than every rival on some problems, though others are so on as many; else ""."""
-    parts = [f"{each} on {number}" for each in standing.ordered if (number := standing.row(each)["separable"])]
+    parts = [f"{label} on {number}" for label in standing.ordered if (number := standing.row(label)["separable"])]
     return f"Problems differ: separably lower than every rival is {listing(parts)}." if parts else ""
 
 
@@ -225,18 +235,18 @@ def _shown(standing: Standing, leader: str) -> str:
     if standing.problem:
         return f"its results are separably lower than those of {every}"
     texts = []
-    if all(standing.lower_on_most(leader, each) for each in rivals):
+    if all(standing.lower_on_most(leader, rival) for rival in rivals):
         number, problems = standing.row(leader)["separable"], count(standing.problems, "problem")
         texts.append(
             f"separably lower than {every} on {number} of {problems}"
             if 2 * number > standing.problems
             else f"separably lower than each other optimizer on more than half of {problems}"
         )
-    if all(standing.across[leader, each].lower for each in rivals):
-        most = max(standing.across[leader, each].p for each in rivals)
-        p, which = (p_text(most), "") if len(rivals) == 1 else (p_text(most).replace("=", "≤"), " against each")
+    if all(standing.across[leader, rival].lower for rival in rivals):
+        most = max(standing.across[leader, rival].p for rival in rivals)
+        p, against = (p_text(most), "") if len(rivals) == 1 else (p_text(most).replace("=", "≤"), " against each")
         over = "across problems" if standing.levels.further else f"in the mean over these {standing.problems} problems"
-        texts.append(f"lower than {every} {over} ({p}{which})")
+        texts.append(f"lower than {every} {over} ({p}{against})")
     return ", and ".join(texts)
 
 
@@ -250,9 +260,9 @@ def _where(standing: Standing, leader: str) -> str:
     if standing.levels.problems:
         rivals = standing.ordered[1:]
         if not standing.leads:
-            counts = [f"{each} {standing.beaten.get((leader, each), 0)}" for each in rivals[:NAMED]]
+            counts = [f"{rival} {standing.beaten.get((leader, rival), 0)}" for rival in rivals[:NAMED]]
             parts.append(f"separably lower than {listing(counts)}")
-        elif not all(standing.lower_on_most(leader, each) for each in rivals):
+        elif not all(standing.lower_on_most(leader, rival) for rival in rivals):
             parts.append(f"separably lower than every rival on {row['separable']}")
         parts.append(
             f"a rival is separably lower on {row['worse']}" if row["worse"] else "no rival is separably lower on any"
@@ -267,8 +277,8 @@ def _effect(standing: Standing, leader: str) -> str:
     pair = standing.across[leader, second]
     if math.isnan(pair.chance) or math.isnan(pair.low):
         return ""
-    ranks = standing.ranking.set_index("optimizer")["mean_rank"]
-    beside = [each for each in standing.ordered[2:] if ranks[each] <= ranks[second] + TIED]
+    ranks = standing.mean_ranks
+    beside = [label for label in standing.ordered[2:] if ranks[label] <= ranks[second] + TIED]
     place = f", which shares the second rank with {listing(beside, NAMED)}," if beside else ", the second in rank,"
     place = "" if len(standing.ranking) == 2 else place
     shown = f"{pair.chance:.2f} [{pair.low:.2f}, {pair.high:.2f}]"
@@ -301,20 +311,16 @@ def _near(standing: Standing, leader: str) -> str:
     """Return the share of runs that came near the best known value, with that of the best rival."""
     if standing.near_shares.empty or not standing.near_shares.max() > 0:
         return ""
-    others = standing.near_shares.drop(leader)
-    best, most, share = str(others.idxmax()), float(others.max()), float(standing.near_shares[leader])
+    of_rivals = standing.near_shares.drop(leader)
+    best, most, share = str(of_rivals.idxmax()), float(of_rivals.max()), float(standing.near_shares[leader])
     if not share:
         return f"None of its runs comes {standing.near}, but {percent(most)} of {best}’s do."
-    rest = f"{best} {percent(most)}" if most > 0 else "no other run does"
-    return f"{percent(share)} of its runs come {standing.near} ({rest})."
+    beside = f"{best} {percent(most)}" if most > 0 else "no other run does"
+    return f"{percent(share)} of its runs come {standing.near} ({beside})."
 
 
 def _course(standing: Standing, leader: str) -> str:
-    """Return who has a lower mean rank than the leader at which smaller budgets, and who is faster by the clock."""
-    return " ".join(filter(None, (_stages(standing, leader), standing.clock)))
-
-
-def _stages(standing: Standing, leader: str) -> str:
+    """Return who has a lower mean rank than the leader at which smaller budgets; "" where that is not known."""
     if not standing.course or leader not in standing.course[-1].lowest:
         return ""
     spells = []

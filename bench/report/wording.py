@@ -49,9 +49,9 @@ def row_texts(values: Iterable[float]) -> list[str]:
 
     The fewest digits that make the most texts different: numbers of one text are not distinguished by six digits.
     """
-    own = list(values)
-    texts = [[_significant(value, digits) for value in own] for digits in (4, 5, 6)]
-    return max(texts, key=lambda each: len(set(each)))
+    numbers = list(values)
+    texts = [[_significant(number, digits) for number in numbers] for digits in (4, 5, 6)]
+    return max(texts, key=lambda texts_of_digits: len(set(texts_of_digits)))
 
 
 def _significant(value: float, digits: int) -> str:
@@ -88,8 +88,8 @@ def leaders(marks: pd.DataFrame, feature: str) -> str:
     first = f"{totals.index[0]} had {feature} on {totals.iloc[0]} of {count(len(marked), 'problem')}"
     parts = [first, *(f"{label} on {number}" for label, number in totals.iloc[1:].items())]
     if len(parts) > MOST_LEADERS:
-        rest = totals.iloc[MOST_LEADERS - 1 :]
-        parts[MOST_LEADERS - 1 :] = [f"{len(rest)} others on at most {rest.iloc[0]} each"]
+        last = totals.iloc[MOST_LEADERS - 1 :]
+        parts[MOST_LEADERS - 1 :] = [f"{len(last)} others on at most {last.iloc[0]} each"]
     ties = " (a tie counts for each)" if (marked.sum(axis=1) > 1).any() else ""
     return f"{listing(parts)}{ties}"
 
@@ -102,9 +102,9 @@ def listing(items: Sequence[str], at_most: int = 8) -> str:
     return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
 
 
-def options(given: Mapping[str, Any]) -> str:
+def options(values: Mapping[str, Any]) -> str:
     """Return options of a plug-in as ``"agents = 300, handling = repair"``."""
-    return ", ".join(f"{key} = {option(value)}" for key, value in given.items())
+    return ", ".join(f"{key} = {option(value)}" for key, value in values.items())
 
 
 def interval(low: float, high: float, decimals: int | None) -> str:

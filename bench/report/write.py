@@ -175,8 +175,8 @@ class _Report:
             f"{study.budget_words} a trial."
         )
         further = interactive(self.findings)
-        noted = answer(self.findings, opening[0]) if opening[0] is not None else {}
-        self.save(NOTE, json.dumps(noted, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
+        lines = answer(self.findings, opening[0]) if opening[0] is not None else {}
+        self.save(NOTE, json.dumps(lines, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
         html = render(study.title or study.name, lead, self.views, self.problems, further)
         page = self.save(PAGE, html, "This page.")
         self.clean()
@@ -246,10 +246,10 @@ class _Report:
             pooled = name == "cells" and findings.trials.precisions
             self.files[path] = f"{about[:-1]}, precisions where instances are pooled." if pooled else about
         if len(self.results.frame):
-            said = methods(self.findings)
-            self.save("methods.md", said.markdown, "The methods as Markdown.")
-            self.save("methods.tex", said.latex, "The methods as LaTeX.")
-            self.save("references.bib", said.bibtex, "The works cited in the methods.")
+            stated = methods(self.findings)
+            self.save("methods.md", stated.markdown, "The methods as Markdown.")
+            self.save("methods.tex", stated.latex, "The methods as LaTeX.")
+            self.save("references.bib", stated.bibtex, "The works cited in the methods.")
         text = (
             "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
             f"{style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
@@ -263,13 +263,12 @@ class _Report:
         # Of many problems, a paper has the tables of the whole suite; the CSV files of single ones are kept.
         latex = not (section.problem and self.findings.trials.many)
         view = View(anchor, section, [self.item(part, latex=latex) for part in section.items], [], [])
-        for each in section.sections:
-            if each.problem:
-                self.step(f"{section.title}: {each.title}")
-            inner = self.anchor(PROBLEM if each.problem else anchor, each.problem or each.title)
-            if each.problem:
-                self.problems.setdefault(each.problem, inner)
-            view.views.append(self.view(each, inner))
+        for subsection in section.sections:
+            inner = self.anchor(PROBLEM if subsection.problem else anchor, subsection.problem or subsection.title)
+            if subsection.problem:
+                self.step(f"{section.title}: {subsection.title}")
+                self.problems.setdefault(subsection.problem, inner)
+            view.views.append(self.view(subsection, inner))
         return view
 
     def item(self, part: Part, *, latex: bool = True) -> Item:
@@ -344,5 +343,5 @@ def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
 
 def _figures(section: Section) -> Iterator[matplotlib.figure.Figure]:
     """Yield the figures of a section and of its subsections."""
-    for each in (section, *section.sections):
-        yield from (item.figure for item in each.items if isinstance(item, Figure))
+    for part in (section, *section.sections):
+        yield from (item.figure for item in part.items if isinstance(item, Figure))

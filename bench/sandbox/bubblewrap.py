@@ -6,6 +6,7 @@ files, its shared memory, its message queues, and all processes that it has star
 
 from __future__ import annotations
 
+import hashlib
 import os
 import platform
 import shutil
@@ -51,13 +52,16 @@ class Sandbox:
             yield [*self.words, "--seccomp", str(number), "--"], [number]
 
 
-def find(sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Path] = ()) -> Sandbox | None:
+def find(
+    sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Path] = (), kernels: Iterable[Path] = ()
+) -> Sandbox | None:
     """Return the sandbox of that name, None for None.
 
     Args:
         sandbox: one of ``SANDBOXES``.
         shown: files and folders that processes need to read, wherever they are.
         hidden: files and folders that they must not read.
+        kernels: the files of numba's caches beside the code, which no process need compile once more.
 
     Raises:
         BenchError: for an unknown sandbox, or one that is not installed or cannot be used here.
@@ -72,10 +76,11 @@ def find(sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Pa
             "--sandbox bwrap needs bubblewrap, which is not installed here; install it (on Debian: apt install "
             "bubblewrap), or run without a sandbox"
         )
-    found = Sandbox((program, *_words([*shown, *_installed()], [*hidden])))
-    if reason := _refusal(found, "true"):
+    sandboxed = Sandbox((program, *_words([*shown, *_installed()], [*hidden], kernels)))
+    if reason := _refusal(sandboxed, "true"):
         raise BenchError(f"the sandbox cannot be used here: {reason}")
-    return replace(found, nests=not _refusal(found, sys.executable, "-ISc", Path(namespaces.__file__).read_text()))
+    script = Path(namespaces.__file__).read_text()
+    return replace(sandboxed, nests=not _refusal(sandboxed, sys.executable, "-ISc", script))
 
 
 def _refusal(sandbox: Sandbox, *command: str) -> str:
@@ -90,7 +95,7 @@ def _refusal(sandbox: Sandbox, *command: str) -> str:
     return (tried.stderr.strip().splitlines() or ["it ended"])[-1] if tried.returncode else ""
 
 
-def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
+def _words(shown: Iterable[Path], hidden: Collection[Path], kernels: Iterable[Path]) -> Iterator[str]:
     yield from ("--unshare-all", "--unshare-user", "--uid", _USER, "--gid", _USER, "--die-with-parent")
     yield from ("--cap-drop", "ALL", "--ro-bind", "/", "/", "--proc", "/proc", "--dev", "/dev")
     yield from ("--size", str(namespaces.SIZE), "--tmpfs", namespaces.SCRATCH)
@@ -101,16 +106,21 @@ def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
             yield from ("--ro-bind-try", str(path), str(path))
     for path in hidden:
         yield from ("--tmpfs", str(path)) if path.is_dir() else ("--ro-bind", "/dev/null", str(path))
-    for folder in (*HIDDEN, "/dev", *(str(each) for each in hidden if each.is_dir())):
+    for folder in (*HIDDEN, "/dev", *(str(path) for path in hidden if path.is_dir())):
         yield from ("--remount-ro", folder)
     caches = {"NUMBA_CACHE_DIR": "numba", "MPLCONFIGDIR": "matplotlib"}
     for name, folder in ({"TMPDIR": ""} | caches).items():
         yield from ("--setenv", name, str(Path(namespaces.SCRATCH, folder)))
+    for path in kernels:  # numba refuses a cache that it cannot write to; the links lie where it looks for files
+        code = path.parent.parent
+        hashed = hashlib.sha1(str(code).encode(), usedforsecurity=False).hexdigest()
+        place = Path(namespaces.SCRATCH, caches["NUMBA_CACHE_DIR"], f"{code.name}_{hashed}", path.name)
+        yield from ("--symlink", str(path), str(place))
 
 
 def _installed() -> set[Path]:
     """Return the folders that Python and its packages are imported from, and the working folder."""
-    return {Path(each).resolve() for each in (sys.prefix, sys.base_prefix, *sys.path) if each} | {Path.cwd()}
+    return {Path(folder).resolve() for folder in (sys.prefix, sys.base_prefix, *sys.path) if folder} | {Path.cwd()}
 
 
 def _filter() -> bytes:
@@ -120,10 +130,10 @@ def _filter() -> bytes:
     programs outside answer through the file system; pairs of sockets remain. The form is that of seccomp(2): each
     instruction is an operation, two jumps and a number. On a processor not known here, nothing is refused.
     """
-    known = _CALLS.get(platform.machine())
-    if known is None:
+    calls = _CALLS.get(platform.machine())
+    if calls is None:
         return struct.pack("<HBBI", _RETURN, 0, 0, _ALLOW)
-    architecture, keys, socket = known
+    architecture, keys, socket = calls
     program = [
         (_LOAD, 0, 0, 4), (_EQUAL, 1, 0, architecture), (_RETURN, 0, 0, _REFUSE),
         (_LOAD, 0, 0, 0), (_AT_LEAST, 0, 1, 1 << 30), (_RETURN, 0, 0, _REFUSE),  # other tables of calls
@@ -134,7 +144,7 @@ def _filter() -> bytes:
         (_EQUAL, 0, 3, socket), (_LOAD, 0, 0, 16), (_EQUAL, 0, 1, _AF_UNIX), (_RETURN, 0, 0, _REFUSE),
         (_RETURN, 0, 0, _ALLOW),
     ]  # fmt: skip
-    return b"".join(struct.pack("<HBBI", *each) for each in program)
+    return b"".join(struct.pack("<HBBI", *instruction) for instruction in program)
 
 
 _LOAD, _EQUAL, _AT_LEAST, _RETURN = 0x20, 0x15, 0x35, 0x06  # linux/bpf_common.h

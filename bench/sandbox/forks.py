@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from threading import Lock
+from copy import copy
+from threading import Event, Lock
 from typing import Any
 
 from bench.sandbox.bubblewrap import Sandbox
@@ -27,7 +28,8 @@ class ForkServer:
     def __init__(self, hash_seed: int = 0, *, sandbox: Sandbox | None = None) -> None:
         self.forks, self._apart = FORKS, False
         self._hash_seed, self._sandbox = hash_seed, sandbox
-        self._started = _Started()
+        self._lock, self._killed = Lock(), Event()  # these and the next one are shared with all branches
+        self._started: list[Process] = []  # anew; forks end with them
         self._calls: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]] = []
         self._process: Process | None = None
 
@@ -56,12 +58,13 @@ class ForkServer:
 
         With ``apart``, its processes, and those of its own branches, have namespaces of their own in a sandbox.
         """
-        other = object.__new__(ForkServer)
-        vars(other).update(vars(self) | {"_calls": [*self._calls], "_process": None})
+        branch = copy(self)
+        branch._calls, branch._process = [*self._calls], None
         if apart and self._sandbox is not None:
-            other._apart, other.forks = True, self.forks and self._sandbox.nests
-        other._process = self._given(apart=other._apart) if self.forks == other.forks else None
-        return other
+            branch._apart, branch.forks = True, self.forks and self._sandbox.nests
+        if branch.forks == self.forks:
+            branch._process = self._new_process(apart=branch._apart)
+        return branch
 
     def process(self) -> Process:
         """Return a process that has made the calls, for its user to close.
@@ -70,14 +73,14 @@ class ForkServer:
             LostError: when the process that it is forked from has ended or does not answer.
             The others of :meth:`bench.sandbox.process.Process.call`: of the calls made again.
         """
-        return self._given(apart=self._apart)
+        return self._new_process(apart=self._apart)
 
-    def _given(self, *, apart: bool) -> Process:
+    def _new_process(self, *, apart: bool) -> Process:
         held = self._held()
-        copy = held.fork(apart=apart) if self.forks else None
-        if copy is None:
+        fork = held.fork(apart=apart) if self.forks else None
+        if fork is None:
             self._process = None  # it is given away, and a new one started for the next
-        return copy or held
+        return fork or held
 
     def close(self) -> None:
         """End the process that is held, and its forks; another one is started when it is needed."""
@@ -88,35 +91,18 @@ class ForkServer:
 
     def kill(self) -> None:
         """End all processes of this fork server, and of those that it branched from or into; it starts no other."""
-        self._started.kill()
+        with self._lock:
+            self._killed.set()
+        for process in self._started:
+            process.kill()
 
     def _held(self) -> Process:
         if self._process is None or self._process.closed:
-            self._process = process = self._started.add(
-                lambda: Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
-            )
+            with self._lock:
+                if self._killed.is_set():
+                    raise LostError("it has been ended")
+                self._process = process = Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
+                self._started[:] = [*(started for started in self._started if not started.closed), process]
             for function, arguments, limits in self._calls:
                 process.call(function, *arguments, **limits)
         return self._process
-
-
-class _Started:
-    """The processes that were started anew; forks end with them."""
-
-    def __init__(self) -> None:
-        self._lock, self._killed = Lock(), False
-        self._processes: list[Process] = []
-
-    def add(self, start: Callable[[], Process]) -> Process:
-        with self._lock:
-            if self._killed:
-                raise LostError("it has been ended")
-            self._processes = [each for each in self._processes if not each.closed]
-            self._processes.append(start())
-            return self._processes[-1]
-
-    def kill(self) -> None:
-        with self._lock:
-            self._killed = True
-        for each in self._processes:
-            each.kill()

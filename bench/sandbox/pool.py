@@ -33,8 +33,8 @@ class Pool:
     def __init__(self, jobs: int, ready: Callable[[], None]) -> None:
         self._workers = [_Worker(ready) for _ in range(number(jobs))]
         self._idle: SimpleQueue[_Worker] = SimpleQueue()
-        for each in self._workers:
-            self._idle.put(each)
+        for worker in self._workers:
+            self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(self._workers))
 
     def __enter__(self) -> Pool:
@@ -60,8 +60,8 @@ class Pool:
     def close(self) -> None:
         """End all processes; calls that have not begun are cancelled, the others end with an error."""
         self._threads.shutdown(wait=False, cancel_futures=True)
-        for each in self._workers:
-            each.server.kill()
+        for worker in self._workers:
+            worker.server.kill()
         self._threads.shutdown()
 
     def _call(self, *call: Any, **limits: Any) -> Any:

@@ -78,8 +78,8 @@ class DiedError(RuntimeError):
 
     def __str__(self) -> str:
         number = -self.code
-        known = self.code < 0 and number in set(signal.Signals)
-        return f"signal {signal.Signals(number).name}" if known else f"exit code {self.code}"
+        is_signal = self.code < 0 and number in set(signal.Signals)
+        return f"signal {signal.Signals(number).name}" if is_signal else f"exit code {self.code}"
 
 
 class RemoteError(RuntimeError):
@@ -105,33 +105,35 @@ class Process:
     _process: subprocess.Popen[bytes] | None
 
     def __init__(self, hash_seed: int = 0, *, forks: bool = False, sandbox: Sandbox | None = None) -> None:
-        own, other = socket.socketpair()
-        self._set_up(own, tempfile.TemporaryFile())  # noqa: SIM115 - closed with the process
-        share = hasattr(other, "share")  # on Windows
+        end = self._set_up()
+        share = hasattr(end, "share")  # on Windows
         owner = 0 if sandbox else os.getpid()  # a sandbox ends with its owner by itself
-        given = json.dumps([[str(each) for each in sys.path], "" if share else other.fileno(), owner, forks])
+        settings = json.dumps([[*map(str, sys.path)], "" if share else end.fileno(), owner, forks])
         environment = {"PYTHONHASHSEED": str(hash_seed), "PYTHONIOENCODING": "utf-8"}
-        with other, sandbox.opened() if sandbox else nullcontext(((), ())) as (words, files):
+        with end, sandbox.opened() if sandbox else nullcontext(((), ())) as (words, files):
             process = subprocess.Popen(
-                [*words, sys.executable, "-c", _START, given], env=os.environ | _ONE_THREAD | environment,
+                [*words, sys.executable, "-c", _START, settings], env=os.environ | _ONE_THREAD | environment,
                 stdin=subprocess.PIPE if share else subprocess.DEVNULL, stdout=self._output, stderr=self._output,
-                pass_fds=() if share else [other.fileno(), *files], start_new_session=hasattr(os, "killpg"),
+                pass_fds=() if share else [end.fileno(), *files], start_new_session=hasattr(os, "killpg"),
                 creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
             )  # fmt: skip
             self._process = process
             if share and process.stdin is not None:
                 with process.stdin as pipe:
-                    pipe.write(other.share(process.pid))  # type: ignore[attr-defined]
+                    pipe.write(end.share(process.pid))  # type: ignore[attr-defined]
 
-    def _set_up(self, own: socket.socket, output: Any) -> None:
-        self._channel, self._output = Channel(own), output
+    def _set_up(self) -> socket.socket:
+        """Set what an owner holds of a process; return the end of the channel for the process itself."""
+        own_end, end = socket.socketpair()
+        self._channel, self._output = Channel(own_end), tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         # Of one that ended with its original and was never closed; unlike __del__, before sockets in a cycle warn.
-        weakref.finalize(self, _let_go, self._channel, output).atexit = False
+        weakref.finalize(self, _let_go, self._channel, self._output).atexit = False
         self._original: Process | None = None  # that this process was forked from
         self._process = None
         self._pid = self._number = 0
         self._closed = self._lost = False
         self.note: Any = None  # the last one of the present call (bench.sandbox.server.note)
+        return end
 
     def __enter__(self) -> Process:
         return self
@@ -165,48 +167,23 @@ class Process:
             LostError: when this process has ended, or does not answer.
             RemoteError: when plug-in code answers in its place.
         """
-        own, other = socket.socketpair()
         copy = object.__new__(Process)
-        copy._set_up(own, tempfile.TemporaryFile())  # noqa: SIM115 - closed with the process
-        with other:
-            pid = self._request("fork", apart, files=(other.fileno(), copy._output.fileno()))
+        with copy._set_up() as end:
+            pid = self._request("fork", apart, files=(end.fileno(), copy._output.fileno()))
         if pid is None or pid <= 0:
             return None
         copy._original, copy._pid = self, pid
         return copy
 
-    def call(
-        self,
-        function: Callable[..., Any],
-        *arguments: Any,
-        seconds: float | None,
-        silence: float | None = None,
-        memory: int | None = None,
-        printed: int | None = None,
-    ) -> Any:
-        """Call a function of an importable module in the process and return its answer, of which JSON is made.
-
-        The arguments are pickled; the answer is not. After any error the process is ended.
-
-        Args:
-            function: what to call.
-            arguments: its arguments, picklable.
-            seconds: that the call may take; None to wait for as long as the process is alive and not stopped.
-            silence: seconds that it may take without a note (:func:`bench.sandbox.server.note`); None for no limit.
-            memory: bytes that the process and all that it started may hold; None for no limit.
-            printed: bytes that the call may print; None for no limit.
-
-        Raises:
-            TimeExceededError, MemoryExceededError, PrintedTooMuchError: when the call exceeded a limit.
-            DiedError: when the process ended first.
-            LostError: when it was ended before, is stopped, or its original has ended, or does not answer.
-            RemoteError: when the function raised, or its answer is no JSON.
-        """
+    def call(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> Any:
+        """Call a function and return its answer; see :meth:`start`, and :meth:`finish` for the limits."""
         self.start(function, *arguments)
-        return self.finish(seconds=seconds, silence=silence, memory=memory, printed=printed)
+        return self.finish(**limits)
 
     def start(self, function: Callable[..., Any], *arguments: Any, files: Sequence[int] = ()) -> None:
-        """Begin a call, whose answer :meth:`finish` returns; open files are passed on as further arguments.
+        """Begin a call of a function of an importable module, whose answer :meth:`finish` returns.
+
+        The arguments are pickled; open files are passed on as further arguments.
 
         Raises:
             LostError: when the process has been closed, or was ended after an error.
@@ -230,9 +207,22 @@ class Process:
         printed: int | None = None,
         beside: Sequence[Process] = (),
     ) -> Any:
-        """Return the answer to the call begun by :meth:`start`; see :meth:`call`.
+        """Return the answer to the call begun by :meth:`start`, of which JSON is made; it is not unpickled.
 
-        Processes ``beside`` this one, whose calls were begun too, are held to the same limit of memory.
+        After any error the process is ended.
+
+        Args:
+            seconds: that the call may take; None to wait for as long as the process is alive and not stopped.
+            silence: seconds that it may take without a note (:func:`bench.sandbox.server.note`); None for no limit.
+            memory: bytes that the process and all that it started may hold; None for no limit.
+            printed: bytes that the call may print; None for no limit.
+            beside: processes whose calls were begun too, held to the same limit of memory.
+
+        Raises:
+            TimeExceededError, MemoryExceededError, PrintedTooMuchError: when the call exceeded a limit.
+            DiedError: when the process ended first.
+            LostError: when it was ended before, is stopped, or its original has ended, or does not answer.
+            RemoteError: when the function raised, or its answer is no JSON.
         """
         now = monotonic()
         end, look = now + (inf if seconds is None else seconds), now + _LOOK
@@ -258,8 +248,8 @@ class Process:
                 raise TimeExceededError(f"{seconds if until == end else silence:g} s")
             if now >= look:
                 self._check_printed(printed)
-                for each in (self, *beside):
-                    each._check_state(memory)
+                for process in (self, *beside):
+                    process._check_state(memory)
                 look = monotonic() + _LOOK
 
     def close(self) -> None:

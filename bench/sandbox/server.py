@@ -97,15 +97,8 @@ class _Server:
             except BaseException as error:  # of a module that is imported for it
                 self._answer(["error", describe_error(error)])
                 continue
-            if request == "fork":
-                answer = self._fork(*arguments)
-                if answer is None:
-                    continue  # in the copy
-            else:
-                answer = (
-                    self._call(*arguments) if request == "call" else ["value", _REQUESTS[request](self, *arguments)]
-                )
-            self._answer(answer)
+            if (answer := _REQUESTS[request](self, *arguments)) is not None:  # None in the copy
+                self._answer(answer)
 
     def note(self, value: Any) -> None:
         if _getpid() == self._process:
@@ -150,24 +143,26 @@ class _Server:
             Its number, or 0 where a fork is unsafe, as this process runs other threads, or would share with others of
             its kind what namespaces do not keep apart; None in the copy.
         """
-        end, output = self._take_files()
-        safe = len(list(Path("/proc/self/task").iterdir())) == 1
-        if not safe or (apart and namespaces.shares(own=6)):
-            os.close(end)
-            os.close(output)
-            return ["value", 0]
-        if self._called:  # a collection in a copy would copy every page that holds an object
-            gc.collect()
-            gc.freeze()
-            self._called = False
-            self._before = children() - {*self._copies.values()}
-        before = children() if apart else set()
-        pid = _fork()
-        if pid:
+        end, output = files = self._take_files()
+        pid = 0
+        if len(os.listdir("/proc/self/task")) == 1 and not (apart and namespaces.shares(own=6)):  # noqa: PTH208
+            if self._called:  # a collection in a copy would copy every page that holds an object
+                gc.collect()
+                gc.freeze()
+                self._called = False
+                self._before = children() - {*self._copies.values()}
+            before = children() if apart else set()
+            pid = _fork()
+            if not pid:
+                self._begin_copy(end, output, apart=apart)
+                return None
             self._copies[pid] = max(children() - before, default=pid) if apart else pid
-            os.close(end)
-            os.close(output)
-            return ["value", pid]
+        for file in files:
+            os.close(file)
+        return ["value", pid]
+
+    def _begin_copy(self, end: int, output: int, *, apart: bool) -> None:
+        """Turn this process, which has just been forked, into a server of its own."""
         _end_with_original(self._process)
         os.setsid()
         if apart and (inside := namespaces.enter(_fork)):
@@ -182,15 +177,17 @@ class _Server:
         os.dup2(output, 1)
         os.dup2(output, 2)
         os.close(output)
-        return None
 
-    def _end_copy(self, pid: int, seconds: float) -> int | None:
+    def _look(self, pid: int) -> list[Any]:
+        return ["value", look(self._copies.get(pid, 0))]
+
+    def _end_copy(self, pid: int, seconds: float) -> list[Any]:
         """End a copy and all that it started; return its exit code, None where it had to be ended after ``seconds``.
 
         After a signal the code is minus the signal's number.
         """
         if pid not in self._copies or pid <= 1:  # plug-in code may have answered in place of a fork
-            return None
+            return ["value", None]
         code = _reap(pid, seconds)
         with suppress(OSError):
             _killpg(pid, signal.SIGKILL)
@@ -200,14 +197,14 @@ class _Server:
                 _reap(pid, _REAP)
         del self._copies[pid]
         if self._process == 1:  # of its own namespaces: those of the copy have ended with it
-            return code
+            return ["value", code]
         until = monotonic() + _REAP
         while (strays := children() - self._before - {*self._copies.values()}) and monotonic() < until:
-            for each in strays:
+            for stray in strays:
                 with suppress(OSError):
-                    _kill(each, signal.SIGKILL)
-                _reap(each, _PAUSE)
-        return code
+                    _kill(stray, signal.SIGKILL)
+                _reap(stray, _PAUSE)
+        return ["value", code]
 
     def _end(self) -> None:
         """End this process and all that it and its copies started: the owner has ended."""
@@ -215,10 +212,9 @@ class _Server:
         _exit(1)
 
 
-_REQUESTS: dict[str, Callable[..., int | None]] = {
-    "end": _Server._end_copy,
-    "look": lambda self, pid: look(self._copies.get(pid, 0)),
-}
+_REQUESTS: dict[str, Callable[..., list[Any] | None]] = {
+    "call": _Server._call, "fork": _Server._fork, "look": _Server._look, "end": _Server._end_copy,
+}  # fmt: skip
 
 
 def _reap(pid: int, seconds: float) -> int | None:
@@ -258,8 +254,8 @@ def _adopt_orphans() -> None:
 def _stand_for(inside: int, original: int, *files: int) -> None:
     """Wait for the first process of other namespaces, and end as it does; it ends with this one."""
     _end_with_original(original)  # once more, as other namespaces may undo it
-    for each in files:
-        os.close(each)
+    for file in files:
+        os.close(file)
     code = os.waitstatus_to_exitcode(os.waitpid(inside, 0)[1])
     if code < 0:
         with suppress(OSError):  # that of SIGKILL cannot be set, and need not be

@@ -60,8 +60,8 @@ class SideEffects:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.altered = _state() != self._state or is_stopped(os.getppid())
         deadline = time.monotonic() + _GRACE
-        for each in set(threading.enumerate()) - self._threads:
-            each.join(max(0.0, deadline - time.monotonic()))
+        for thread in set(threading.enumerate()) - self._threads:
+            thread.join(max(0.0, deadline - time.monotonic()))
         while (left := _thread_count() - self._thread_count) > 0 and time.monotonic() < deadline:
             time.sleep(_GRACE / 100)  # a thread that was waited for takes a moment to leave the system's list
         self.threads = max(0, left)
@@ -136,7 +136,7 @@ def _resource_trackers() -> set[int]:
     """Return the numbers of the helper processes that multiprocessing starts once and keeps."""
     tracker: Any = getattr(sys.modules.get("multiprocessing.resource_tracker"), "_resource_tracker", None)
     loky: Any = getattr(sys.modules.get("joblib.externals.loky.backend.resource_tracker"), "_resource_tracker", None)
-    return {pid for each in (tracker, loky) if isinstance(pid := getattr(each, "_pid", None), int)}
+    return {pid for helper in (tracker, loky) if isinstance(pid := getattr(helper, "_pid", None), int)}
 
 
 # Variables, so that the sums are made when they are asked for.

@@ -13,14 +13,14 @@ STOPPED = -1
 
 def children() -> set[int]:
     """Return the numbers of this process's children, ended ones included."""
-    found: set[int] = set()
+    numbers: set[int] = set()
     try:
         for task in Path("/proc/self/task").iterdir():
-            found |= set(map(int, (task / "children").read_text().split()))
+            numbers |= set(map(int, (task / "children").read_text().split()))
     except (OSError, ValueError):  # no Linux, or a kernel without this list
         with suppress(psutil.Error):
-            found = {each.pid for each in psutil.Process().children()}
-    return found
+            numbers = {child.pid for child in psutil.Process().children()}
+    return numbers
 
 
 def is_stopped(pid: int) -> bool:

@@ -93,10 +93,10 @@ class Scored(Problem):
         """Return the (n, m) violations of the (n, d) points ``x``; a point is feasible where all are at most 0."""
         if not self.handling:
             return None
-        found = floats(self.problem.violations(x.copy()), f"violations of problem {self.name!r}")  # type: ignore[arg-type]
-        if found.ndim != 2 or len(found) != len(x):
-            raise ValueError(f"problem {self.name!r} returned violations of shape {found.shape} for {len(x)} points")
-        return found
+        excess = floats(self.problem.violations(x.copy()), f"violations of problem {self.name!r}")  # type: ignore[arg-type]
+        if excess.ndim != 2 or len(excess) != len(x):
+            raise ValueError(f"problem {self.name!r} returned violations of shape {excess.shape} for {len(x)} points")
+        return excess
 
     def repair(self, x: Floats) -> Floats:
         """Return the points nearest to the (n, d) ``x`` by the problem's own rule."""
@@ -127,11 +127,11 @@ class Scored(Problem):
 
     def _total(self, x: Floats) -> Floats:
         """Return the (n,) total violations: NaN among the violations of a point makes its total +inf."""
-        found = self.violations(x)
-        if found is None:
+        violations = self.violations(x)
+        if violations is None:
             return np.zeros(len(x))
         with np.errstate(over="ignore"):
-            total: Floats = np.where(found <= 0, 0.0, found).sum(axis=1)
+            total: Floats = np.where(violations <= 0, 0.0, violations).sum(axis=1)
         return np.where(np.isnan(total), np.inf, total)
 
     @staticmethod
@@ -170,18 +170,18 @@ class ScoredObjective(Objective):
         values = super()._evaluate(kept)
         if not len(kept):
             return values
-        found = self._found
+        assessment = self._found
         inside = ((kept >= self.lower) & (kept <= self.upper)).all(axis=1)
-        violation = np.where(inside, found.violation, np.inf)
+        violation = np.where(inside, assessment.violation, np.inf)
         least = int(violation.argmin())
         if self.best_value < before:
-            self.best_point = found.points[int(values.argmin())].copy()
+            self.best_point = assessment.points[int(values.argmin())].copy()
         elif self.best_value == np.inf and violation[least] < self._least:
             self._least = float(violation[least])
-            self.best_point = found.points[least].copy()
+            self.best_point = assessment.points[least].copy()
         elif none:  # no point of a trial lies in the box so far
             self.best_point = self._problem.rounded(kept[:1])[0]
-        return np.where(inside, found.shown, np.inf)
+        return np.where(inside, assessment.shown, np.inf)
 
 
 def scored(problem: Problem, handling: str) -> Problem:
@@ -199,9 +199,9 @@ def scored(problem: Problem, handling: str) -> Problem:
         return problem
     constrained = _constrained(problem)
     if constrained and handling == "repair" and not problem.repairs:
-        others = ", ".join(each for each in constraints.HANDLINGS if each != "repair")
+        usable = ", ".join(name for name in constraints.HANDLINGS if name != "repair")
         raise BenchError(
-            f"problem {problem.name!r} has no rule that repairs violated constraints; choose another handling: {others}"
+            f"problem {problem.name!r} has no rule that repairs violated constraints; choose another handling: {usable}"
         )
     if problem.integer is not None:
         _check_integer(problem, problem.integer)
@@ -215,14 +215,14 @@ def _constrained(problem: Problem) -> bool:
     if type(problem).violations is Problem.violations:
         return False
     try:
-        found = problem.violations(problem.lower[np.newaxis].copy())
-        if found is not None and np.ndim(found) != 2:
-            raise ValueError(f"they have the shape {np.shape(found)}, not (n, m)")
+        violations = problem.violations(problem.lower[np.newaxis].copy())
+        if violations is not None and np.ndim(violations) != 2:
+            raise ValueError(f"they have the shape {np.shape(violations)}, not (n, m)")
     except Exception as error:  # a plug-in may raise anything
         raise BenchError(
             f"problem {problem.name!r}: its violations cannot be computed: {type(error).__name__}: {error}"
         ) from error
-    return found is not None and bool(np.size(found))
+    return violations is not None and bool(np.size(violations))
 
 
 def _check_integer(problem: Problem, flags: Flags) -> None:

@@ -92,7 +92,7 @@ class Folder:
     def trials_asked(self) -> int:
         """Return the largest number of trials of each cell that a run here was asked for, 0 before the first trial."""
         noted = [record.get("trials") for record in self.environments()]
-        return max((each for each in noted if isinstance(each, int)), default=0)
+        return max((number for number in noted if isinstance(number, int)), default=0)
 
     def claim(self, study: Study) -> Study:
         """Freeze ``study`` in the folder, which must be locked, and return the frozen study.
@@ -111,13 +111,13 @@ class Folder:
         environments: list[dict[str, Any]] = []
         with suppress(DamagedStoreError):  # a run repairs the store before it makes trials
             environments = self.environments()
-        found: tuple[dict[str, str], dict[str, str]] = {}, {}
+        fingerprints: tuple[dict[str, str], dict[str, str]] = {}, {}
         for record in environments:
-            for key, labels in zip(("data", "code"), found, strict=True):
+            for key, labels in zip(("data", "code"), fingerprints, strict=True):
                 noted = record.get(key)
                 for label, fingerprint in noted.items() if isinstance(noted, dict) else ():
                     labels.setdefault(label, fingerprint)
-        return Fingerprints(*found)
+        return Fingerprints(*fingerprints)
 
     def refuse_changes(self, found: Fingerprints) -> None:
         """Raise BenchError for data or code that changed since trials were made with it."""
@@ -158,25 +158,25 @@ class Folder:
         that it is true of; keys missing in an older file are filled in.
         """
         return {
-            label: [whole for each in those if (whole := _verdict(each))]
+            label: [whole for record in those if (whole := _verdict(record))]
             for label, those in self.noted(CHECKS).items()
-            if isinstance(those, list) and all(isinstance(each, dict) for each in those)
+            if isinstance(those, list) and all(isinstance(record, dict) for record in those)
         }
 
     def check_store(self) -> StoreCheck:
         """Compare every row of the store with its digest, and note the outcome."""
         try:
-            found = self.store.check()
+            check = self.store.check()
         except DamagedStoreError as error:
             self.note_store(StoreCheck(structure=str(error.__cause__)))
             raise
-        self.note_store(found)
-        return found
+        self.note_store(check)
+        return check
 
-    def note_store(self, found: StoreCheck) -> None:
+    def note_store(self, check: StoreCheck) -> None:
         """Note the outcome of a check, unless there is nothing to check or the folder cannot be written."""
-        noted = {"checked": provenance.now(), "sound": found.sound, "sentence": found.sentence}
-        if found != StoreCheck() and os.access(self.path, os.W_OK):
+        noted = {"checked": provenance.now(), "sound": check.sound, "sentence": check.sentence}
+        if check != StoreCheck() and os.access(self.path, os.W_OK):
             with suppress(BenchError):  # as on a full disk
                 self.note(STORE, noted)
 
@@ -217,7 +217,7 @@ class Folder:
         """Return for each run that was killed here when it last began a trial, and the trials then under way."""
         runs = self.noted(KILLED).get("runs", [])
         last = under_way.left(self.path)
-        return [each for each in (*runs, last) if isinstance(each, dict) and each.get("trials")]
+        return [run for run in (*runs, last) if isinstance(run, dict) and run.get("trials")]
 
     def running(self) -> dict[str, Any] | None:
         """Return pid, host and start of the run that is writing here, None where this machine detects none."""

@@ -39,7 +39,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
         BenchError: when the folders hold different studies, data or code, or a trial with different outcomes, and when
             the output holds damaged trials.
     """
-    sources, target = [Folder(each) for each in folders], Folder(output)
+    sources, target = [Folder(path) for path in folders], Folder(output)
     if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
         raise BenchError("a folder is given twice; give folders that differ, and another one to write")
     study = _common([(source, source.study()) for source in sources])
@@ -52,14 +52,14 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
         with target.store.writer() as writer:
             for source in sources:
                 target.refuse_changes(source.fingerprints())
-                found = source.check_store()
+                check = source.check_store()
                 with source.store.reader() as reader:
                     new, old = copy(reader.sound(), reader.environments(), writer, str(source.path))
                 added, same = added + new, same + old
-                if not found.sound:
-                    notes.append(f"{source.path}: {found.sentence}")
+                if not check.sound:
+                    notes.append(f"{source.path}: {check.sentence}")
         target.write_environments()
-        if described := {label: own for source in sources for label, own in source.noted(DESCRIPTIONS).items()}:
+        if described := {label: about for source in sources for label, about in source.noted(DESCRIPTIONS).items()}:
             target.note(DESCRIPTIONS, described)
         rows = sum(cell.done + cell.failed for cell in target.store.cells())
     return Merged(rows, added, same, tuple(notes))

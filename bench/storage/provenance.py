@@ -55,7 +55,7 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
 def united(record: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
     """Return a machine's record with those packages, checkouts and BLAS that only another process's record has."""
     both = {key: dict(other.get(key) or {}) | record[key] for key in ("packages", "checkouts")}
-    blas = [*record["blas"], *(each for each in other.get("blas") or () if each not in record["blas"])]
+    blas = [*record["blas"], *(library for library in other.get("blas") or () if library not in record["blas"])]
     return dict(record) | both | {"blas": sorted(blas, key=str)}
 
 
@@ -103,13 +103,13 @@ def command() -> str:
 
 def modules(plugins: Iterable[object]) -> list[str]:
     """Return the names of the modules that define the plug-ins' classes and the functions they hold."""
-    found: set[str] = set()
+    names: set[str] = set()
     for plugin in plugins:
         kind = type(plugin)
         held = [*vars(kind).values(), *getattr(plugin, "__dict__", {}).values()]
-        owners = [*kind.__mro__, *(each for each in held if callable(each) and not isinstance(each, type))]
-        found |= {name for owner in owners if isinstance(name := getattr(owner, "__module__", None), str)}
-    return sorted(name for name in found if name.partition(".")[0] not in {"bench", *sys.stdlib_module_names})
+        owners = [*kind.__mro__, *(value for value in held if callable(value) and not isinstance(value, type))]
+        names |= {name for owner in owners if isinstance(name := getattr(owner, "__module__", None), str)}
+    return sorted(name for name in names if name.partition(".")[0] not in {"bench", *sys.stdlib_module_names})
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
@@ -120,28 +120,30 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     old, new = _versions(before), _versions(now)
     phrases = [f"{what} {old[what]} → {new[what]}" for what in old if what in new and old[what] != new[what]]
     records = (record.get("blas") or () for record in (before, now))
-    old_blas, new_blas = ({f"{each.get('library')} {each.get('version')}" for each in record} for record in records)
+    old_blas, new_blas = ({f"{blas.get('library')} {blas.get('version')}" for blas in record} for record in records)
     if not (old_blas <= new_blas or new_blas <= old_blas):  # libraries are loaded as they are needed
         phrases.append(f"BLAS {', '.join(sorted(old_blas))} → {', '.join(sorted(new_blas))}")
     if bool(before.get("imported")) != bool(now.get("imported")):
         phrases.append("imported results" if now.get("imported") else "results that are not imported")
     if "git" in before and "git" in now:
         phrases += _changes(before["git"], now["git"])
-    own, other = (record.get("checkouts") or {} for record in (before, now))
-    phrases += [f"{name}: {change}" for name in own if name in other for change in _changes(own[name], other[name])]
+    earlier, later = (record.get("checkouts") or {} for record in (before, now))
+    phrases += [
+        f"{name}: {change}" for name in earlier if name in later for change in _changes(earlier[name], later[name])
+    ]
     return phrases
 
 
 @cache
 def package() -> str:
     """Return the harness's name and version with a hash of its code, as a development version has many states."""
-    own = distribution(registry.DISTRIBUTION)
+    harness = distribution(registry.DISTRIBUTION)
     home = Path(__file__).resolve().parents[2]
     digest = hashlib.sha256()
-    for top in sorted({entry.module.partition(".")[0] for entry in own.entry_points}):
+    for top in sorted({entry.module.partition(".")[0] for entry in harness.entry_points}):
         for file in sorted((home / top).rglob("*.py")):
             digest.update(file.relative_to(home).as_posix().encode() + b"\0" + content_hash(file))
-    return f"{registry.DISTRIBUTION} {own.version} (code {digest.hexdigest()[:8]})"
+    return f"{registry.DISTRIBUTION} {harness.version} (code {digest.hexdigest()[:8]})"
 
 
 def host() -> str:
@@ -200,6 +202,6 @@ def _processor() -> str:
 
 def _blas() -> list[dict[str, Any]]:
     keys = {"library": "internal_api", "version": "version", "threads": "num_threads"}
-    loaded = [each for each in threadpool_info() if each["user_api"] == "blas"]
-    found = {tuple(each[key] for key in keys.values()) for each in loaded}
-    return [dict(zip(keys, values, strict=True)) for values in sorted(found, key=str)]
+    loaded = [library for library in threadpool_info() if library["user_api"] == "blas"]
+    distinct = {tuple(library[key] for key in keys.values()) for library in loaded}
+    return [dict(zip(keys, values, strict=True)) for values in sorted(distinct, key=str)]

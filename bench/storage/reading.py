@@ -101,8 +101,8 @@ class Reader:
 
         @cache
         def bound(cell: object, number: object) -> bytes | None:
-            known = cell in labels and (number is None or number in names)
-            return binding(*labels[cell], *names.get(number, (None, None))) if known else None
+            labelled = cell in labels and (number is None or number in names)
+            return binding(*labels[cell], *names.get(number, (None, None))) if labelled else None
 
         self._bound = bound
         self.labels: dict[Any, tuple[str, str]] = {cell: (_text(a), _text(b)) for cell, (a, b) in labels.items()}
@@ -113,22 +113,22 @@ class Reader:
         """The number of rows, damaged ones included."""
         return int(self._connection.execute("SELECT count(*) FROM results").fetchone()[0])
 
-    def count(self, found: StoreCheck, rows: int) -> StoreCheck:
+    def count(self, check: StoreCheck, rows: int) -> StoreCheck:
         """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
 
         The note lags behind the store after a kill. Where it is ahead, commits are lost.
         """
-        noted, own, counts = self._noted, self._noted, []
+        noted, counted, counts = self._noted, self._noted, []
         with suppress(sqlite3.DatabaseError):
             counts = self._connection.execute("SELECT commits, trials FROM committed").fetchall()
-        if len(counts) == 1 and all(isinstance(each, int) for each in counts[0]):
-            own = Committed(*counts[0])
+        if len(counts) == 1 and all(isinstance(count, int) for count in counts[0]):
+            counted = Committed(*counts[0])
         else:
-            found.structure = "its count of commits cannot be read"
-        found.trials = rows
-        found.lost = max(noted.commits - own.commits, 0)
-        found.missing = max((noted if found.lost else own).trials - rows, 0)
-        return found
+            check.structure = "its count of commits cannot be read"
+        check.trials = rows
+        check.lost = max(noted.commits - counted.commits, 0)
+        check.missing = max((noted if check.lost else counted).trials - rows, 0)
+        return check
 
     def check(self, *, structure: bool) -> StoreCheck:
         """Compare all rows with their digests, and the environments' records with theirs.
@@ -138,15 +138,15 @@ class Reader:
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        found = StoreCheck()
-        for _ in self.chunks(found):
+        check = StoreCheck()
+        for _ in self.chunks(check):
             pass
         if structure:
-            said = _text(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
-            found.structure = found.structure if said == "ok" else " ".join(said.split())
-        return found
+            outcome = _text(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
+            check.structure = check.structure if outcome == "ok" else " ".join(outcome.split())
+        return check
 
-    def chunks(self, found: StoreCheck) -> Iterator[list[tuple[Any, ...]]]:
+    def chunks(self, check: StoreCheck) -> Iterator[list[tuple[Any, ...]]]:
         """Yield the rows that fit their digests, of the columns ``READ``, cell by cell, some at a time.
 
         Texts are UTF-8. When all rows are read, ``found`` is the outcome of the check.
@@ -161,12 +161,12 @@ class Reader:
             rows += len(fetched)
             sound = [row for row in fetched if self._fits(*row)]
             if len(sound) < len(fetched):
-                found.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
+                check.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
             referred.update(row[_ENVIRONMENT] for row in sound)
             yield sound
-        known = self.environments()
-        found.environments = sorted(each for each in {*known, *referred} - {None} if not known.get(each))
-        self.count(found, rows)
+        records = self.environments()
+        check.environments = sorted(number for number in {*records, *referred} - {None} if not records.get(number))
+        self.count(check, rows)
 
     def sound(self, where: str = "", *values: object) -> Iterator[dict[str, Any]]:
         """Yield every row that meets an SQL condition and fits its digest, as a dictionary of ``COLUMNS``.
@@ -176,10 +176,10 @@ class Reader:
         """
         for row in self._rows(where, *values):
             if self._fits(*row):
-                _, cell, names, trial, *others = row
+                _, cell, names, trial, *measured = row
                 labels = *self.labels[cell], trial, *self.names.get(names, (None, None))
-                found = dict(zip(COLUMNS, (*labels, *others), strict=True))
-                yield found | {name: _text(found[name]) for name in TEXTS if found[name] is not None}
+                columns = dict(zip(COLUMNS, (*labels, *measured), strict=True))
+                yield columns | {name: _text(columns[name]) for name in TEXTS if columns[name] is not None}
 
     def rescue(self, trials: int) -> Iterator[dict[str, Any]]:
         """Yield every sound row that can be read, some perhaps twice.
@@ -206,7 +206,7 @@ class Reader:
         records = {}
         for number, text, noted in self._connection.execute("SELECT id, record, digest FROM environments ORDER BY id"):
             texts = [text, *(json.dumps(copy).encode() for copy in copies)]
-            sound = (each for each in texts if isinstance(each, bytes) and record_digest(number, each) == noted)
+            sound = (copied for copied in texts if isinstance(copied, bytes) and record_digest(number, copied) == noted)
             records[number] = _record(next(sound, b""))
         return records
 

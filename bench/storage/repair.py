@@ -35,11 +35,11 @@ def repair(folder: Folder, trials: int) -> str:
     """
     store = folder.store
     try:
-        found = store.check(structure=True)
+        check = store.check(structure=True)
     except DamagedStoreError as error:
-        found = StoreCheck(structure=str(error.__cause__))
-    if found.sound:
-        folder.note_store(found)
+        check = StoreCheck(structure=str(error.__cause__))
+    if check.sound:
+        folder.note_store(check)
         return ""
     there = store.exists
     try:
@@ -54,7 +54,7 @@ def repair(folder: Folder, trials: int) -> str:
         raise BenchError(f"the store {store.path} cannot be used: {error.__cause__}; {BEYOND_REPAIR}") from error
     folder.note_store(StoreCheck(kept))
     aside = f", and the damaged store is now {ASIDE}" if there else ""
-    return f"{found.sentence}; {kept:,} sound trials are kept{aside}"
+    return f"{check.sentence}; {kept:,} sound trials are kept{aside}"
 
 
 def _environments(folder: Folder, reader: Reader) -> Mapping[int, Mapping[str, Any]]:

@@ -85,17 +85,22 @@ class Results:
     """
 
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
-        self._sources = _sources([Folder(each) for each in (path, *others)])
+        self._sources = _sources([Folder(folder) for folder in (path, *others)])
         self.names = [source.name for source in self._sources]
         self.study = united([source.study for source in self._sources], self.names)
-        own = {entry.label: (entry.name, each) for each in self._sources for entry in each.study.optimizers}
-        self.budgets = {label: each.study.budget for label, (_, each) in own.items()}
+        shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
+        self.budgets = {label: source.study.budget for label, (_, source) in shown.items()}
         self.looked = [source.name for source in self._sources if source.study.looks and others]
-        self.planned = {
-            label: 0 if is_imported(name) else each.study.looks[0] if each.name in self.looked else each.study.trials
-            for label, (name, each) in own.items()
+        trials = {
+            source.name: source.study.looks[0] if source.name in self.looked else source.study.trials
+            for source in self._sources
         }
-        self._problems = {label: {entry.label for entry in each.study.problems} for label, (_, each) in own.items()}
+        self.planned = {
+            label: 0 if is_imported(name) else trials[source.name] for label, (name, source) in shown.items()
+        }
+        self._problems = {
+            label: {entry.label for entry in source.study.problems} for label, (_, source) in shown.items()
+        }
         self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
@@ -113,7 +118,7 @@ class Results:
         for source in self._sources:
             for cell in source.folder.store.cells():
                 counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
-        rows = [(label, f"{each['ok']:,}", f"{each.total() - each['ok']:,}") for label, each in counts.items()]
+        rows = [(label, f"{count['ok']:,}", f"{count.total() - count['ok']:,}") for label, count in counts.items()]
         about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
         return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
 
@@ -219,8 +224,8 @@ class Results:
         No other problem is loaded: some compute their best known value in seconds.
         """
         suites = {entry.label for entry in self.study.problems if selection.is_of_suite(entry.name)}
-        known = {label: self.facts(label).optimum for label in suites}
-        return {label: optimum for label, optimum in known.items() if optimum is not None}
+        optima = {label: self.facts(label).optimum for label in suites}
+        return {label: optimum for label, optimum in optima.items() if optimum is not None}
 
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
@@ -237,15 +242,15 @@ class Results:
     def _look_up(self, label: str) -> ProblemFacts:
         try:
             problem = self.problem(label)
-            known = [None if each is None else float(each) for each in (problem.optimum, problem.repaired_optimum)]
-            for each in known:
-                if each is not None and not math.isfinite(each):
-                    raise ValueError(f"its optimum is {each}")
-            optimum, repaired = known
+            optima = [None if value is None else float(value) for value in (problem.optimum, problem.repaired_optimum)]
+            for value in optima:
+                if value is not None and not math.isfinite(value):
+                    raise ValueError(f"its optimum is {value}")
+            optimum, repaired = optima
             expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
             box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
             features = {
-                str(name): each if isinstance(each, int) else str(each) for name, each in problem.features.items()
+                str(name): value if isinstance(value, int) else str(value) for name, value in problem.features.items()
             }
             # A folder that was begun before constraints were handled notes no hash of the handling.
             noted = isinstance(problem, Scored) and self.fingerprints.get(label) == problem.fingerprint()
@@ -302,7 +307,7 @@ class _Source:
 
     def read(self, tidy: Tidy, problems: Collection[str]) -> None:
         """Add the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
-        known = {entry.label for entry in self.study.problems}
+        labels = {entry.label for entry in self.study.problems}
         self.found = StoreCheck()
         self.folder.store.require()
         with self.folder.store.reader() as reader:
@@ -310,13 +315,13 @@ class _Source:
             cells = {
                 cell: (self.study.name, problem, self.shown[optimizer])
                 for cell, (problem, optimizer) in reader.labels.items()
-                if problem in known and optimizer in self.shown
+                if problem in labels and optimizer in self.shown
             }
             wanted = {cell for cell, (_, problem, _) in cells.items() if problem in problems}
             for rows in reader.chunks(self.found):
                 if strange := {row[CELL] for row in rows} - cells.keys():
                     problem, optimizer = reader.labels[min(strange)]
-                    label = optimizer if problem in known else problem
+                    label = optimizer if problem in labels else problem
                     raise BenchError(
                         f"{self.folder.path} holds trials of {label!r}, which its "
                         "study.toml does not name; put back the study.toml that the run wrote"
@@ -340,12 +345,12 @@ def _sources(folders: list[Folder]) -> list[_Source]:
     studies = [folder.study() for folder in folders]
     names = _short_names([folder.path for folder in folders])
     labels = Counter(entry.label for study in studies for entry in study.with_controls)
-    every = [
+    labelled = [
         f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
         for study, name in zip(studies, names, strict=True)
         for entry in study.with_controls
     ]
-    distinct = iter(unique(every))  # a label may already equal another one with its folder
+    distinct = iter(unique(labelled))  # a label may already equal another one with its folder
     sources: list[_Source] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.with_controls}
@@ -357,8 +362,8 @@ def _sources(folders: list[Folder]) -> list[_Source]:
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
         before = sum(len(source.environments) for source in sources)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
-        own = dataclasses.replace(study, optimizers=optimizers, controls=controls)
-        sources.append(_Source(folder, name, own, shown, environments, places))
+        renamed = dataclasses.replace(study, optimizers=optimizers, controls=controls)
+        sources.append(_Source(folder, name, renamed, shown, environments, places))
     return sources
 
 
@@ -368,7 +373,7 @@ def _short_names(paths: list[Path]) -> list[str]:
     if len(set(parts)) < len(parts):
         raise BenchError(f"{paths[0]} is given twice; give folders that differ")
     for depth in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(each[-depth:]) for each in parts]
+        names = ["/".join(path_parts[-depth:]) for path_parts in parts]
         if len(set(names)) == len(names):
             break
     return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
@@ -377,8 +382,8 @@ def _short_names(paths: list[Path]) -> list[str]:
 def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
     """Return the fingerprints of all folders; raises BenchError when a problem's data differs between folders."""
     agreed: dict[str, str] = {}
-    for each, path in zip(fingerprints, paths, strict=True):
-        for label, fingerprint in each.items():
+    for of_folder, path in zip(fingerprints, paths, strict=True):
+        for label, fingerprint in of_folder.items():
             if agreed.setdefault(label, fingerprint) != fingerprint:
                 raise BenchError(
                     f"{path} ran problem {label!r} on other data than {paths[0]}; only runs on the same data can be "
@@ -392,9 +397,9 @@ def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.Data
 
     Without any known optimum, and where a domain metric has that name, the frame stays as it is.
     """
-    known = frame["problem"].map(optima).astype(float) if optima else pd.Series(dtype=float)
-    if not known.notna().any() or PRECISION in frame:
+    optimum = frame["problem"].map(optima).astype(float) if optima else pd.Series(dtype=float)
+    if not optimum.notna().any() or PRECISION in frame:
         return frame
-    precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - known
+    precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - optimum
     frame.insert(list(frame).index("fun") + 1, PRECISION, precision)
     return frame

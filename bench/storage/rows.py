@@ -46,15 +46,15 @@ def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
 
 def packed(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row whose point, metrics and trace are packed as bytes."""
-    found = dict(row)
+    packed_row = dict(row)
     if not row.keys().isdisjoint(VECTORS):
         for column, names in VECTORS.items():
             values = row.get(column) or {}
-            found[column] = struct.pack(f"<{len(values)}d", *values.values())
-            found[names] = json.dumps([*values])
+            packed_row[column] = struct.pack(f"<{len(values)}d", *values.values())
+            packed_row[names] = json.dumps([*values])
     if row.get("trace") is not None:
-        found["trace"] = pack(row["trace"])
-    return found
+        packed_row["trace"] = pack(row["trace"])
+    return packed_row
 
 
 def named(row: Mapping[str, Any], column: str) -> Any:

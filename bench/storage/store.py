@@ -267,15 +267,15 @@ def _decoded(text: bytes) -> str:
 
 
 def _refusal(path: Path, error: Exception) -> BenchError:
-    said = f"the store {path} cannot be used: {printable(str(error), LONGEST)}"
+    sentence = f"the store {path} cannot be used: {printable(str(error), LONGEST)}"
     code = getattr(error, "sqlite_errorcode", None)
     if code is not None and code & 0xFF == sqlite3.SQLITE_CORRUPT:
         return DamagedStoreError(
-            f"{said}; 'bench run' into this folder keeps the trials that can be read and makes the others again"
+            f"{sentence}; 'bench run' into this folder keeps the trials that can be read and makes the others again"
         )
     if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no such table, another file
-        return BenchError(f"{said}; {BEYOND_REPAIR}")
-    return BenchError(f"{said}; what it holds is kept")
+        return BenchError(f"{sentence}; {BEYOND_REPAIR}")
+    return BenchError(f"{sentence}; what it holds is kept")
 
 
 @contextmanager
@@ -296,6 +296,6 @@ def _uri(path: Path) -> Iterator[str]:
         yield f"{uri}?immutable=1"
     else:
         with tempfile.TemporaryDirectory() as folder:
-            for each in (path, log):
-                shutil.copy(each, folder)
+            for file in (path, log):
+                shutil.copy(file, folder)
             yield (Path(folder) / path.name).as_uri()

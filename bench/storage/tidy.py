@@ -73,21 +73,21 @@ class Tidy:
         self._integers["trial"][here] = columns["trial"]
         self._integers["seed"][here] = [UNKNOWN if seed is None else seed for seed in columns["seed"]]
         for name in self._codes:
-            known = self._known[name]
-            values = {each: cells[each] if name == "cell" else each for each in {*columns[name]}}
-            numbers = {each: known.setdefault(value, len(known)) for each, value in values.items()}
-            one = len(numbers) == 1  # as most columns of a cell have it
-            self._codes[name][here] = [*numbers.values()] if one else [numbers[each] for each in columns[name]]
+            numbered = self._known[name]
+            values = {stored: cells[stored] if name == "cell" else stored for stored in {*columns[name]}}
+            numbers = {stored: numbered.setdefault(value, len(numbered)) for stored, value in values.items()}
+            alike = len(numbers) == 1  # as most columns of a cell have it
+            self._codes[name][here] = [*numbers.values()] if alike else [numbers[stored] for stored in columns[name]]
         for cell, number in {*zip(columns["cell"], columns["names"], strict=True)}:
             if number is not None:
                 self._names.setdefault(cells[cell][1], set()).add(names[number])
         distinct = {*columns["names"]}
         for number in distinct - {None}:
-            chosen = [place for place, each in enumerate(columns["names"]) if each == number]
+            chosen = [place for place, names_number in enumerate(columns["names"]) if names_number == number]
             for name, listed in zip(VECTORS, names[number], strict=True):
-                found = columns[name] if len(distinct) == 1 else [columns[name][place] for place in chosen]
+                packed = columns[name] if len(distinct) == 1 else [columns[name][place] for place in chosen]
                 try:
-                    self._put(name, json.loads(listed), found, here.start, chosen)
+                    self._put(name, json.loads(listed), packed, here.start, chosen)
                 except (TypeError, ValueError) as error:
                     _, problem, optimizer = cells[columns["cell"][chosen[0]]]
                     raise BenchError(
@@ -129,7 +129,7 @@ class Tidy:
             series[name] = _numbers(self._numbers.pop(name)[order], whole=name in WHOLE)
         shown = [lists for problem in problems for lists in sorted(self._names.get(problem, ()))]
         for place, (column, prefix) in enumerate(PREFIXES.items()):
-            for name in dict.fromkeys(each for lists in shown for each in json.loads(lists[place])):
+            for name in dict.fromkeys(listed for lists in shown for listed in json.loads(lists[place])):
                 series[f"{prefix}{name}"] = self._vectors[column].pop(name)[order]
         return pd.DataFrame(series, copy=False)  # a copy would gather columns of a type, and double them for a while
 
@@ -149,7 +149,7 @@ def _taken(values: Sequence[str | None], places: Array) -> pd.Series:
 
 def _numbers(column: Array, *, whole: bool) -> Array:
     """Return a column of numbers; of None alone, where no trial has one."""
-    known = ~np.isnan(column)
-    if not known.any():
+    present = ~np.isnan(column)
+    if not present.any():
         return np.full(len(column), None, dtype=object)
-    return column.astype(np.int64) if whole and known.all() else column
+    return column.astype(np.int64) if whole and present.all() else column

@@ -73,9 +73,9 @@ class Traces(Mapping[Key, Trace]):
             ValueError: when a trace is damaged.
         """
         cells: dict[tuple[str, str], CellTraces] = {}
-        for (problem, optimizer), own in groupby(rows, itemgetter("problem", "optimizer")):
+        for (problem, optimizer), cell_rows in groupby(rows, itemgetter("problem", "optimizer")):
             cell, packed = CellTraces(), []
-            for row in own:
+            for row in cell_rows:
                 if (trace := row["trace"]) is not None:
                     if not isinstance(trace, bytes) or len(trace) % ITEM:
                         raise ValueError(f"the trace of trial {row['trial']} is damaged")

@@ -27,18 +27,18 @@ def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
     first = studies[0]
     if len(studies) == 1:
         return first
-    own = [study for study in studies if not study.imported]
+    run_here = [study for study in studies if not study.imported]
     problems: dict[str, Entry] = {}
-    for study in [*own, *(study for study in studies if study.imported)]:
+    for study in [*run_here, *(study for study in studies if study.imported)]:
         if not study.imported:
-            _require_alike(own[0], study)
+            _require_alike(run_here[0], study)
         for entry in study.problems:
             if problems.setdefault(entry.label, entry) != entry and not study.imported:
                 raise BenchError(
                     f"problem {entry.label!r} has other options in {study.name!r} than in the studies before it; "
                     "only runs on the same problem can be compared"
                 )
-    if len(own) < len(studies):
+    if len(run_here) < len(studies):
         shared = compared(studies)
         problems = {label: entry for label, entry in problems.items() if label in shared}
         if not problems:
@@ -47,7 +47,7 @@ def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
                 f"{studies[-1].problems[0].label!r}; imported results can be compared on the same problems only"
             )
     return dataclasses.replace(
-        (own or [first])[0],
+        (run_here or [first])[0],
         name="-".join(dict.fromkeys(study.name for study in studies)),
         title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
         trials=max(study.trials for study in studies),
@@ -71,8 +71,8 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
     sentences = [f"The folders share {count:,} problem{'' if count == 1 else 's'}; only those are compared."]
     pooled = {label for label, function in shared.items() if function != label}
     numbers = [_instances(entry.label for entry in study.problems if entry.label in pooled) for study in studies]
-    if any(each != numbers[0] for each in numbers):
-        kept = [f"{_ranges(sorted(own))} of {name}" for own, name in zip(numbers, names, strict=True)]
+    if any(instances != numbers[0] for instances in numbers):
+        kept = [f"{_ranges(sorted(instances))} of {name}" for instances, name in zip(numbers, names, strict=True)]
         sentences.append(
             "Instances of a function are repetitions, so all runs of a folder on it are pooled, as cocopp does: "
             f"instances {joined(kept)}. No test pairs single runs; those over all problems pair functions."
@@ -82,15 +82,15 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
             parts = _parts(more, shared)
             sentences.append(f"Left out of {name}: {len(more):,} problems that not all folders have{parts}.")
     if len({study.trials for study in studies}) > 1:
-        each = [f"{study.trials:,} in {name}" for study, name in zip(studies, names, strict=True)]
-        sentences.append(f"Trials of an optimizer on a problem differ: at most {joined(each)}.")
+        phrases = [f"{study.trials:,} in {name}" for study, name in zip(studies, names, strict=True)]
+        sentences.append(f"Trials of an optimizer on a problem differ: at most {joined(phrases)}.")
     if len({str(study.budget) for study in studies}) > 1:
-        each = [
+        phrases = [
             f"{'at most ' if study.imported else ''}{described(_within(study.budget, shared))} in {name}"
             for study, name in zip(studies, names, strict=True)
         ]
         sentences.append(
-            f"Budgets differ: {joined(each)}. Values are compared at the largest budget that all had; running times "
+            f"Budgets differ: {joined(phrases)}. Values are compared at the largest budget that all had; running times "
             "to targets count what each trial spent."
         )
     return sentences
@@ -116,15 +116,15 @@ def compared(studies: Sequence[Study]) -> dict[str, str]:
     each study may have other ones. Elsewhere it is the problem itself.
     """
     repeated: dict[str, bool] = {}
-    found: dict[str, str] = {}
+    functions: dict[str, str] = {}
     for study in studies:
         for entry in study.problems:
             function = function_of(entry.label)
             if function not in repeated:
                 repeated[function] = function != entry.label and _is_known(study, entry)
-            found[entry.label] = function if repeated[function] else entry.label
-    shared = set.intersection(*({found[entry.label] for entry in study.problems} for study in studies))
-    return {label: function for label, function in found.items() if function in shared}
+            functions[entry.label] = function if repeated[function] else entry.label
+    shared = set.intersection(*({functions[entry.label] for entry in study.problems} for study in studies))
+    return {label: function for label, function in functions.items() if function in shared}
 
 
 def _is_known(study: Study, entry: Entry) -> bool:
@@ -160,17 +160,17 @@ def _within(budget: Budget, labels: Iterable[str]) -> Budget:
     """Return a budget by dimension without the dimensions that none of the labels has."""
     if not isinstance(budget, dict):
         return budget
-    known = {str(dimension_in(label)) for label in labels}
-    return {dimension: most for dimension, most in budget.items() if dimension in known} or budget
+    dimensions = {str(dimension_in(label)) for label in labels}
+    return {dimension: most for dimension, most in budget.items() if dimension in dimensions} or budget
 
 
 def _parts(labels: Sequence[str], shared: Iterable[str]) -> str:
     """Return the dimensions and instances that occur among the labels and not among the shared ones, in words."""
-    found = []
+    parts = []
     for what, numbers in (("dimensions", _dimensions), ("instances", _instances)):
         if more := sorted(numbers(labels) - numbers(shared)):
-            found.append(f"{what} {_ranges(more)}")
-    return f", of {joined(found)} among others" if found else ""
+            parts.append(f"{what} {_ranges(more)}")
+    return f", of {joined(parts)} among others" if parts else ""
 
 
 def _dimensions(labels: Iterable[str]) -> set[int]:

@@ -32,13 +32,13 @@ def package_versions(modules: Iterable[str]) -> dict[str, str]:
     """Return the versions of the installed ``PACKAGES``, of the modules' distributions and of their requirements."""
     names = list(PACKAGES)
     for module in modules:
-        names += [each for name in _distributions(module) for each in (name, *_requirements(name, _extras(module)))]
-    found = {}
+        names += [needed for name in _distributions(module) for needed in (name, *_requirements(name, _extras(module)))]
+    versions = {}
     for name in names:
         with suppress(PackageNotFoundError):
             package = distribution(name)
-            found[str(package.name)] = str(package.version)
-    return found
+            versions[str(package.name)] = str(package.version)
+    return versions
 
 
 def own_state() -> dict[str, Any] | None:
@@ -53,8 +53,8 @@ def checkout_states(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
     for module in modules:
         if (file := _module_file(module)) and (home := _home(file)) and home != _home(_SELF):
             homes.setdefault(home, next(iter(_distributions(module)), printable(home.name, 255)))
-    found = zip(unique(homes.values()), map(_state, homes), strict=True)
-    return {name: state for name, state in found if state}
+    states = zip(unique(homes.values()), map(_state, homes), strict=True)
+    return {name: state for name, state in states if state}
 
 
 def content_hash(path: Path) -> bytes:
@@ -76,10 +76,10 @@ def _plugins() -> Iterator[tuple[str, EntryPoint]]:
 def _distributions(module: str) -> list[str]:
     """Return the names of the distributions that a module belongs to, none for a file that is not installed."""
     top = module.partition(".")[0]
-    own = {entry.dist.name for _, entry in _plugins() if entry.dist and entry.module.partition(".")[0] == top}
-    if not own and (file := _module_file(module)) and _is_installed(file):
-        own = {*packages_distributions().get(top, ())}
-    return sorted(own)
+    distributions = {entry.dist.name for _, entry in _plugins() if entry.dist and entry.module.partition(".")[0] == top}
+    if not distributions and (file := _module_file(module)) and _is_installed(file):
+        distributions = {*packages_distributions().get(top, ())}
+    return sorted(distributions)
 
 
 def _extras(module: str) -> set[str]:
@@ -95,12 +95,12 @@ def _extras(module: str) -> set[str]:
 def _requirements(name: str, extras: set[str]) -> list[str]:
     """Return a distribution's requirements for these extras; for a third party's, also its unconditional ones."""
     wanted = extras - {""} if name == registry.DISTRIBUTION else extras | {""}
-    found = []
+    required = []
     for text in distribution(name).requires or ():
         package, extra = re.match(r"[\w.-]+", text), re.search(r"""\bextra\s*==\s*['"]([^'"]+)""", text)
         if package and (extra[1] if extra else "") in wanted:
-            found.append(package[0])
-    return found
+            required.append(package[0])
+    return required
 
 
 def _module_file(module: str) -> Path | None:

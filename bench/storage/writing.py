@@ -81,8 +81,8 @@ class Writer:
         texts = [None if row.get(name) is None else str(row[name]) for name in (*KEY[:2], *VECTORS.values())]
         cell = self._number("cells", *texts[:2])
         names = self._number("names", *texts[2:]) if texts[2] is not None else None
-        bound = binding(*(each if each is None else each.encode() for each in texts))
-        hashed = [each.encode() if isinstance(each, str) else each for each in values]
+        bound = binding(*(text if text is None else text.encode() for text in texts))
+        hashed = [value.encode() if isinstance(value, str) else value for value in values]
         noted = digest(bound, (row["trial"], *hashed))
         replaced = self._connection.execute(
             "DELETE FROM results WHERE cell = ? AND trial = ? AND status != 'ok'", (cell, row["trial"])
@@ -97,9 +97,9 @@ class Writer:
     def environment(self, record: Mapping[str, Any]) -> int:
         """Commit an environment's record and return its number; equal records have one number."""
         text = json.dumps(record)
-        known = self._connection.execute("SELECT id FROM environments WHERE record = ?", (text,)).fetchone()
-        if known is not None:
-            return int(known[0])
+        noted = self._connection.execute("SELECT id FROM environments WHERE record = ?", (text,)).fetchone()
+        if noted is not None:
+            return int(noted[0])
         with self.transaction():
             made = self._connection.execute("INSERT INTO environments (record) VALUES (?)", (text,))
             number = int(made.lastrowid or 0)
@@ -142,17 +142,17 @@ class Writer:
 
     def _number(self, table: str, *texts: str | None) -> int:
         """Return the number of a cell or of names, which are added where they are new."""
-        known = self._numbers[table]
-        if texts not in known:
+        numbers = self._numbers[table]
+        if texts not in numbers:
             made = self._connection.execute(f"INSERT INTO {table} ({', '.join(_NUMBERED[table])}) VALUES (?, ?)", texts)
-            known[texts] = int(made.lastrowid or 0)
-        return known[texts]
+            numbers[texts] = int(made.lastrowid or 0)
+        return numbers[texts]
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
     """Return what distinguishes a file from another one in its place, None where there is none."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return None
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino

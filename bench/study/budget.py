@@ -16,35 +16,35 @@ Budget = int | str | dict[str, int]
 _MULTIPLE = re.compile(r"\s*([0-9][0-9_]*(?:\.[0-9]+)?(?:[eE]\+?[0-9]+)?)\s*\*\s*d\s*", re.ASCII)
 
 
-def checked(given: Any, what: str) -> Budget:
+def checked(value: Any, what: str) -> Budget:
     """Return a budget as a study holds it.
 
     Args:
-        given: a whole number from 1 to 1e15; a text of one, or of a multiple of the dimension such as ``"1e4 * d"``; or
+        value: a whole number from 1 to 1e15; a text of one, or of a multiple of the dimension such as ``"1e4 * d"``; or
             a table of evaluations by dimension, such as ``{"10": 200_000, "20": 1_000_000}``.
         what: the subject of a sentence about it, such as ``"the budget"``.
 
     Raises:
         BenchError: for anything else.
     """
-    if isinstance(given, Mapping):
-        for dimension, own in given.items():
+    if isinstance(value, Mapping):
+        for dimension, number in value.items():
             if not re.fullmatch(r"[1-9][0-9]{0,8}", str(dimension)):
                 raise BenchError(f"{what} has a table of evaluations by dimension, but {dimension!r} is no dimension")
-            require_whole(f"{what} at d = {dimension}", own, 1, LARGEST_BUDGET)
-        if not given:
+            require_whole(f"{what} at d = {dimension}", number, 1, LARGEST_BUDGET)
+        if not value:
             raise BenchError(f"{what} is an empty table; give evaluations by dimension, such as {{10 = 200_000}}")
-        return {str(dimension): int(own) for dimension, own in given.items()}
-    if isinstance(given, str):
-        if re.fullmatch(r"[0-9][0-9_]{0,30}", given.strip(), re.ASCII):
-            given = int(given)
-        elif 0 < _multiple(given) <= LARGEST_BUDGET:
-            return given.strip()
-    if is_whole(given) and 1 <= given <= LARGEST_BUDGET:
-        return int(given)
+        return {str(dimension): int(number) for dimension, number in value.items()}
+    if isinstance(value, str):
+        if re.fullmatch(r"[0-9][0-9_]{0,30}", value.strip(), re.ASCII):
+            value = int(value)
+        elif 0 < _multiple(value) <= LARGEST_BUDGET:
+            return value.strip()
+    if is_whole(value) and 1 <= value <= LARGEST_BUDGET:
+        return int(value)
     raise BenchError(
         f"{what} must be a whole number from 1 to {LARGEST_BUDGET:g} or a multiple of the dimension such as '1e4 * d', "
-        f"not {given!r}"
+        f"not {value!r}"
     )
 
 
@@ -55,8 +55,8 @@ def evaluations(budget: Budget, dimension: int) -> int:
     if isinstance(budget, str):
         return max(1, round(_multiple(budget) * dimension))
     if str(dimension) not in budget:
-        known = ", ".join(budget)
-        raise BenchError(f"the budget has no evaluations for problems of dimension {dimension}; it has {known}")
+        dimensions = ", ".join(budget)
+        raise BenchError(f"the budget has no evaluations for problems of dimension {dimension}; it has {dimensions}")
     return budget[str(dimension)]
 
 
@@ -66,7 +66,7 @@ def described(budget: Budget) -> str:
         return f"{budget:,} evaluation{'' if budget == 1 else 's'}"
     if isinstance(budget, str):
         return f"{_multiple(budget):,.10g} d evaluations"
-    parts = [f"{own:,} evaluations at d = {dimension}" for dimension, own in budget.items()]
+    parts = [f"{number:,} evaluations at d = {dimension}" for dimension, number in budget.items()]
     return joined(parts)
 
 
@@ -77,10 +77,10 @@ def shortened(budget: Budget, share: int, least: int) -> Budget:
     if isinstance(budget, str):
         factor = _multiple(budget)
         return f"{max(min(factor, least), factor / share):g} * d"
-    return {dimension: max(min(each, least), each // share) for dimension, each in budget.items()}
+    return {dimension: max(min(number, least), number // share) for dimension, number in budget.items()}
 
 
 def _multiple(text: str) -> float:
     """Return the evaluations a dimension of a text such as ``"1e4 * d"``, 0 for another text."""
-    found = _MULTIPLE.fullmatch(text)
-    return float(found[1].replace("_", "")) if found else 0.0
+    match = _MULTIPLE.fullmatch(text)
+    return float(match[1].replace("_", "")) if match else 0.0

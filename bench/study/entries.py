@@ -47,10 +47,10 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     entries: list[Entry] = []
     for item in items:
         options = {"name": item} if isinstance(item, str) else dict(item)
-        if sum(each in options for each in ("name", "names", "suite")) > 1:
+        if len({"name", "names", "suite"} & options.keys()) > 1:
             raise BenchError(f"study {where}: a [[{key}]] table has one of name, names and suite")
         if key == "problems" and "suite" in options:
-            options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
+            options["names"] = selection.selected(*(options.pop(part, None) for part in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
         if key == "optimizers" and names == ["command"]:
@@ -60,12 +60,10 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
         expand = selection.matching if key == "problems" else loading.matching
-        names = [each for name in names for each in expand(name)]
-        entries += [
-            Entry(name, own, each)
-            for name in names
-            for own, each in expanded(label or loading.default_label(name), options, swept)
-        ]
+        names = [match for name in names for match in expand(name)]
+        for name in names:
+            combinations = expanded(label or loading.default_label(name), options, swept)
+            entries += [Entry(name, *combination) for combination in combinations]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
         if long := [entry.label for entry in entries if len(entry.label) > LONGEST_LABEL]:
@@ -89,20 +87,20 @@ def _command(words: Any, where: str) -> str:
 
 def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
     """Take the table ``options`` out of an optimizer's keys and return it; empty where there is none."""
-    found = options.pop("options", {})
-    if not isinstance(found, dict):
-        raise BenchError(f"study {where}: 'options' of an optimizer must be a table, not {found!r}")
-    if twice := sorted(found.keys() & options.keys()):
+    values = options.pop("options", {})
+    if not isinstance(values, dict):
+        raise BenchError(f"study {where}: 'options' of an optimizer must be a table, not {values!r}")
+    if twice := sorted(values.keys() & options.keys()):
         raise BenchError(f"study {where}: {twice[0]!r} is given twice, in 'options' and beside it; leave one out")
-    if reserved := sorted(found.keys() & {"name", "names", "label"}):
+    if reserved := sorted(values.keys() & {"name", "names", "label"}):
         raise BenchError(f"study {where}: {reserved[0]!r} is no parameter; write it beside 'options'")
-    return found
+    return values
 
 
 def _as_lists(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _as_lists(each) for key, each in value.items()}
-    return [_as_lists(each) for each in value] if isinstance(value, list | tuple) else value
+        return {key: _as_lists(inner) for key, inner in value.items()}
+    return [_as_lists(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
@@ -112,17 +110,17 @@ def refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
         raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
 
 
-def differences(key: str, mine: Mapping[str, Entry], theirs: Mapping[str, Entry]) -> Iterator[str]:
+def differences(key: str, these: Mapping[str, Entry], those: Mapping[str, Entry]) -> Iterator[str]:
     """Yield in phrases how the problems or optimizers of another study differ, by label."""
-    for verb, one, two in (("lacks", mine, theirs), ("also has", theirs, mine)):
+    for verb, one, two in (("lacks", these, those), ("also has", those, these)):
         if only := [repr(label) for label in one if label not in two]:
             yield f"it {verb} the {key if len(only) > 1 else key[:-1]} {listed(only)}"
-    both = [label for label in mine if label in theirs]
+    both = [label for label in these if label in those]
     for label in both:
-        own, other = ({"plug-in": each.name} | each.options for each in (mine[label], theirs[label]))
-        for name in dict.fromkeys([*own, *other]):
-            values = [repr(each[name]) if name in each else "the default" for each in (other, own)]
+        this, that = ({"plug-in": entry.name} | entry.options for entry in (these[label], those[label]))
+        for name in dict.fromkeys([*this, *that]):
+            values = [repr(options[name]) if name in options else "the default" for options in (that, this)]
             if values[0] != values[1]:
                 yield f"{name} of its {label!r} is {values[0]}, not {values[1]}"
-    if both and both != [label for label in theirs if label in mine]:
+    if both and both != [label for label in those if label in these]:
         yield f"its {key} have another order"

@@ -11,28 +11,28 @@ Rope = float | str
 """As a study holds it: a width in the unit of the objective, or a share of the values such as ``"1%"``."""
 
 
-def checked(given: Any, what: str) -> Rope:
+def checked(value: Any, what: str) -> Rope:
     """Return a rope as a study holds it: a positive number, or a percentage below 100.
 
     Args:
-        given: a number, a percentage such as ``"1%"``, or a text of either.
+        value: a number, a percentage such as ``"1%"``, or a text of either.
         what: the subject of a sentence about it, such as ``"the rope"``.
 
     Raises:
         BenchError: for anything else.
     """
-    if isinstance(given, str):
-        text, percent = given.strip().removesuffix("%").strip(), given.strip().endswith("%")
+    if isinstance(value, str):
+        text, percent = value.strip().removesuffix("%").strip(), value.strip().endswith("%")
     else:
-        text, percent = str(given), False
+        text, percent = str(value), False
     try:
-        number = math.nan if isinstance(given, bool) else float(text)
+        number = math.nan if isinstance(value, bool) else float(text)
     except ValueError:
         number = math.nan
     if not 0 < number < (100 if percent else math.inf):
         raise BenchError(
             f"{what} must be a positive width in the unit of the objective, such as 0.5, or a percentage of the values "
-            f"below 100, such as '1%', not {given!r}"
+            f"below 100, such as '1%', not {value!r}"
         )
     return f"{number:.12g}%" if percent else number
 

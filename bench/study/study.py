@@ -115,10 +115,10 @@ class Study:
     @classmethod
     def from_dict(cls, data: dict[str, Any], where: str = "given") -> Study:
         """Return the study that a parsed TOML document describes; raises BenchError naming the first invalid entry."""
-        known = {item.name for item in dataclasses.fields(cls)}
+        fields = {item.name for item in dataclasses.fields(cls)}
         for key in data:
-            if key not in known:
-                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, known)}")
+            if key not in fields:
+                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, fields)}")
         for key in ("name", "title"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
@@ -141,15 +141,14 @@ class Study:
             raise BenchError(
                 f"study {where}: the title has {len(study.title):,} characters, more than {LONGEST_TITLE:,}"
             )
-        entries.refuse_duplicates(study.with_controls, "optimizers and controls", where)
-        study._require_apart(f"study {where}")
+        study._check_entries(where)
         study.check_looks(f"study {where}: ")
         return study
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
-        given = {key: value for key, value in changes.items() if value is not None}
-        study = dataclasses.replace(self, **given | _checked(given, ""))
+        chosen = {key: value for key, value in changes.items() if value is not None}
+        study = dataclasses.replace(self, **chosen | _checked(chosen, ""))
         study.check_looks()
         return study
 
@@ -170,7 +169,11 @@ class Study:
         """Raise BenchError where declared looks do not suit the trials, the optimizers or the problems."""
         if not self.looks:
             return
-        declared.refuse_other_trials(self.looks, self.trials, where)
+        if self.trials != self.looks[-1]:
+            raise BenchError(
+                f"{where}'trials' is {self.trials}, but the last of the declared looks is at {self.looks[-1]} trials; "
+                "leave out the number, or declare other looks before the first trial is made"
+            )
         if len(self.optimizers) < 2:
             raise BenchError(f"{where}'looks' needs two optimizers or more: with one, no look can decide anything")
         functions = Counter(re.sub(r"-i[0-9]+$", "", entry.label) for entry in self.problems)
@@ -197,13 +200,14 @@ class Study:
             both[key] = (*getattr(self, key), *added)
             entries.refuse_duplicates(both[key], key, repr(self.name))
         study = dataclasses.replace(self, **both)
-        entries.refuse_duplicates(study.with_controls, "optimizers and controls", repr(self.name))
-        study._require_apart(f"study {self.name!r}")
+        study._check_entries(repr(self.name))
         return study
 
-    def _require_apart(self, where: str) -> None:
+    def _check_entries(self, where: str) -> None:
+        """Raise BenchError for an optimizer and a control of one label, and for a problem that was trained on."""
+        entries.refuse_duplicates(self.with_controls, "optimizers and controls", where)
         if self.tuning is not None:
-            self.tuning.require_apart((entry.name for entry in self.problems), where)
+            self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
@@ -225,11 +229,11 @@ class Study:
 
         Nothing is loaded. Those whose results were imported come from none.
         """
-        found: dict[str, list[str]] = {}
+        labels: dict[str, list[str]] = {}
         for entry in self.with_controls:
             if not loading.is_imported(entry.name):
-                found.setdefault(loading.package(entry.name), []).append(entry.label)
-        return found
+                labels.setdefault(loading.package(entry.name), []).append(entry.label)
+        return labels
 
     @property
     def sweeps(self) -> list[Sweep]:
@@ -242,10 +246,10 @@ class Study:
         return [entry.label for entry in self.optimizers if loading.is_imported(entry.name)]
 
     def _named(self, kind: str, entries: Iterable[Entry], label: str) -> Entry:
-        found = {entry.label: entry for entry in entries}
-        if label not in found:
-            raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, found)}")
-        return found[label]
+        by_label = {entry.label: entry for entry in entries}
+        if label not in by_label:
+            raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, by_label)}")
+        return by_label[label]
 
     def check(self) -> Fingerprints:
         """Load every problem and optimizer once and check the budget against the largest generation.
@@ -265,7 +269,7 @@ class Study:
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
         if self.targets == "tolerance" and not any(problem.expected for problem in problems.values()):
             raise BenchError(NO_METRIC)
-        least = min(self.evaluations(dimension) for dimension in {each.dimension for each in problems.values()})
+        least = min(self.evaluations(dimension) for dimension in {problem.dimension for problem in problems.values()})
         return {label: problem.fingerprint() for label, problem in problems.items()}, least
 
     def code(self, labels: Iterable[str], least: int) -> dict[str, str]:
@@ -288,20 +292,19 @@ class Study:
         hashes, so that it is random and stays the same when trials are added.
         """
         for number in range(self.trials):
-            cells = [(problem.label, each.label) for problem in self.problems for each in self.with_controls]
+            cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.with_controls]
             block = [Trial(*cell, number, trial_seed(self.seed, *cell, number)) for cell in cells]
             yield from sorted(block, key=lambda trial: trial.seed)
 
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
-        head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
-        keys = ("problems", "optimizers", *(["controls"] if self.controls else []))
-        lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in keys}
-        targets = {} if self.targets is None else {"targets": self.targets}
-        rope = {} if self.rope is None else {"rope": self.rope}
-        tuning = {} if self.tuning is None else {"tuning": self.tuning.as_dict()}
-        looks = {"looks": {"trials": list(self.looks)}} if self.looks else {}
-        return tomli_w.dumps(head | self._handling() | targets | rope | looks | lists | tuning)
+        table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
+        table |= self._handling() | {"targets": self.targets, "rope": self.rope}
+        table["looks"] = {"trials": list(self.looks)} if self.looks else None
+        for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
+            table[key] = [entry.as_dict() for entry in getattr(self, key)]
+        table["tuning"] = None if self.tuning is None else self.tuning.as_dict()
+        return tomli_w.dumps({key: value for key, value in table.items() if value is not None})
 
     def _repr_html_(self) -> str:
         """Return the study as a table, for a notebook."""
@@ -335,26 +338,26 @@ class Study:
         A phrase describes the other study, such as ``"its budget is 2000, not 3000"``.
         """
         words = {"name": "name", "budget": "budget", "seed": "seed", "constraints": "handling of constraints"}
-        found = []
+        phrases = []
         for key, word in words.items():
-            mine, theirs = getattr(self, key), getattr(other, key)
-            if mine != theirs:
-                found.append(f"its {word} is {theirs!r}, not {mine!r}")
+            this, that = getattr(self, key), getattr(other, key)
+            if this != that:
+                phrases.append(f"its {word} is {that!r}, not {this!r}")
         if self.looks != other.looks:
-            found.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
+            phrases.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
         for key in ("problems", "optimizers"):
-            own, others = ({each.label: each for each in getattr(study, key)} for study in (self, other))
-            found += entries.differences(key, own, others)
-        return found
+            these, those = ({entry.label: entry for entry in getattr(study, key)} for study in (self, other))
+            phrases += entries.differences(key, these, those)
+        return phrases
 
     def _handling(self) -> dict[str, str]:
         """Return the handling of constraints where it is not the default, which older studies do not name."""
         return {} if self.constraints == handlings.DEFAULT else {"constraints": self.constraints}
 
 
-def _whole(given: Any, what: str, *, least: int, most: int) -> int:
-    require_whole(what, given, least, most)
-    return int(given)
+def _whole(value: Any, what: str, *, least: int, most: int) -> int:
+    require_whole(what, value, least, most)
+    return int(value)
 
 
 _READERS: dict[str, Callable[[Any, str], Any]] = {
@@ -365,9 +368,9 @@ _READERS: dict[str, Callable[[Any, str], Any]] = {
 """By key, what returns a value as a study holds it and raises BenchError for what cannot be one."""
 
 
-def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+def _checked(values: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return the values of the keys that have a reader, as a study holds them."""
-    return {key: read(given[key], f"{where}'{key}'") for key, read in _READERS.items() if key in given}
+    return {key: read(values[key], f"{where}'{key}'") for key, read in _READERS.items() if key in values}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -60,12 +60,12 @@ def expanded(label: str, fixed: Mapping[str, Any], options: Mapping[str, Any]) -
     if (number := prod(map(len, swept.values()))) > MOST:
         raise BenchError(f"the sweep of {label!r} has {number:,} combinations, more than {MOST:,}; list fewer values")
     kept = {**fixed, **{name: value for name, value in options.items() if name not in swept}}
-    found = []
+    combinations = []
     for combination in product(*swept.values()):
-        own = dict(zip(swept, combination, strict=True))
-        pairs = [(name, option(value)) for name, value in own.items()]
-        found.append((_label(label, pairs) if own else label, kept | own))
-    return found
+        chosen = dict(zip(swept, combination, strict=True))
+        pairs = [(name, option(value)) for name, value in chosen.items()]
+        combinations.append((_label(label, pairs) if chosen else label, kept | chosen))
+    return combinations
 
 
 def sweeps(optimizers: Iterable[tuple[str, Mapping[str, Any]]]) -> list[Sweep]:
@@ -73,13 +73,13 @@ def sweeps(optimizers: Iterable[tuple[str, Mapping[str, Any]]]) -> list[Sweep]:
 
     Labels of a sweep share the name before the bracket and the parameters in it. One combination alone is no sweep.
     """
-    found: dict[tuple[str, Levels], dict[Levels, str]] = {}
+    labels_by_sweep: dict[tuple[str, Levels], dict[Levels, str]] = {}
     for label, options in optimizers:
         for name, factors, levels in _read(label, options):
-            found.setdefault((name, factors), {})[levels] = label
+            labels_by_sweep.setdefault((name, factors), {})[levels] = label
     every = []
-    for (name, factors), labels in found.items():
-        values = {factor: tuple(dict.fromkeys(each[i] for each in labels)) for i, factor in enumerate(factors)}
+    for (name, factors), labels in labels_by_sweep.items():
+        values = {factor: tuple(dict.fromkeys(levels[i] for levels in labels)) for i, factor in enumerate(factors)}
         if len(labels) > 1:
             every.append(Sweep(name, values, labels))
     return every

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from bench.errors import BenchError
+from bench.numbers import is_finite
 
 Targets = str | list[float] | list[str]
 """As a study holds them: a kind's name, falling precisions, or falling percentages of the optimum such as ``"5%"``."""
@@ -32,52 +33,50 @@ MOST = 1000  # targets of a list
 _PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*%\s*", re.ASCII)
 
 
-def checked(given: Any, what: str) -> Targets:
+def checked(value: Any, what: str) -> Targets:
     """Return targets as a study holds them: each once, from the easiest to the hardest.
 
     Args:
-        given: one of :data:`KINDS`; positive precisions; percentages of the optimum such as ``"1%"``; or a text of
+        value: one of :data:`KINDS`; positive precisions; percentages of the optimum such as ``"1%"``; or a text of
             either, separated by commas.
         what: the subject of a sentence about it, such as ``"the targets"``.
 
     Raises:
         BenchError: for anything else.
     """
-    if isinstance(given, str):
-        if given.strip() in KINDS:
-            return given.strip()
-        parts: Sequence[Any] = [_number(part) for part in given.split(",")]
+    if isinstance(value, str):
+        if value.strip() in KINDS:
+            return value.strip()
+        parts: Sequence[Any] = [_number(part) for part in value.split(",")]
     else:
-        parts = list(given) if isinstance(given, list | tuple) else []
+        parts = list(value) if isinstance(value, list | tuple) else []
     if 0 < len(parts) <= MOST:
-        if all(isinstance(each, str) for each in parts):
-            shares = [_share(each) for each in parts]
-            if all(0 < each < math.inf for each in shares):
-                return [f"{each:.12g}%" for each in sorted(set(shares), reverse=True)]
-        elif all(isinstance(each, int | float) and not isinstance(each, bool) for each in parts) and all(
-            0 < each < math.inf for each in parts
-        ):
-            return sorted({float(each) for each in parts}, reverse=True)
-    *others, last = map(repr, KINDS)
+        if all(isinstance(part, str) for part in parts):
+            shares = [_share(part) for part in parts]
+            if all(0 < share < math.inf for share in shares):
+                return [f"{share:.12g}%" for share in sorted(set(shares), reverse=True)]
+        elif all(is_finite(part) and part > 0 for part in parts):
+            return sorted({float(part) for part in parts}, reverse=True)
+    *kinds, last = map(repr, KINDS)
     raise BenchError(
-        f"{what} must be {', '.join(others)} or {last}, up to {MOST:,} positive precisions such as [1e-1, 1e-3], or "
-        f"percentages of the optimum such as ['5%', '1%'], not {given!r}"
+        f"{what} must be {', '.join(kinds)} or {last}, up to {MOST:,} positive precisions such as [1e-1, 1e-3], or "
+        f"percentages of the optimum such as ['5%', '1%'], not {value!r}"
     )
 
 
 def percentages(targets: Targets) -> list[float]:
     """Return the shares of the optimum of a list of percentages, falling; empty for other targets."""
-    return [] if isinstance(targets, str) else [_share(each) / 100 for each in targets if isinstance(each, str)]
+    return [] if isinstance(targets, str) else [_share(text) / 100 for text in targets if isinstance(text, str)]
 
 
 def precisions(targets: Targets) -> list[float]:
     """Return the precisions of a list of them, falling; empty for other targets."""
-    return [] if isinstance(targets, str) else [each for each in targets if not isinstance(each, str)]
+    return [] if isinstance(targets, str) else [value for value in targets if not isinstance(value, str)]
 
 
 def _share(text: str) -> float:
-    found = _PERCENT.fullmatch(text)
-    return float(found[1]) if found else math.nan
+    match = _PERCENT.fullmatch(text)
+    return float(match[1]) if match else math.nan
 
 
 def _number(text: str) -> float | str:

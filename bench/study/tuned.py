@@ -117,7 +117,7 @@ class Tuning:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as a table of a study file."""
-        return dataclasses.asdict(self) | {"optimizers": [dataclasses.asdict(each) for each in self.optimizers]}
+        return dataclasses.asdict(self) | {"optimizers": [dataclasses.asdict(tuned) for tuned in self.optimizers]}
 
     def require_apart(self, problems: Iterable[str], where: str) -> None:
         """Raise BenchError where a problem of these names was trained on."""
@@ -129,35 +129,35 @@ class Tuning:
             )
 
 
-def checked(given: Any, what: str) -> Tuning:
+def checked(value: Any, what: str) -> Tuning:
     """Return the record that a table holds; raises BenchError, naming the key, for what ``bench tune`` never writes."""
-    if isinstance(given, Tuning):
-        return given
-    own = _typed(Tuning, {"sha256": ""} | given if isinstance(given, dict) else given, what)
-    entries = own.pop("optimizers")
-    tuned = tuple(Tuned(**_typed(Tuned, each, f"{what}, optimizers")) for each in entries)
-    if not all(isinstance(name, str) for name in own["train"]):
+    if isinstance(value, Tuning):
+        return value
+    table = _typed(Tuning, {"sha256": ""} | value if isinstance(value, dict) else value, what)
+    entries = table.pop("optimizers")
+    tuned = tuple(Tuned(**_typed(Tuned, entry, f"{what}, optimizers")) for entry in entries)
+    if not all(isinstance(name, str) for name in table["train"]):
         raise BenchError(f"{what}: 'train' must hold names of problems; restore what 'bench tune' wrote")
-    for each in tuned:
-        if not _is_readable(each):
-            raise BenchError(f"{what}: the entry of {each.name!r} is damaged; restore what 'bench tune' wrote")
-        lengths = {len(each.scores), len(each.problems), *map(len, each.values.values())}
-        if len(lengths) > 1 or not each.scores:
+    for record in tuned:
+        if not _is_readable(record):
+            raise BenchError(f"{what}: the entry of {record.name!r} is damaged; restore what 'bench tune' wrote")
+        lengths = {len(record.scores), len(record.problems), *map(len, record.values.values())}
+        if len(lengths) > 1 or not record.scores:
             raise BenchError(
-                f"{what}: the lists of {each.name!r} have different lengths; restore what 'bench tune' wrote"
+                f"{what}: the lists of {record.name!r} have different lengths; restore what 'bench tune' wrote"
             )
-    return Tuning(**own | {"budget": checked_budget(own["budget"], f"{what}, 'budget'")}, optimizers=tuned)
+    return Tuning(**table | {"budget": checked_budget(table["budget"], f"{what}, 'budget'")}, optimizers=tuned)
 
 
 def _is_readable(tuned: Tuned) -> bool:
     """Return whether a report can show the numbers and the parameters of a record."""
     numbers = [*tuned.scores, *tuned.problems, *tuned.importance.values(), tuned.seconds]
     axes = all(
-        isinstance(each, dict)
-        and (isinstance(each.get("choices"), list) or all(is_finite(each.get(end)) for end in ("low", "high")))
-        for each in tuned.parameters.values()
+        isinstance(axis, dict)
+        and (isinstance(axis.get("choices"), list) or all(is_finite(axis.get(end)) for end in ("low", "high")))
+        for axis in tuned.parameters.values()
     )
-    lists = all(isinstance(each, list) for each in tuned.values.values())
+    lists = all(isinstance(tried, list) for tried in tuned.values.values())
     return all(map(is_finite, numbers)) and axes and lists and tuned.values.keys() == tuned.parameters.keys()
 
 
@@ -167,15 +167,15 @@ _KINDS: dict[str, type | tuple[type, ...]] = {
 }  # fmt: skip
 
 
-def _typed(kind: type, given: Any, what: str) -> dict[str, Any]:
+def _typed(kind: type, value: Any, what: str) -> dict[str, Any]:
     """Return a table whose keys are the fields of a record, each of the kind of its field."""
-    if not isinstance(given, dict):
-        raise BenchError(f"{what} must be the table that 'bench tune' wrote, not {given!r}")
-    fields = {each.name: str(each.type) for each in dataclasses.fields(kind)}
-    for key in given:
+    if not isinstance(value, dict):
+        raise BenchError(f"{what} must be the table that 'bench tune' wrote, not {value!r}")
+    fields = {item.name: str(item.type) for item in dataclasses.fields(kind)}
+    for key in value:
         if key not in fields:
             raise BenchError(f"{what}: unknown key {key!r}{nearest(key, fields)}")
     for key, kind_of in fields.items():
-        if not isinstance(given.get(key), _KINDS[kind_of]):
+        if not isinstance(value.get(key), _KINDS[kind_of]):
             raise BenchError(f"{what}: {key!r} is missing or of another kind; restore what 'bench tune' wrote")
-    return dict(given)
+    return dict(value)

@@ -74,12 +74,12 @@ def space(
     hints = get_type_hints(type(optimizer))
     axes: list[Axis] = []
     left: list[Axis] = []  # conditions that nobody asked for
-    for each in dataclasses.fields(optimizer):  # type: ignore[arg-type]
-        if each.name in fixed or not each.init:
+    for field in dataclasses.fields(optimizer):  # type: ignore[arg-type]
+        if field.name in fixed or not field.init:
             continue
-        axis = _axis(f"parameter {each.name!r} of {name!r}", each, list(_kinds(hints[each.name])), budget)
+        axis = _axis(f"parameter {field.name!r} of {name!r}", field, list(_kinds(hints[field.name])), budget)
         if axis is not None:
-            (left if each.name in CONDITIONS and each.name not in conditions else axes).append(axis)
+            (left if field.name in CONDITIONS and field.name not in conditions else axes).append(axis)
     if not axes:
         more = f", or ask for a condition, as in --condition {left[0].name}" if left else ""
         raise BenchError(
@@ -92,7 +92,7 @@ def _axis(where: str, field: dataclasses.Field[Any], kinds: list[Any], budget: i
     tune, low, high = (field.metadata.get(key) for key in ("tune", "minimum", "maximum"))
     numbers = [kind for kind in kinds if kind in (int, float)]
     if isinstance(tune, list) or (tune is None and not numbers):
-        return _choices(where, field, [each for kind in kinds for each in _values(kind)] if tune is None else tune)
+        return _choices(where, field, [value for kind in kinds for value in _values(kind)] if tune is None else tune)
     log = bool(field.metadata.get("log"))
     if tune is not None:
         ends = tune
@@ -126,7 +126,7 @@ def _axis(where: str, field: dataclasses.Field[Any], kinds: list[Any], budget: i
 
 def _choices(where: str, field: dataclasses.Field[Any], values: list[Any]) -> Axis | None:
     """Return an axis of choices; None where there is no choice, as for texts, and for an empty list."""
-    if not all(isinstance(each, (bool, int, float, str)) for each in values):
+    if not all(isinstance(value, (bool, int, float, str)) for value in values):
         raise BenchError(f"the values to tune of {where} must be numbers, texts, or true and false, not {values!r}")
     values = list(dict.fromkeys(values))
     if not values:
@@ -142,8 +142,8 @@ def _choices(where: str, field: dataclasses.Field[Any], values: list[Any]) -> Ax
 def _kinds(hint: Any) -> Iterator[Any]:
     """Yield the kinds of a union, or the hint itself; None is left out."""
     if get_origin(hint) in (Union, types.UnionType):
-        for each in get_args(hint):
-            yield from _kinds(each)
+        for kind in get_args(hint):
+            yield from _kinds(kind)
     elif hint is not type(None):
         yield hint
 
@@ -152,4 +152,4 @@ def _values(kind: Any) -> tuple[Any, ...]:
     """Return the values of a kind that has few; None is none that a study can hold."""
     if kind is bool:
         return (False, True)
-    return tuple(each for each in get_args(kind) if each is not None) if get_origin(kind) is Literal else ()
+    return tuple(value for value in get_args(kind) if value is not None) if get_origin(kind) is Literal else ()

@@ -25,7 +25,7 @@ def split(train: Sequence[str], test: Sequence[str], leave_out: str | None, seed
     Raises:
         BenchError: where one of both is empty, or a problem, or its data, is in both; and for an unknown group.
     """
-    training, testing = ([name for each in patterns for name in selection.matching(each)] for patterns in (train, test))
+    training, testing = ([name for glob in patterns for name in selection.matching(glob)] for patterns in (train, test))
     if leave_out is not None:
         if testing:
             raise BenchError("give either --test or --leave-out: a group that is left out is what the test runs on")
@@ -51,8 +51,8 @@ def split(train: Sequence[str], test: Sequence[str], leave_out: str | None, seed
 def _refuse_equal_data(training: Sequence[str], testing: Sequence[str]) -> None:
     trained_on = {fingerprint: name for name in training if (fingerprint := loading.load_problem(name).fingerprint())}
     for name in testing:
-        if other := trained_on.get(loading.load_problem(name).fingerprint()):
-            raise BenchError(f"{other!r} and {name!r} have the same data; train and test on different data")
+        if trained := trained_on.get(loading.load_problem(name).fingerprint()):
+            raise BenchError(f"{trained!r} and {name!r} have the same data; train and test on different data")
 
 
 def load(names: Sequence[str]) -> dict[str, Problem]:
@@ -68,7 +68,7 @@ def load(names: Sequence[str]) -> dict[str, Problem]:
 
 def untuned(name: str, test: Sequence[str], optimizers: Sequence[str], setting: Setting) -> Study:
     """Return the study of the defaults; raises BenchError for what cannot be run, before anything is tuned."""
-    entries = [{"name": each, **setting.fixed} for each in optimizers]
+    entries = [{"name": optimizer, **setting.fixed} for optimizer in optimizers]
     study = Study.from_dict(_head(name, test, setting) | {"optimizers": entries}, repr(name))
     study.data()
     return study
@@ -80,13 +80,13 @@ def tuned(name: str, test: Sequence[str], bests: Sequence[Best], setting: Settin
     ``about`` holds ``left_out`` and ``method`` of :class:`bench.study.tuned.Tuning`.
     """
     entries: list[dict[str, Any]] = []
-    for each in bests:
-        entries.append({"name": each.record.name, **setting.fixed})
-        if each.options:
-            entries.append({"name": each.record.name, "label": each.record.tuned, **setting.fixed, **each.options})
+    for best in bests:
+        entries.append({"name": best.record.name, **setting.fixed})
+        if best.options:
+            entries.append({"name": best.record.name, "label": best.record.tuned, **setting.fixed, **best.options})
     record = Tuning(
         setting.objective, setting.trials, setting.runs, setting.budget, setting.seed, list(setting.train),
-        optimizers=tuple(each.record for each in bests), **about,
+        optimizers=tuple(best.record for best in bests), **about,
     )  # fmt: skip
     return Study.from_dict(_head(name, test, setting) | {"optimizers": entries, "tuning": record.sealed()}, repr(name))
 

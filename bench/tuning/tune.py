@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from filelock import FileLock, Timeout
 
-from bench.analysis.finished_trials import NO_TRACE
+from bench.analysis.cells import NO_TRACE
 from bench.analysis.target_sets import aocc
 from bench.errors import BenchError, require
 from bench.helpers.console import OnStep
@@ -107,7 +107,7 @@ def spaces(
         BenchError: for an unknown optimizer or parameter, a budget below a generation, a condition that no optimizer
             has as a parameter to tune, and what :func:`space` refuses.
     """
-    if unknown := [each for each in conditions if each not in CONDITIONS]:
+    if unknown := [name for name in conditions if name not in CONDITIONS]:
         raise BenchError(f"{unknown[0]!r} is no condition; the conditions are {', '.join(CONDITIONS)}")
     axes_of = {}
     for name in names:
@@ -164,14 +164,16 @@ class _Search:
         problems: Mapping[str, Problem], pool: Pool,
     ) -> None:  # fmt: skip
         self.optuna, self.name, self.axes, self.setting, self.pool = optuna, name, axes, setting, pool
-        self.budgets = {label: evaluations(setting.budget, each.dimension) for label, each in problems.items()}
-        self.optima = {label: float(each.optimum) for label, each in problems.items() if each.optimum is not None}
+        self.budgets = {label: evaluations(setting.budget, problem.dimension) for label, problem in problems.items()}
+        self.optima = {
+            label: float(problem.optimum) for label, problem in problems.items() if problem.optimum is not None
+        }
         pruner = optuna.pruners.WilcoxonPruner()
         self.study = optuna.create_study(storage=storage, study_name=name, load_if_exists=True, pruner=pruner)
         same = {
             "objective": setting.objective, "number of runs": setting.runs, "budget": setting.budget,
             "seed": setting.seed, "training set": list(setting.train),
-            "fixed parameter": {key: option(each) for key, each in setting.fixed.items()},
+            "fixed parameter": {key: option(value) for key, value in setting.fixed.items()},
             "space": [str(axis) for axis in axes],
         }  # fmt: skip
         noted = self.study.user_attrs.get("setting", same)
@@ -214,8 +216,8 @@ class _Search:
         try:
             self._judge(trial, runs)
         finally:
-            for each in [each for of_problem in runs.values() for each in of_problem]:
-                each.cancel()
+            for future in [future for of_problem in runs.values() for future in of_problem]:
+                future.cancel()
 
     def _begin(self, options: dict[str, Any]) -> dict[str, list[Future[Any]]]:
         """Have a configuration run on all training problems, as far as it is not stopped before."""
@@ -236,7 +238,7 @@ class _Search:
         scores: list[float] = []
         stopped = False
         for step, (problem, futures) in enumerate(runs.items()):
-            outcomes = [_outcome(each) for each in futures]
+            outcomes = [_outcome(future) for future in futures]
             spent += sum(run.evaluations for run in outcomes)
             seconds += sum(run.seconds for run in outcomes)
             errors = [run.error for run in outcomes if run.error]
@@ -258,8 +260,8 @@ class _Search:
     def best(self) -> Best:
         """Return the best of the first configurations, as many as the setting allows."""
         tried = self.finished[: self.setting.trials]
-        whole = [each for each in tried if each.state == self.optuna.trial.TrialState.COMPLETE]
-        best = min(whole, key=lambda each: each.value)  # the first of equal ones; the defaults are never stopped
+        whole = [trial for trial in tried if trial.state == self.optuna.trial.TrialState.COMPLETE]
+        best = min(whole, key=lambda trial: trial.value)  # the first of equal ones; the defaults are never stopped
         label = loading.default_label(self.name)
         options = {} if best is tried[0] else {axis.name: best.params[axis.name] for axis in self.axes}
         record = Tuned(
@@ -267,12 +269,12 @@ class _Search:
             default=label,
             tuned=f"{label}-tuned" if options else label,
             parameters={axis.name: axis.as_dict() for axis in self.axes},
-            values={axis.name: [each.params.get(axis.name, option(None)) for each in tried] for axis in self.axes},
-            scores=[float(np.mean(list(each.intermediate_values.values()))) for each in tried],
-            problems=[len(each.intermediate_values) for each in tried],
-            failed=sum(each.user_attrs["failed"] for each in tried),
-            evaluations=sum(each.user_attrs["evaluations"] for each in tried),
-            seconds=round(sum(each.user_attrs["seconds"] for each in tried), 3),
+            values={axis.name: [trial.params.get(axis.name, option(None)) for trial in tried] for axis in self.axes},
+            scores=[float(np.mean(list(trial.intermediate_values.values()))) for trial in tried],
+            problems=[len(trial.intermediate_values) for trial in tried],
+            failed=sum(trial.user_attrs["failed"] for trial in tried),
+            evaluations=sum(trial.user_attrs["evaluations"] for trial in tried),
+            seconds=round(sum(trial.user_attrs["seconds"] for trial in tried), 3),
             importance=self._importance(len(whole)),
         )
         return Best(record, options)
@@ -283,7 +285,7 @@ class _Search:
             return {}
         evaluator = self.optuna.importance.PedAnovaImportanceEvaluator()
         shares = self.optuna.importance.get_param_importances(self.study, evaluator=evaluator)
-        return {name: round(float(each), 4) for name, each in shares.items()}
+        return {name: round(float(share), 4) for name, share in shares.items()}
 
 
 def score(runs: Sequence[Run], objective: str, optimum: float, budget: int) -> float:

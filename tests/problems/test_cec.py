@@ -120,6 +120,18 @@ def test_values_depend_on_the_point_alone(name):
     assert_pure_and_reloadable(load_problem(name))
 
 
+@pytest.mark.parametrize(("year", "number"), [(2017, 6), (2022, 3)])
+def test_schaffer_f7_is_computed_of_the_shifted_point(year, number):
+    """The reports define another function here, the rotated expanded F6; the names in lists are of what is computed."""
+    problem = load_problem(f"cec{year}-f{number:02d}-d10")
+    x = np.random.default_rng(1).uniform(problem.lower, problem.upper, (4, 10))
+    shifted = x - shifts(year, number, 10)
+    s = np.hypot(shifted[:, :-1], shifted[:, 1:])
+    values = np.mean(np.sqrt(s) * (1 + np.sin(50 * s**0.2) ** 2), axis=1) ** 2
+    np.testing.assert_allclose(problem.evaluate(x), values + problem.optimum, rtol=1e-12)
+    assert grid(year).titles[f"f{number:02d}"] == "Schaffer F7"
+
+
 def test_where_minionpy_returns_nan_the_value_is_inf():
     problem = load_problem("cec2011-f05-d30")
     values = problem.evaluate(np.stack([problem.lower, problem.upper * 1e10, problem.upper]))
@@ -145,6 +157,7 @@ def test_a_problem_says_its_suite_function_and_group(year, groups):
     assert {each["suite"] for each in features} == {f"cec{year}"}
     found = [each["group"] for each in features]
     assert {group: found.count(group) for group in found} == groups
+    assert grid(year).titles.keys() == grid(year).functions.keys()
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ def check_repetition(subject: Subject) -> str:
     others = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
     if all(other.course() == run.course() for other in others):
         return "deterministic: the seed repeats the run, and so does every other seed"
-    if not any(each.drew for each in (run, *others)):
+    if not any(recorded.drew for recorded in (run, *others)):
         return "a seed repeats its run, other seeds give others; nothing is drawn from rng"
     return "a seed repeats its run, other seeds give others"
 
@@ -56,8 +56,8 @@ def check_processes(subject: Subject) -> str:
         except LOST as error:
             finding, other_mend = explain_lost_process(error, process.note)
             raise ViolationError(f"in another process, {finding}", other_mend) from error
-    for mine, other in zip(here, reversed(there), strict=True):
-        expect_same(mine, other, "a seed gives another run in another process, after other runs", remedy)
+    for first, second in zip(here, reversed(there), strict=True):
+        expect_same(first, second, "a seed gives another run in another process, after other runs", remedy)
     return f"{len(seeds)} trials gave the same runs in two processes, in two orders"
 
 
@@ -79,7 +79,7 @@ def check_state(subject: Subject) -> str:
         raise ViolationError(
             f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", remedy
         )
-    new, again = (subject.run(optimizer=each, seed=1) for each in (None, used))
+    new, again = (subject.run(optimizer=instance, seed=1) for instance in (None, used))
     expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", remedy)
     return "a second run of one instance equals that of a new one"
 
@@ -93,7 +93,7 @@ def check_pickling(subject: Subject) -> str:
         raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", remedy)
     if parameters(copy) != parameters(optimizer) and copy != optimizer:
         raise ViolationError("its pickled copy has other parameters", remedy)
-    run, other = (subject.run(optimizer=each) for each in (optimizer, copy))
+    run, other = (subject.run(optimizer=instance) for instance in (optimizer, copy))
     expect_same(run.course(), other.course(), "its pickled copy runs differently", remedy)
     return "a pickled copy has the same parameters and gives the same run"
 

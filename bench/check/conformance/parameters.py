@@ -70,5 +70,5 @@ def _wrong_values(cls: type[Optimizer], names: list[str]) -> Iterator[tuple[str,
 
 def _is_plain(hint: Any) -> bool:
     if get_origin(hint) in (Union, types.UnionType):
-        return all(_is_plain(each) for each in get_args(hint))
+        return all(_is_plain(alternative) for alternative in get_args(hint))
     return get_origin(hint) is Literal or hint in (int, float, bool, str, type(None))

@@ -84,8 +84,8 @@ def explain_lost_process(
         error: how the process was lost.
         noted: the last note of its :class:`Progress`; it may have sent another.
     """
-    known = isinstance(noted, list) and [type(each) for each in noted] == [int, int]
-    made, budget = noted if known else (0, 0)
+    whole = isinstance(noted, list) and [type(count) for count in noted] == [int, int]
+    made, budget = noted if whole else (0, 0)
     if isinstance(error, DiedError) and error.code == STILL_ASKING:
         return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
     if isinstance(error, DiedError):

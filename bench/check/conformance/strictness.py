@@ -54,11 +54,10 @@ def keep(budget: int, seed: int, end: int) -> list[int]:
 
 def run_apart(packed: bytes, budget: int, end: int) -> None:
     """Run the optimizer on the problem at the other end of the socket."""
-    subject, known = unpack(packed), bowl()
-    problem = strict.RemoteProblem(end, known.lower, known.upper, integer_flags(known))
+    subject, problem_here = unpack(packed), bowl()
+    problem = strict.RemoteProblem(end, problem_here.lower, problem_here.upper, integer_flags(problem_here))
     start_stream, search_stream = streams(subject.seed)
     objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1), seeded_global_states(0), suppress(BudgetExhausted):
-        problem.begin()
         subject.fresh().minimize(objective, search_stream)
-    problem.end(objective.stop_reason)
+    problem.close()

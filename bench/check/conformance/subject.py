@@ -149,13 +149,13 @@ def parameters(optimizer: Optimizer) -> dict[str, str]:
 def pack(subject: Subject) -> bytes:
     """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
-    local = [each for each in cls.__mro__ if not _importable(each)]
+    local = [base for base in cls.__mro__ if not _importable(base)]
     plain = dataclasses.replace(subject, packed=None)
     with ExitStack() as stack:
-        for name in {each.__module__ for each in local} & sys.modules.keys() - {"__main__"}:
+        for name in {base.__module__ for base in local} & sys.modules.keys() - {"__main__"}:
             cloudpickle.register_pickle_by_value(sys.modules[name])
             stack.callback(cloudpickle.unregister_pickle_by_value, sys.modules[name])
-        return bytes(cloudpickle.dumps((plain, [(each, _annotations(each)) for each in local])))
+        return bytes(cloudpickle.dumps((plain, [(base, _annotations(base)) for base in local])))
 
 
 @lru_cache(maxsize=1)

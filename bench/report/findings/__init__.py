@@ -108,13 +108,15 @@ class Findings:
         study, results, trials = self.results.study, self.results, self.trials
         members = {label: trials.pooled.members[label] for label in trials.problems}
         budgets: analysis.Budgets = {
-            each: trials.budgets[label] for label, instances in members.items() for each in instances
+            instance: trials.budgets[label] for label, instances in members.items() for instance in instances
         }
         if trials.allowed != trials.budgets:
             cells = cast("Mapping[tuple[str, str], int]", trials.allowed)
-            budgets = {(each, optimizer): most for (label, optimizer), most in cells.items() for each in members[label]}
-        facts = {each: results.facts(each) for instances in members.values() for each in instances}
-        pool = {each: label for label, instances in trials.pooled.members.items() for each in instances}
+            budgets = {
+                (instance, optimizer): most for (label, optimizer), most in cells.items() for instance in members[label]
+            }
+        facts = {instance: results.facts(instance) for instances in members.values() for instance in instances}
+        pool = {instance: label for label, instances in trials.pooled.members.items() for instance in instances}
         frame = analysis.in_study_order(results.frame, study)
         return analysis.integrity(
             frame.assign(pool=frame["problem"].astype(object).map(pool)),
@@ -129,7 +131,7 @@ class Findings:
                 for label in results.planned
             },
             traces=results.traces,
-            boxes={label: each.continuous for label, each in facts.items() if each.box},
+            boxes={label: of_problem.continuous for label, of_problem in facts.items() if of_problem.box},
             diagnoses=results.checks,
             verifications=results.verifications,
             stores=results.stores,

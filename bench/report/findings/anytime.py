@@ -112,13 +112,13 @@ class Anytime:
         for key, evaluations in cast("Mapping[Any, int]", self.trials.allowed).items():
             label, optimizers = (key, largest) if isinstance(key, str) else (key[0], [key[1]])
             if label in problems and (not per_dimension or label in self.trials.dimensions):
-                each = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
-                largest |= {optimizer: max(largest[optimizer], each) for optimizer in optimizers}
+                budgets = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
+                largest |= {optimizer: max(largest[optimizer], budgets) for optimizer in optimizers}
         return largest
 
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
-        if self.words.kind == "tolerance" and not any(each.expected for each in self.trials.known.values()):
+        if self.words.kind == "tolerance" and not any(facts.expected for facts in self.trials.known.values()):
             raise BenchError(NO_METRIC)
         if self.beside_best and not self.words.absolute:
             raise BenchError(
@@ -151,11 +151,11 @@ class Anytime:
         )
         if words.kind != "tolerance":
             return table
-        return table[table["problem"].isin([label for label, each in self.trials.known.items() if each.expected])]
+        return table[table["problem"].isin([label for label, facts in self.trials.known.items() if facts.expected])]
 
     def _hits(self, words: TargetWords) -> pd.DataFrame:
         if words.kind == "tolerance":
-            expected = {label: each.expected for label, each in self.trials.known.items()}
+            expected = {label: facts.expected for label, facts in self.trials.known.items()}
             return analysis.tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
         targets = self.targets if words == self.words else self._targets(words)
         return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
@@ -182,7 +182,7 @@ class Anytime:
         table = analysis.running_times(tabled_hits)
         times = analysis.running_times(analysis.in_seconds(tabled_hits, self.trials.whole))
         names = ["ert", "low", "high", "p10", "p90"]
-        seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
+        seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{name}_s" for name in names])
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
         table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
         if self.shows_best:
@@ -249,8 +249,8 @@ class Anytime:
         if self.words.kind == "runlength":
             levels = self._run_lengths
         else:
-            known = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
-            levels = self.targets.loc[known, ["problem", "tau"]].assign(precision=lambda rows: rows["tau"])
+            with_value = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
+            levels = self.targets.loc[with_value, ["problem", "tau"]].assign(precision=lambda rows: rows["tau"])
         return analysis.reference_times(self.best, self.functions, levels.reset_index(drop=True))
 
     @cached_property
@@ -258,8 +258,8 @@ class Anytime:
         """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
         others = [kind for kind in ("precisions", "relative", "quantiles") if kind != self.words.chosen][:2]
         areas = {self.words.short: analysis.target_areas(self.hits, self.trials.budgets)}
-        for each in map(target_words, others):
-            targets = dict(list(self._targets(each).groupby("problem", observed=True)))
+        for words in map(target_words, others):
+            targets = dict(list(self._targets(words).groupby("problem", observed=True)))
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
             tables = [
                 analysis.target_areas(
@@ -269,7 +269,7 @@ class Anytime:
                 for label, trials in self.trials.measured.groupby("problem", observed=True)
                 if label in targets
             ]
-            areas[each.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
+            areas[words.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
         return analysis.compare_sets(areas, self.trials.optimizers)
 
     @cached_property

@@ -53,17 +53,19 @@ class Controls:
         best = {kind: label for label in reversed(ranked) if (kind := kinds[label]) != kinds[leader]}  # of an algorithm
         rivals = sorted(best.values(), key=ranked.index)[:RIVALS]
         rows = [(REPORTED, rival, leader, rival, *self._chance(leader, rival)) for rival in rivals]
-        for each in self.matched:
-            name = options(each.values)
+        for matched in self.matched:
+            name = options(matched.values)
             for rival in rivals:
-                pair = [each.entries[kinds[label]].label for label in (leader, rival) if kinds[label] in each.entries]
+                pair = [
+                    matched.entries[kinds[label]].label for label in (leader, rival) if kinds[label] in matched.entries
+                ]
                 if len(pair) == 2 and (chance := self._chance(*pair))[0]:
                     rows.append((name, rival, pair[0], pair[1], *chance))
         return pd.DataFrame(rows, columns=list(COLUMNS))
 
     def _chance(self, first: str, second: str) -> tuple[int, float, float, float]:
         """Return problems, probability, low and high of two optimizers or controls."""
-        pairs = [[self._samples.get((label, each)) for each in (first, second)] for label in self.final.medians.index]
+        pairs = [[self._samples.get((label, side)) for side in (first, second)] for label in self.final.medians.index]
         samples = [(one, other) for one, other in pairs if one is not None and other is not None]
         return len(samples), *improvement_of(samples)
 
@@ -88,8 +90,8 @@ class Controls:
         compared = {entry.label for entry in study.optimizers}
         controls = {
             entry.label: kind
-            for each in self.matched
-            for kind, entry in each.entries.items()
+            for matched in self.matched
+            for kind, entry in matched.entries.items()
             if entry.label not in compared
         }
         lacking = {label: len(study.problems) * study.trials - int(made.get(label, 0)) for label in controls}
@@ -98,7 +100,7 @@ class Controls:
             return ""
         kinds = frame["optimizer"].astype(object).map(algorithms(study))
         mean = pd.to_numeric(frame["wall_s"], errors="coerce").astype(float).groupby(kinds).mean()
-        jobs = next((n for each in reversed(results.environments) if isinstance(n := each.get("jobs"), int)), 1)
+        jobs = next((n for record in reversed(results.environments) if isinstance(n := record.get("jobs"), int)), 1)
         seconds = sum(number * mean.get(controls[label], math.nan) for label, number in lacking.items())
         time = "" if math.isnan(seconds) else f", about {duration(seconds / jobs)} on {count(jobs, 'job')}"
         name = study.name if study.name in registry.entries("studies") else "STUDY"

@@ -145,7 +145,9 @@ class Final:
     def contributions(self) -> dict[str, Contributions]:
         """What the parameters of each sweep contribute, by its name; a sweep that lacks a combination has no entry."""
         return {
-            each.name: contributions(self.trials.frame, each) for each in self.trials.study.sweeps if not each.missing
+            sweep.name: contributions(self.trials.frame, sweep)
+            for sweep in self.trials.study.sweeps
+            if not sweep.missing
         }
 
     @cached_property

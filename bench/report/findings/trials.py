@@ -41,8 +41,8 @@ class Trials:
     def _pool(self, frame: pd.DataFrame, traces: analysis.Traces) -> analysis.Pooled:
         names = [entry.label for entry in self.results.study.problems]
         facts = {label: self.results.facts(label) for label in names}
-        optima = {label: each.optimum for label, each in facts.items() if each.optimum is not None}
-        features = {label: each.features for label, each in facts.items()}
+        optima = {label: of_problem.optimum for label, of_problem in facts.items() if of_problem.optimum is not None}
+        features = {label: of_problem.features for label, of_problem in facts.items()}
         return analysis.pool_instances(frame, traces, names, features, optima)
 
     @property
@@ -63,7 +63,7 @@ class Trials:
     @property
     def extensions(self) -> list[tuple[int, int]]:
         """The trials of each cell that were complete, and those then asked for, of every run that asked for more."""
-        keys = [(each.get("extends"), each.get("trials")) for each in self.results.environments]
+        keys = [(record.get("extends"), record.get("trials")) for record in self.results.environments]
         asked_for = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
         return [] if self.results.study.looks else list(dict.fromkeys(asked_for))
 
@@ -109,9 +109,9 @@ class Trials:
     def shifts(self) -> Shifts:
         """How much the best value that an optimizer can reach is above the optimum, by problem and optimizer."""
         repaired = {
-            label: each.repaired_optimum
-            for label, each in self.known.items()
-            if each.repaired_optimum is not None and label not in self.pooled.functions
+            label: facts.repaired_optimum
+            for label, facts in self.known.items()
+            if facts.repaired_optimum is not None and label not in self.pooled.functions
         }
         if not repaired:
             return {}
@@ -171,29 +171,29 @@ class Trials:
 
     def _function(self, instances: list[str]) -> ProblemFacts:
         """Return the facts of a function, whose values are precisions."""
-        one = self.results.facts(instances[0])
-        features = {name: each for name, each in one.features.items() if name != "instance"}
-        return replace(one, optimum=0.0, expected={}, features=features)
+        first = self.results.facts(instances[0])
+        features = {name: value for name, value in first.features.items() if name != "instance"}
+        return replace(first, optimum=0.0, expected={}, features=features)
 
     @cached_property
     def constrained(self) -> list[str]:
         """The labels of the problems whose constraints were handled."""
-        return [label for label, each in self.known.items() if each.constraints]
+        return [label for label, facts in self.known.items() if facts.constraints]
 
     @cached_property
     def noisy(self) -> list[str]:
         """The labels of the problems whose values optimizers saw with noise."""
-        return [label for label, each in self.known.items() if each.noisy]
+        return [label for label, facts in self.known.items() if facts.noisy]
 
     @cached_property
     def mixed(self) -> list[str]:
         """The labels of the problems with integer variables."""
-        return [label for label, each in self.known.items() if each.integers]
+        return [label for label, facts in self.known.items() if facts.integers]
 
     @cached_property
     def optima(self) -> dict[str, float]:
         """The best known objective value of the problems that have one."""
-        return {label: each.optimum for label, each in self.known.items() if each.optimum is not None}
+        return {label: facts.optimum for label, facts in self.known.items() if facts.optimum is not None}
 
     @cached_property
     def dimensions(self) -> dict[str, int]:
@@ -246,8 +246,8 @@ class Trials:
     def blocks(self) -> dict[str, str]:
         """The block of each problem: problems of one sweep, and one function in several dimensions, are one block."""
         block_of = {}
-        for label, each in self.known.items():
-            features = each.features
+        for label, facts in self.known.items():
+            features = facts.features
             function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
             block_of[label] = str(features.get("sweep") or function or label)
         return block_of
@@ -267,4 +267,4 @@ class Trials:
     @cached_property
     def suite_functions(self) -> list[str]:
         """The labels of the problems that are functions of a suite."""
-        return [label for label, each in self.known.items() if "suite" in each.features]
+        return [label for label, facts in self.known.items() if "suite" in facts.features]

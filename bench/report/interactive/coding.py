@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from bench.typing import Floats
@@ -24,7 +25,7 @@ def coded(distances: Floats) -> list[str]:
     """
     with np.errstate(divide="ignore"):
         levels = np.rint(STEPS * np.log10(distances))
-    return [_row(each) for each in levels.tolist()]
+    return [_row(levels_of_row) for levels_of_row in levels.tolist()]
 
 
 def _row(levels: Sequence[float]) -> str:
@@ -45,9 +46,9 @@ def signal(values: ArrayLike) -> dict[str, Any]:
 
     ``{"low": …, "high": …, "steps": "4211,12,-3,,…"}``: the first number is a level, an empty text no step.
     """
-    given = np.asarray(values, dtype=np.float64)
-    low, high = float(given.min()), float(given.max())
-    levels = np.rint(LEVELS * (given - low) / (high - low)) if high > low else np.zeros(len(given))
+    samples = np.asarray(values, dtype=np.float64)
+    low, high = float(samples.min()), float(samples.max())
+    levels = np.rint(LEVELS * (samples - low) / (high - low)) if high > low else np.zeros(len(samples))
     steps = np.diff(levels, prepend=0.0).astype(int).tolist()
     return {
         "low": short(low, 7),
@@ -58,7 +59,7 @@ def signal(values: ArrayLike) -> dict[str, Any]:
 
 def short(value: Any, digits: int = 7) -> float | int | None:
     """Return a number rounded to some significant digits; None where it is missing or not finite."""
-    number = float("nan") if value is None else float(value)
+    number = float("nan") if pd.isna(value) else float(value)
     if not np.isfinite(number):
         return None
     rounded = float(f"{number:.{digits}g}")
@@ -68,4 +69,4 @@ def short(value: Any, digits: int = 7) -> float | int | None:
 def packed(values: Sequence[Any]) -> Any:
     """Return the values as a list, or the one value that all of several have in common."""
     first = values[0] if len(values) else None
-    return first if len(values) > 1 and all(each == first for each in values) else list(values)
+    return first if len(values) > 1 and all(value == first for value in values) else list(values)

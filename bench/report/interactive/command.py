@@ -28,10 +28,10 @@ def problem_words(entry: Entry, study: Study) -> str:
 
 
 def _words(entry: Entry, option: str) -> str:
-    given = [(name, _value(value)) for name, value in entry.options.items()]
-    if any(value is None for _, value in given):
+    pairs = [(name, _value(value)) for name, value in entry.options.items()]
+    if any(value is None for _, value in pairs):
         return ""
-    return shlex.join([entry.name, *(word for name, value in given for word in (option, f"{name}={value}"))])
+    return shlex.join([entry.name, *(word for name, value in pairs for word in (option, f"{name}={value}"))])
 
 
 def _value(value: Any) -> str | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -70,11 +70,8 @@ def explore(findings: Findings) -> dict[str, Any] | None:
     ``cells``, of which each has its ``problem`` and ``optimizer`` by place; ``texts``, to which records refer by place;
     ``complete``, whether all runs are there; ``notes``, sentences on what was left out.
     """
-    return (
-        None
-        if len(findings.trials.problems) * len(findings.trials.optimizers) > MOST_CELLS
-        else _Explored(findings).data()
-    )
+    cells = len(findings.trials.problems) * len(findings.trials.optimizers)
+    return None if cells > MOST_CELLS else _Explored(findings).data()
 
 
 @dataclass(frozen=True)
@@ -102,15 +99,9 @@ class _Explored:
     @cached_property
     def rows(self) -> dict[tuple[str, str], list[int]]:
         """The numbers of the frame's rows of each cell that has any, in the study's order."""
-        frame, optimizers = self.findings.trials.whole, self.findings.trials.optimizers
-        places = frame["problem"].cat.codes.to_numpy(int) * len(optimizers) + frame["optimizer"].cat.codes.to_numpy(int)
-        order = np.argsort(places, kind="stable")
-        kinds, starts = np.unique(places[order], return_index=True)
-        labels = analysis.labels(frame, "problem")
-        return {
-            (labels[kind // len(optimizers)], optimizers[kind % len(optimizers)]): places_of.tolist()
-            for kind, places_of in zip(kinds.tolist(), np.split(order, starts[1:]), strict=True)
-        }
+        cells = self.findings.trials.whole.groupby(["problem", "optimizer"], observed=True)
+        rows_of = cast("Mapping[tuple[str, str], NDArray[np.int64]]", cells.indices)
+        return {cell: rows.tolist() for cell, rows in rows_of.items()}
 
     @cached_property
     def columns(self) -> dict[str, list[Any]]:
@@ -138,13 +129,11 @@ class _Explored:
     @cached_property
     def budgets(self) -> dict[str, int]:
         """The most evaluations that a trial on each problem was allowed."""
-        allowed: Mapping[Any, int] | int = self.findings.trials.allowed
-        if isinstance(allowed, int):
-            return dict.fromkeys(self.findings.trials.problems, allowed)
+        allowed = cast("Mapping[str | tuple[str, str], int]", self.findings.trials.allowed)
         most: dict[str, int] = {}
         for key, budget in allowed.items():
             label = key[0] if isinstance(key, tuple) else key
-            most[label] = max(most.get(label, 1), int(budget))
+            most[label] = max(most.get(label, 1), budget)
         return most
 
     @cached_property
@@ -207,7 +196,7 @@ class _Explored:
             "targets": self.targets.get(label, []),
             "members": [] if members == [label] else members,
             "options": _options(entries[members[0]]),
-            "commands": packed([problem_words(entries[each], findings.results.study) for each in members]),
+            "commands": packed([problem_words(entries[member], findings.results.study) for member in members]),
             "variables": self.variables[label] if self.points_too else [],
             "metrics": self.metrics,
             "data": self.signals.get(label),
@@ -247,9 +236,9 @@ class _Explored:
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
         frame = self.findings.trials.whole
-        others = (*FRAME_COLUMNS, PRECISION, "instance")
-        numbers = [name for name in map(str, frame) if name not in others and not name.startswith("x_")]
-        return [name for name in numbers if pd.api.types.is_numeric_dtype(frame[name])]
+        usual = (*FRAME_COLUMNS, PRECISION, "instance")
+        names = [name for name in map(str, frame) if name not in usual and not name.startswith("x_")]
+        return [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
 
     @cached_property
     def signals(self) -> dict[str, dict[str, Any]]:
@@ -273,7 +262,7 @@ class _Explored:
             return {
                 "t": [short(t[0], 10), short((t[-1] - t[0]) / (len(t) - 1), 10)]
                 if uniform
-                else {"values": [short(each, 8) for each in t[:MOST_SAMPLES]]},
+                else {"values": [short(time, 8) for time in t[:MOST_SAMPLES]]},
                 "values": signal(data.values[:MOST_SAMPLES]),
                 "samples": len(t),
                 "model": str(data.model),
@@ -301,12 +290,12 @@ class _Explored:
         kept = {name: [values[row] for row in shown] for name, values in columns.items()}
         ok = [status == "ok" for status in kept["status"]]
         cell |= {
-            "seed": ["" if pd.isna(each) else str(each) for each in kept["seed"]],
-            "fun": [short(each) if fine else None for each, fine in zip(kept["fun"], ok, strict=True)],
-            "nfev": packed([_number(each) for each in kept["nfev"]]),
-            "wall": packed([_number(each, 3) for each in kept["wall_s"]]),
-            "objective": packed([_number(each, 3) for each in kept["objective_s"]]),
-            "stop": packed([self.text(each) for each in kept["stop"]]),
+            "seed": ["" if pd.isna(seed) else str(seed) for seed in kept["seed"]],
+            "fun": [short(value) if fine else None for value, fine in zip(kept["fun"], ok, strict=True)],
+            "nfev": packed([short(number) for number in kept["nfev"]]),
+            "wall": packed([short(seconds, 3) for seconds in kept["wall_s"]]),
+            "objective": packed([short(seconds, 3) for seconds in kept["objective_s"]]),
+            "stop": packed([self.text(reason) for reason in kept["stop"]]),
             "curve": coded(distances[: len(shown)]),
         }
         if self.complete:
@@ -368,19 +357,19 @@ class _Explored:
         """Return sentences on what was left out, and on what is not as in the rest of the report."""
         runs, notes = len(self.findings.trials.whole), []
         if not self.complete:
-            which = f"the first {self.kept} runs of each cell" if self.kept else "no single runs"
+            single = f"the first {self.kept} runs of each cell" if self.kept else "no single runs"
             notes.append(
                 f"The study has {runs:,} runs, more than the {MOST_RUNS:,} that fit into a page: it holds the "
-                f"quartiles of every cell, from all runs, and {which}. Ranks are then those of medians, and the shares "
-                "of targets reached those of median runs."
+                f"quartiles of every cell, from all runs, and {single}. Ranks are then those of medians, and the "
+                "shares of targets reached those of median runs."
             )
         if not self.points_too:
             notes.append("The runs’ best points are left out, as the page would grow; tables/trials.csv has them.")
-        if any(len(each["targets"]) for each in problems) and self.words != self.findings.anytime.words:
+        if any(problem["targets"] for problem in problems) and self.words != self.findings.anytime.words:
             notes.append("Targets are relative here: those of the report are no values of the objective.")
         if len(self.signals) == MOST_SIGNALS < len(problems):
             notes.append(f"The data of the first {MOST_SIGNALS} problems are here.")
-        cut = [label for label, each in self.signals.items() if each["samples"] > MOST_SAMPLES]
+        cut = [label for label, data in self.signals.items() if data["samples"] > MOST_SAMPLES]
         if cut:
             notes.append(f"Of longer signals, the first {MOST_SAMPLES:,} samples are here.")
         return notes
@@ -395,11 +384,7 @@ def final_places(frame: pd.DataFrame) -> list[int]:
 def _joined(columns: Sequence[Sequence[Any]]) -> list[str]:
     """Return the numbers of each row of these columns as a text, missing ones as empty ones."""
     rows = zip(*columns, strict=True)
-    return [",".join("" if pd.isna(each) else f"{float(each):.7g}" for each in row) for row in rows]
-
-
-def _number(value: Any, digits: int = 7) -> float | int | None:
-    return None if pd.isna(value) else short(value, digits)
+    return [",".join("" if pd.isna(number) else f"{float(number):.7g}" for number in row) for row in rows]
 
 
 def _options(entry: Entry) -> str:

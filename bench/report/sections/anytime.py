@@ -77,7 +77,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     A precision is a regret already, so that the convergence of pooled instances is their regret.
     """
     optimizers, unbeaten, frame = findings.display.drawn, findings.trials.unbeaten, findings.trials.frame
-    frame, times = (each[each["optimizer"].isin(optimizers)] for each in (frame, times))
+    frame, times = (table[table["optimizer"].isin(optimizers)] for table in (frame, times))
     grid = analysis.evaluation_grid(max(findings.trials.budgets[label] for label in labels))
     curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.trials.traces, grid)
     precisions = set(findings.trials.precisions) & unbeaten.keys()
@@ -104,12 +104,12 @@ def _leaders(trials: Trials, budget: int) -> list[str]:
                 _lowest(part, count(int(str(spent)), "evaluation")) for spent, part in curves.groupby("evaluations")
             )
         ]
-    shares, each = (0.01, 0.1, 1.0), []  # of each problem's own budget
+    shares, tables = (0.01, 0.1, 1.0), []  # of each problem's own budget
     for label, part in trials.frame.groupby("problem", observed=True, sort=False):
         spent = [max(round(share * trials.budgets[str(label)]), 1) for share in shares]
         reached = analysis.convergence(part, trials.traces, np.array(spent))
-        each.append(reached.assign(share=np.tile(shares, len(reached) // len(shares))))
-    return [" ".join(_lowest(part, f"{share:.0%} of the budget") for share, part in pd.concat(each).groupby("share"))]
+        tables.append(reached.assign(share=np.tile(shares, len(reached) // len(shares))))
+    return [" ".join(_lowest(part, f"{share:.0%} of the budget") for share, part in pd.concat(tables).groupby("share"))]
 
 
 def _lowest(reached: pd.DataFrame, spent: str) -> str:
@@ -126,8 +126,8 @@ def _fastest(findings: Findings) -> list[str]:
     level = words.level if words.level in solved else min(solved, default=np.nan)
     at_level = table[table[words.unit] == level]
     reached = [analysis.table(at_level, name).astype(float) for name in ("ert", "ert_s")] if len(at_level) else []
-    lowest = [each.eq(each.min(axis=1), axis=0) & np.isfinite(each) for each in reached]
-    if len(findings.trials.optimizers) < 2 or not any(each.any(axis=None) for each in lowest[:1]):
+    lowest = [of_share.eq(of_share.min(axis=1), axis=0) & np.isfinite(of_share) for of_share in reached]
+    if len(findings.trials.optimizers) < 2 or not any(of_share.any(axis=None) for of_share in lowest[:1]):
         return []
     sentence = f"To {words.at(level)}, {leaders(lowest[0], 'the lowest expected running time in evaluations')}"
     if lowest[1].any(axis=None):
@@ -143,7 +143,7 @@ def _sets_agree(findings: Findings) -> list[str]:
         columns=list(dict.fromkeys(sets["set"]))
     )
     ranks = ranks.dropna(axis=1, how="any").reindex(
-        [each for each in findings.trials.optimizers if each in ranks.index]
+        [optimizer for optimizer in findings.trials.optimizers if optimizer in ranks.index]
     )
     if len(ranks) < 2 or ranks.shape[1] < 2:
         return []
@@ -212,7 +212,7 @@ def _areas(findings: Findings) -> list[Table]:
 
 def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[str]:
     optimum_known = targets.drop_duplicates("problem")["known"].astype(bool)
-    deep, short = (f"{analysis.fractions(each)[-1]:g}" for each in (True, False))
+    deep, short = (f"{analysis.fractions(deeper)[-1]:g}" for deeper in (True, False))
     reference, last = (
         ("the known optimum", deep)
         if optimum_known.all()

@@ -42,7 +42,7 @@ def _ratios(findings: Findings) -> pd.DataFrame:
 
 def _sentences(anytime: Anytime, ratios: pd.DataFrame) -> list[str]:
     """Return on how many problems each optimizer needs no more evaluations than the best of 2009."""
-    said = []
+    sentences = []
     for level in anytime.words.levels:
         at_level = ratios[np.isclose(ratios[anytime.words.unit].astype(float), level)]
         if at_level.empty:
@@ -57,8 +57,8 @@ def _sentences(anytime: Anytime, ratios: pd.DataFrame) -> list[str]:
         who = (
             listing(parts) if parts else f"every optimizer needed more evaluations than the best of 2009 on {problems}"
         )
-        said.append(f"To {anytime.words.at(level)}, {who}.")
-    return [" ".join(said)] if said else []
+        sentences.append(f"To {anytime.words.at(level)}, {who}.")
+    return [" ".join(sentences)] if sentences else []
 
 
 def _table(findings: Findings, ratios: pd.DataFrame) -> Table:

@@ -49,8 +49,8 @@ def section(findings: Findings) -> Section:
         items += [_regret(findings, above)] if len(above) else []
     feasible = feasibility.sections(findings)
     if findings.trials.many:
-        each = Section("Each problem", items=tuple(items), folded=True)
-        return Section(TITLE, tuple(text), sections=(each, *feasible))
+        by_problem = Section("Each problem", items=tuple(items), folded=True)
+        return Section(TITLE, tuple(text), sections=(by_problem, *feasible))
     return Section(TITLE, tuple(text), tuple(items), sections=feasible)
 
 
@@ -153,11 +153,11 @@ def _odd(odd: pd.DataFrame) -> str:
 def _other_best(odd: pd.DataFrame) -> pd.Series[str]:
     """Return which optimizer is best by the median or by the mean, where it is not the first one, by problem."""
     texts = {
-        each["problem"]: "; ".join(
-            f"{name} {listing([*map(str, each[name])], at_most=3)}"
+        row["problem"]: "; ".join(
+            f"{name} {listing([*map(str, row[name])], at_most=3)}"
             for name in ("median", "mean")
-            if each[name] and not {*each[name]} & {*each["standing"]}
+            if row[name] and not {*row[name]} & {*row["standing"]}
         )
-        for each in odd.to_dict("records")
+        for row in odd.to_dict("records")
     }
     return pd.Series(texts, dtype=object)

@@ -20,8 +20,8 @@ BY_U_SCORES = ("cec2022", "cec2024")
 
 def section(findings: Findings) -> Section | None:
     """Return the tables of functions of CEC's suites, and of any study that names a reference; None for others."""
-    suites = {str(each.features.get("suite", "")) for each in findings.trials.known.values()}
-    if not findings.reference and not (suites and all(each.startswith("cec") for each in suites)):
+    suites = {str(facts.features.get("suite", "")) for facts in findings.trials.known.values()}
+    if not findings.reference and not (suites and all(name.startswith("cec") for name in suites)):
         return None
     errors = analysis.error_statistics(findings.trials.frame, findings.trials.unbeaten)
     if errors.empty:
@@ -36,8 +36,10 @@ def section(findings: Findings) -> Section | None:
         text.append(_tested(findings.reference, tests, stopped=bool(findings.trials.decisions.stopped)))
     items = [_table(findings, errors, tests, suites), _statistics(errors)]
     shares = {
-        label: analysis.checkpoint_shares(str(each.features.get("suite", "")), findings.trials.dimensions.get(label, 0))
-        for label, each in findings.trials.known.items()
+        label: analysis.checkpoint_shares(
+            str(facts.features.get("suite", "")), findings.trials.dimensions.get(label, 0)
+        )
+        for label, facts in findings.trials.known.items()
     }
     if findings.trials.traces and any(shares.values()):
         items += _checkpoints(findings, shares)
@@ -83,7 +85,10 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
         .astype(float)
         for name in ("mean", "sd")
     )
-    cells = {each: [_cell(*pair) for pair in zip(mean[each], sd[each], strict=True)] for each in optimizers}
+    cells = {
+        optimizer: [_cell(*pair) for pair in zip(mean[optimizer], sd[optimizer], strict=True)]
+        for optimizer in optimizers
+    }
     texts = pd.DataFrame(cells, index=mean.index)
     sign = tests.pivot(index="problem", columns="optimizer", values="sign").reindex_like(mean)
     marks = sign.replace(SIGNS).where(sign.notna(), "").astype(object)
@@ -91,14 +96,15 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     lowest = mean.sub(best, axis=0).le(analysis.NEAR * best.abs(), axis=0) & np.isfinite(mean)
     ends: dict[str, list[str]] = {}
     if reference:
-        counts = [" / ".join(str(int((sign[each] == one).sum())) for one in SIGNS) for each in optimizers]
+        counts = [" / ".join(str(int((sign[optimizer] == one).sum())) for one in SIGNS) for optimizer in optimizers]
         ends[" / ".join(SIGNS.values())] = [
-            "" if each == reference else sign_counts for each, sign_counts in zip(optimizers, counts, strict=True)
+            "" if optimizer == reference else sign_counts
+            for optimizer, sign_counts in zip(optimizers, counts, strict=True)
         ]
     scores = findings.anytime.u_scores if suites <= set(BY_U_SCORES) and len(optimizers) > 1 else pd.DataFrame()
     if len(scores):
         total = scores.groupby("optimizer")["u"].sum()
-        ends["U-score"] = [f"{total[each]:,.1f}" for each in optimizers]
+        ends["U-score"] = [f"{total[optimizer]:,.1f}" for optimizer in optimizers]
     last = pd.DataFrame.from_dict(ends, orient="index", columns=optimizers)
     frame = pd.concat([mean, pd.DataFrame(np.nan, index=last.index, columns=optimizers)]) if ends else mean
     merged = errors.merge(tests, how="left", on=["problem", "optimizer"])
@@ -145,7 +151,7 @@ def _checkpoints(findings: Findings, shares: dict[str, tuple[float, ...]]) -> li
     """Return a table of the median errors for each set of checkpoints, which may differ by dimension."""
     tables = []
     for shares_of in dict.fromkeys(filter(None, shares.values())):
-        problems = [label for label, each in shares.items() if each == shares_of]
+        problems = [label for label, of_problem in shares.items() if of_problem == shares_of]
         errors = analysis.checkpoints(
             findings.trials.frame[findings.trials.frame["problem"].isin(problems)],
             findings.trials.traces,
@@ -159,7 +165,7 @@ def _checkpoints(findings: Findings, shares: dict[str, tuple[float, ...]]) -> li
         wide = errors.pivot(index=["problem", "optimizer"], columns="share", values="median").astype(float)
         order = errors.drop_duplicates(["problem", "optimizer"]).set_index(["problem", "optimizer"]).index
         wide = wide.reindex(order).rename(columns=lambda share: f"{share:.3g}").rename_axis(columns=None)
-        where = f"d = {listing([str(each) for each in dimensions])}"
+        where = f"d = {listing([str(dimension) for dimension in dimensions])}"
         tables.append(
             Table(
                 f"checkpoints-d{'-'.join(map(str, dimensions))}",

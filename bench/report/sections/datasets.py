@@ -22,7 +22,7 @@ def section(findings: Findings) -> Section:
     every = [entry.label for entry in findings.study.problems]
     rates = findings.anytime.success if findings.trials.traces else pd.DataFrame()
     words, bounds = zip(*reversed(CUTOFFS.items()), strict=True)  # from small to large
-    above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
+    above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - bound for bound in bounds]))
     how_to_read = (
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
         "point. A12 is the probability that a trial of the first optimizer ends below a trial of the second, ties "
@@ -31,8 +31,8 @@ def section(findings: Findings) -> Section:
         f"distribution functions, and KS p its exact p-value (given the ties, where more than {TIED:.0%} of the values "
         "are tied)."
     )
-    each = tuple(_problem(findings, problem, rates) for problem in every)
-    return Section(TITLE, (how_to_read,), sections=each, on_demand=True)
+    subsections = tuple(_problem(findings, problem, rates) for problem in every)
+    return Section(TITLE, (how_to_read,), sections=subsections, on_demand=True)
 
 
 def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
@@ -212,7 +212,7 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
             "lower": pairs["lower"],
             "KS D": pairs["ks_distance"],
             "KS p": pairs["ks_p"],
-            "note": ["complete separation" if each else "" for each in pairs["separated"]],
+            "note": ["complete separation" if apart else "" for apart in pairs["separated"]],
         }
     )
     shown.index = pd.Index(pairs["first"].astype(str) + " / " + pairs["second"].astype(str), name="pair")

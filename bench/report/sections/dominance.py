@@ -40,8 +40,8 @@ def _scores(trials: Trials, scores: pd.DataFrame) -> Table:
     total = scores.groupby("optimizer")[["u", "pairs", "reached", "trials"]].sum().reindex(trials.optimizers)
     shown = pd.DataFrame({"rank": total["u"].rank(ascending=False, method="min").astype(int), "U-score": total["u"]})
     if dimension.nunique() > 1:
-        for each, scores_there in scores.groupby(dimension):
-            shown[f"d = {each:g}"] = scores_there.groupby("optimizer")["u"].sum()
+        for in_dimension, scores_there in scores.groupby(dimension):
+            shown[f"d = {in_dimension:g}"] = scores_there.groupby("optimizer")["u"].sum()
     shown["share %"] = 100 * total["u"] / total["pairs"]
     shown["reached"] = [f"{reached:,}/{of:,}" for reached, of in zip(total["reached"], total["trials"], strict=True)]
     columns = [str(name) for name in shown if name not in ("rank", "share %", "reached")]

@@ -185,7 +185,7 @@ def _items(record: Mapping[str, Any]) -> dict[str, str]:
         "memory": f"{memory} GB" if memory else None,
         "system": record.get("system"),
         "Python": record.get("python"),
-        "BLAS": "; ".join(_blas(each) for each in record.get("blas") or ()),
+        "BLAS": "; ".join(_blas(library) for library in record.get("blas") or ()),
         **{f"package {name}": version for name, version in (record.get("packages") or {}).items()},
         "commit": _state(record.get("git")),
         **{f"commit of {name}": _state(git) for name, git in (record.get("checkouts") or {}).items()},

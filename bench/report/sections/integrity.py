@@ -52,7 +52,7 @@ def warnings(findings: Findings) -> tuple[str, ...]:
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
         for row in checks[checks["verdict"].isin(TROUBLE)].itertuples()
     ]
-    if reasons := {label: each.reason for label, each in findings.trials.known.items() if each.reason}:
+    if reasons := {label: facts.reason for label, facts in findings.trials.known.items() if facts.reason}:
         sentences.append(
             f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
             f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."

@@ -47,9 +47,9 @@ def _table(findings: Findings, chances: pd.DataFrame, leader: str, conditions: l
     shown = shown.reindex(index=chances["rival"].unique(), columns=conditions).fillna(MISSING).rename_axis(columns=None)
     apart = [
         f"{listing(labels)} {'has' if len(labels) == 1 else 'have'} no such option as {options({name: value})}"
-        for each in findings.controls.matched
-        for name, value in each.values.items()
-        if (labels := [label for label, names in each.apart.items() if name in names])
+        for matched in findings.controls.matched
+        for name, value in matched.values.items()
+        if (labels := [label for label, names in matched.apart.items() if name in names])
     ]
     return Table(
         "same-conditions",

@@ -15,9 +15,9 @@ def section(findings: Findings) -> Section:
     """Return paragraphs that are true of this run, with the BibTeX of the works they cite."""
     if findings.trials.frame.empty:
         return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
-    said = methods(findings)
+    texts = methods(findings)
     tables = (
         problems_table(findings.trials.known, findings.trials.pooled.members),
         conditions_table(findings.study, findings.descriptions),
     )
-    return Section(TITLE, said.text, tables, said.warnings, code=said.bibtex)
+    return Section(TITLE, texts.text, tables, texts.warnings, code=texts.bibtex)

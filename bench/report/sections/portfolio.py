@@ -27,25 +27,25 @@ def section(findings: Findings) -> Section | None:
     if few or not (choice.scores["score"] > 0).any():
         return None
     try:
-        found = portfolio_of(choice.scores, choice.blocks)
+        portfolio = portfolio_of(choice.scores, choice.blocks)
     except BenchError:  # too few trials
         return None
-    left_out = len(findings.trials.problems) - int(found.gap["problems"].iloc[0])
-    text = [MEANING, gap_sentence(found.gap), _smallest(found), selection_sentence(choice)]
+    left_out = len(findings.trials.problems) - int(portfolio.gap["problems"].iloc[0])
+    text = [MEANING, gap_sentence(portfolio.gap), _smallest(portfolio), selection_sentence(choice)]
     if left_out:
         text.append(f"Left out: {count(left_out, 'problem')} on which an optimizer has fewer than two trials.")
     if findings.trials.decisions.stopped:
         text.append("Looks stopped cells whose difference looked large, which makes differences too large.")
-    return Section(TITLE, tuple(text), (portfolio_figure(found), _members(found)))
+    return Section(TITLE, tuple(text), (portfolio_figure(portfolio), _members(portfolio)))
 
 
-def _smallest(found: Portfolio) -> str:
+def _smallest(portfolio: Portfolio) -> str:
     """Return the sentence on the smallest set within 5 % of the virtual best."""
-    row = found.sets.iloc[-1]
+    row = portfolio.sets.iloc[-1]
     members = list(row["optimizers"])
     how = (
         "all sets of its size and smaller ones were compared"
-        if len(found.members) <= MOST_EXACT
+        if len(portfolio.members) <= MOST_EXACT
         else "found by adding the optimizer that gains most, one after the other, so a smaller set may exist"
     )
     return (
@@ -54,9 +54,9 @@ def _smallest(found: Portfolio) -> str:
     )
 
 
-def _members(found: Portfolio) -> Table:
-    own = found.members.sort_values("shapley", ascending=False, kind="stable").set_index("optimizer")
-    percent = (100 * own).round(1) + 0.0  # no negative zero
+def _members(portfolio: Portfolio) -> Table:
+    members = portfolio.members.sort_values("shapley", ascending=False, kind="stable").set_index("optimizer")
+    percent = (100 * members).round(1) + 0.0  # no negative zero
     names = {"score": "alone, %", "chosen": "taken for, %", "shapley": "Shapley value, %", "adds": "adds, %"}
     return Table(
         "portfolio",
@@ -67,5 +67,5 @@ def _members(found: Portfolio) -> Table:
         "virtual best takes it. Shapley value: what it adds to the optimizers before it, averaged over all orders; the "
         "sum is the share that the virtual best reaches. Adds: how much more the virtual best reaches than that of the "
         "others alone, about 0 where another optimizer replaces it.",
-        data=own.reset_index(),
+        data=members.reset_index(),
     )

@@ -61,9 +61,9 @@ def blindness(findings: Findings) -> str:
     if levels.across:
         tested = findings.final.overall
         number = int(tested["blocks" if levels.further else "problems"].iloc[0])
-        each = analysis.detectable_across(n, number, levels.across / len(tested), levels.further)
-        if not isnan(each):
-            parts.append(f"the tests over all problems would often miss an A12 below {each:.2f} on every problem")
+        a12 = analysis.detectable_across(n, number, levels.across / len(tested), levels.further)
+        if not isnan(a12):
+            parts.append(f"the tests over all problems would often miss an A12 below {a12:.2f} on every problem")
     return "; ".join(parts) + " (power 80%)."
 
 

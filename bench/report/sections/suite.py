@@ -116,17 +116,17 @@ def _members(trials: Trials) -> pd.DataFrame:
 
 def _meaning(trials: Trials, members: pd.DataFrame) -> str:
     functions, dimensions = members["function"].nunique(), sorted(members["dimension"].unique())
-    shown = listing([f"{each:g}" for each in dimensions])
+    shown = listing([f"{dimension:g}" for dimension in dimensions])
     text = (
         f"{count(functions, 'function')} in {count(members['group'].nunique(), 'group')}, in "
         f"{'dimensions' if len(dimensions) > 1 else 'dimension'} {shown}. A problem is a function in one dimension."
     )
     pools = [instances for instances in trials.pooled.members.values() if len(instances) > 1]
     if pools:
-        each = f"instances ({listing(sorted({f'{len(instances)}' for instances in pools}, key=int))} each)"
+        pooled = f"instances ({listing(sorted({f'{len(instances)}' for instances in pools}, key=int))} each)"
         some = len(pools) < len(members)
         text += (
-            f" {f'On {len(pools)} of {len(members)} problems, the' if some else 'Its'} {each} are pooled, as COCO "
+            f" {f'On {len(pools)} of {len(members)} problems, the' if some else 'Its'} {pooled} are pooled, as COCO "
             f"does: all their trials are trials of the problem, and {'the' if some else 'its'} values are precisions, "
             f"the best objective value less the optimum of the instance, taken as 0 from {analysis.SOLVED:g} on."
             + (" The values of the others are objective values." if some else "")
@@ -142,9 +142,9 @@ def _panels(members: pd.DataFrame) -> Panels:
     """Return the problems of each panel by its title: first all functions, then each group, by dimension."""
     panels: dict[tuple[str, int], list[str]] = {}
     groups = list(dict.fromkeys(members["group"]))
-    for each in members.itertuples(index=False):
-        for group in (ALL, each.group) if len(groups) > 1 else (each.group,):
-            panels.setdefault((str(group), int(str(each.dimension))), []).append(str(each.problem))
+    for member in members.itertuples(index=False):
+        for group in (ALL, member.group) if len(groups) > 1 else (member.group,):
+            panels.setdefault((str(group), int(str(member.dimension))), []).append(str(member.problem))
     order = [ALL, *groups]
     return {_title(*key): panels[key] for key in sorted(panels, key=lambda key: (order.index(key[0]), key[1]))}
 

@@ -45,7 +45,9 @@ def _summary(findings: Findings, finished: pd.DataFrame) -> str:
     text = f"The mean wall time of a trial is {seconds(fastest['wall_mean'])} with {fastest['optimizer']}"
     if len(finished) > 1:
         text += f", the fastest optimizer, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
-    processors = list(dict.fromkeys(filter(None, (each.get("processor") for each in findings.results.environments))))
+    processors = list(
+        dict.fromkeys(filter(None, (record.get("processor") for record in findings.results.environments)))
+    )
     machine = "on the machine named below" if len(processors) < 2 else "on the machines named below"
     if processors:
         machine += f" ({listing(processors)})"
@@ -59,9 +61,9 @@ def _summary(findings: Findings, finished: pd.DataFrame) -> str:
 def _crowded(findings: Findings) -> str:
     """Return a sentence on whether more trials ran at a time than there were cores, "" where that was not recorded."""
     runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine of a run
-    for each in findings.results.environments:
-        run = tuple(each.get(key) for key in ("folder", "started", "command", "shard"))
-        runs.setdefault(run, {})[each.get("host")] = each.get("jobs"), each.get("cores")
+    for record in findings.results.environments:
+        run = tuple(record.get(key) for key in ("folder", "started", "command", "shard"))
+        runs.setdefault(run, {})[record.get("host")] = record.get("jobs"), record.get("cores")
     noted = [list(machines.values()) for machines in runs.values()]
     if not noted or not all(isinstance(number, int) for run in noted for machine in run for number in machine):
         return ""

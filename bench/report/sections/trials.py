@@ -78,14 +78,14 @@ def looks_text(findings: Findings) -> list[str]:
     if not looks:
         return []
     cells = len(findings.trials.coverage)
-    at = {each: list(decisions.stopped.values()).count(each) for each in looks[:-1]}
-    stopped = [f"{number:,} at {each}" for each, number in at.items() if number]
+    at = {look: list(decisions.stopped.values()).count(look) for look in looks[:-1]}
+    stopped = [f"{number:,} at {look}" for look, number in at.items() if number]
     ended = f"Of {count(cells, 'cell')}, {listing(stopped)} trials were stopped early" if stopped else (
         f"None of the {count(cells, 'cell')} was stopped early"
     )  # fmt: skip
     unseen = [label for label in findings.trials.problems if not decisions.reached.get(label)]
     return [
-        f"The study declares looks at {listing([str(each) for each in looks])} trials: at each, the pairs of a problem "
+        f"The study declares looks at {listing([str(look) for look in looks])} trials: at each, the pairs of a problem "
         f"are tested, and a cell all of whose pairs are decided gets no more trials. {ended}. The p-value of a pair is "
         f"that of the look at which it is smallest, adjusted for all looks. {NOT_ADJUSTED}"
         + (f" Not even the first look is complete on {count(len(unseen), 'problem')}." if unseen else "")

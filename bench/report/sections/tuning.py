@@ -29,14 +29,16 @@ INSTANCE = re.compile(r"-i[0-9]+$")
 def section(findings: Findings) -> Section | None:
     """Return what tuning gained; None where the optimizers were not tuned by this harness."""
     tuning = findings.study.tuning
-    tuned = [each for each in tuning.optimizers if each.default in findings.trials.optimizers] if tuning else []
+    tuned = [record for record in tuning.optimizers if record.default in findings.trials.optimizers] if tuning else []
     if tuning is None or not tuned:
         return None
-    gains = {each.name: _gain(findings.final, each) for each in tuned if each.tuned in findings.trials.optimizers}
+    gains = {
+        record.name: _gain(findings.final, record) for record in tuned if record.tuned in findings.trials.optimizers
+    }
     text = [
         _what(findings, tuning, tuned),
         _cost(tuned),
-        *(_gained(findings.trials, each, gains.get(each.name)) for each in tuned),
+        *(_gained(findings.trials, record, gains.get(record.name)) for record in tuned),
     ]
     items: list[Part] = [_results(tuned, gains), _parameters(tuned)]
     if panels := _panels(tuned):
@@ -49,7 +51,7 @@ def _what(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> str:
     score = OBJECTIVES.get(tuning.objective, tuning.objective)
     tested = tuning.is_apart(entry.name for entry in findings.results.study.problems)
     return (
-        f"{listing([each.name for each in tuned])} {'was' if len(tuned) == 1 else 'were'} tuned by {tuning.method}: "
+        f"{listing([one.name for one in tuned])} {'was' if len(tuned) == 1 else 'were'} tuned by {tuning.method}: "
         f"{count(tuning.trials, 'configuration')}{' each' if len(tuned) > 1 else ''}, the defaults first, with "
         f"{count(tuning.runs, 'run')} of {described(tuning.budget)} on each of "
         f"{count(len(tuning.train), 'training problem')}{apart}. The score is {score}, the mean over the training "
@@ -58,10 +60,10 @@ def _what(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> str:
 
 
 def _cost(tuned: list[Tuned]) -> str:
-    spent, time = sum(each.evaluations for each in tuned), sum(each.seconds for each in tuned)
-    stopped = sum(each.whole.count(False) for each in tuned)
-    tried = sum(len(each.scores) for each in tuned)
-    failed = sum(each.failed for each in tuned)
+    spent, time = sum(record.evaluations for record in tuned), sum(record.seconds for record in tuned)
+    stopped = sum(record.whole.count(False) for record in tuned)
+    tried = sum(len(record.scores) for record in tuned)
+    failed = sum(record.failed for record in tuned)
     lost = f" {count(failed, 'run')} failed and scored worst." if failed else ""
     return (
         f"The tuning cost {count(spent, 'evaluation')} and {seconds(time)} of runs; {stopped:,} of "
@@ -120,12 +122,12 @@ def _gained(trials: Trials, entry: Tuned, gain: dict[str, Any] | None) -> str:
 
 def _warnings(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> list[str]:
     warnings = [tuning.doubt] if tuning.doubt else []
-    if conditions := [name for name in CONDITIONS if any(name in each.parameters for each in tuned)]:
+    if conditions := [name for name in CONDITIONS if any(name in record.parameters for record in tuned)]:
         warnings.append(
             f"{listing(conditions).capitalize()} {'was' if len(conditions) == 1 else 'were'} tuned: tuned parameters "
             "meet the other optimizers under conditions of their own."
         )
-    named = {label for each in tuned for label in (each.default, each.tuned)}
+    named = {label for record in tuned for label in (record.default, record.tuned)}
     others = [label for label in findings.trials.optimizers if label not in named]
     if others:
         plural = len(others) > 1
@@ -153,13 +155,13 @@ def _warnings(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> list[st
 
 def _results(tuned: list[Tuned], gains: dict[str, dict[str, Any]]) -> Table:
     rows = []
-    for each in tuned:
-        gain = gains.get(each.name, {})
+    for record in tuned:
+        gain = gains.get(record.name, {})
         rows.append(
             {
-                "optimizer": each.name, "tried": len(each.scores), "stopped early": each.whole.count(False),
-                "failed runs": each.failed, "evaluations": each.evaluations, "seconds": each.seconds,
-                "score of the defaults": each.scores[0], "best score": each.best,
+                "optimizer": record.name, "tried": len(record.scores), "stopped early": record.whole.count(False),
+                "failed runs": record.failed, "evaluations": record.evaluations, "seconds": record.seconds,
+                "score of the defaults": record.scores[0], "best score": record.best,
                 "chance to end lower": gain.get("chance", float("nan")),
                 "lower on": gain.get("lower", MISSING), "higher on": gain.get("higher", MISSING),
             }
@@ -176,16 +178,16 @@ def _results(tuned: list[Tuned], gains: dict[str, dict[str, Any]]) -> Table:
 
 def _parameters(tuned: list[Tuned]) -> Table:
     rows = []
-    for each in tuned:
-        best = each.scores.index(each.best) if each.tuned != each.default else 0
-        for name, tried in each.parameters.items():
+    for record in tuned:
+        best = record.scores.index(record.best) if record.tuned != record.default else 0
+        for name, tried in record.parameters.items():
             choices = tried.get("choices")
             span = " | ".join(map(_value, choices)) if choices else f"{tried['low']:g} to {tried['high']:g}"
             rows.append(
                 {
-                    "optimizer": each.name, "parameter": name, "tried": span + (" (log)" if tried.get("log") else ""),
-                    "default": _value(each.values[name][0]), "tuned": _value(each.values[name][best]),
-                    "importance": each.importance.get(name, float("nan")),
+                    "optimizer": record.name, "parameter": name, "tried": span + (" (log)" if tried.get("log") else ""),
+                    "default": _value(record.values[name][0]), "tuned": _value(record.values[name][best]),
+                    "importance": record.importance.get(name, float("nan")),
                 }
             )  # fmt: skip
     return Table(
@@ -205,14 +207,14 @@ def _value(value: Any) -> str:
 def _panels(tuned: list[Tuned]) -> list[tuple[Tuned, str, pd.DataFrame]]:
     """Return optimizer, parameter and the whole configurations of each panel, the important parameters first."""
     panels = []
-    for each in tuned:
-        table = pd.DataFrame({"score": each.scores, "kind": ""})
-        table.loc[each.scores.index(each.best), "kind"] = "best"
+    for record in tuned:
+        table = pd.DataFrame({"score": record.scores, "kind": ""})
+        table.loc[record.scores.index(record.best), "kind"] = "best"
         table.loc[0, "kind"] = "default"
-        for name in sorted(each.parameters, key=lambda name: -each.importance.get(name, 0.0)):
-            configurations = table.assign(value=pd.Series(each.values[name], dtype=object))[each.whole]
+        for name in sorted(record.parameters, key=lambda name: -record.importance.get(name, 0.0)):
+            configurations = table.assign(value=pd.Series(record.values[name], dtype=object))[record.whole]
             if len(configurations) > 2:
-                panels.append((each, name, configurations))
+                panels.append((record, name, configurations))
     return panels
 
 

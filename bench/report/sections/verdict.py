@@ -45,12 +45,12 @@ def section(findings: Findings) -> Section:
         nothing = "There is nothing to compare yet: no problem has trials of every optimizer."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
-    conditions, said = sentences(findings.study, findings.descriptions), verdict(standing(findings))
-    texts = (said.headline, *(text for _, text in said.lines))
-    lines = (*said.lines, SEPARABLY) if any("separably" in text for text in texts) else said.lines
+    conditions, grounds = sentences(findings.study, findings.descriptions), verdict(standing(findings))
+    texts = (grounds.headline, *(text for _, text in grounds.lines))
+    lines = (*grounds.lines, SEPARABLY) if any("separably" in text for text in texts) else grounds.lines
     cards = (
         Card(
-            "What may be claimed", (said.headline, _evidence(findings)), "claim" if said.clear else "open",
+            "What may be claimed", (grounds.headline, _evidence(findings)), "claim" if grounds.clear else "open",
             lines=lines,
         ),
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
@@ -74,7 +74,7 @@ def standing(findings: Findings) -> Standing:
     best = "the optimum" if all_known else "the best known value"
     least, most = trials.per_cell
     return Standing(
-        ranking, beaten, _across(final), final.levels, len({trials.blocks[str(each)] for each in complete}),
+        ranking, beaten, _across(final), final.levels, len({trials.blocks[str(problem)] for problem in complete}),
         budget=trials.common_words.removeprefix("at ") or findings.study.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
@@ -130,11 +130,11 @@ def _dimensions(findings: Findings) -> str:
     if dimension.nunique() < 2 or not set(findings.final.medians.index) <= suite:
         return ""
     leader, others = findings.final.ranked[0], []
-    for each, rows in standing.groupby(dimension):
+    for in_dimension, rows in standing.groupby(dimension):
         ranks = analysis.mean_ranks(rows)
         lowest = ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]
         if leader not in lowest:
-            others.append(f"{listing(list(map(str, lowest)), 4)} in dimension {each:g}")
+            others.append(f"{listing(list(map(str, lowest)), 4)} in dimension {in_dimension:g}")
     return f"But the lowest mean rank is that of {listing(others)}." if others else ""
 
 
@@ -178,7 +178,7 @@ def _size(findings: Findings) -> str:
 
 def _spread(low: float, high: float) -> str:
     """Return in brackets how much lower, in percent, a median is on the problem with the least gain and the most."""
-    ends = [f"{abs(each):.2g}%" for each in (low, high)]
+    ends = [f"{abs(end):.2g}%" for end in (low, high)]
     if ends[0] == ends[1] and low * high >= 0:
         return ""
     if low < 0 < high:
@@ -300,7 +300,7 @@ def dependent(findings: Findings) -> str:
 
 def _grounds(findings: Findings) -> str:
     looks, levels = findings.results.study.looks, findings.final.levels
-    over = [f"for looks at {listing([str(each) for each in looks])} trials"] if looks else []
+    over = [f"for looks at {listing([str(look) for look in looks])} trials"] if looks else []
     over += [f"by Holm’s method over the {count(len(findings.final.pairs), 'pair')} of all problems"]
     both = levels.problems and levels.across
     pairs = f"at alpha = {levels.across:g} with Holm’s method over the {comb(len(findings.trials.optimizers), 2)} pairs"

@@ -7,8 +7,7 @@ import typer
 
 from bench.errors import BenchError
 from bench.helpers import print_line
-
-VARIABLE = "$BENCH_PUBLISHED_DATA"
+from problems.backlash.published import download
 
 data = typer.Typer(help="Get the thesis authors' published recordings, and check them.", no_args_is_help=True)
 
@@ -18,11 +17,11 @@ def fetch(
     source: Annotated[
         Path | None, typer.Option("--from", help="A folder that has them, such as a clone; nothing is downloaded.")
     ] = None,
-    to: Annotated[Path | None, typer.Option(help=f"The folder to keep them in, instead of {VARIABLE}.")] = None,
+    to: Annotated[
+        Path | None, typer.Option(help=f"The folder to keep them in, instead of ${download.VARIABLE}.")
+    ] = None,
 ) -> None:
     """Get the recordings that the thesis's authors published (20 MB), and check the SHA-256 of each."""
-    from problems.backlash.published import download
-
     folder = to or download.data_folder()
     print_line(f"The recordings are the thesis authors' own: {download.SOURCE}\nTheir licence is {download.LICENCE}.")
     if source is None:
@@ -40,11 +39,11 @@ def fetch(
 
 @data.command()
 def verify(
-    folder: Annotated[Path | None, typer.Argument(help=f"The folder to check; {VARIABLE} by default.")] = None,
+    folder: Annotated[
+        Path | None, typer.Argument(help=f"The folder to check; ${download.VARIABLE} by default.")
+    ] = None,
 ) -> None:
     """Compare every published file with its SHA-256; end with 1 where one is damaged or missing."""
-    from problems.backlash.published import download
-
     folder = folder or download.data_folder()
     missing, damaged, whole = _faults(folder)
     for line in (*(f"damaged: {name}" for name in damaged), *(f"missing: {name}" for name in missing)):
@@ -56,8 +55,6 @@ def verify(
 
 def _faults(folder: Path) -> tuple[list[str], list[str], str]:
     """Return the names of the files that a folder lacks and of its damaged ones, and in words how many are whole."""
-    from problems.backlash.published import download
-
     places = {name: download.look_up(file, folder) for name, file in download.registry().items()}
     missing = [name for name, (path, _) in places.items() if path is None]
     damaged = [name for name, (path, whole) in places.items() if path is not None and not whole]

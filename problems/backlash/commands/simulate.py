@@ -11,6 +11,7 @@ import typer
 
 from bench.errors import BenchError
 from bench.helpers import print_line, replacing
+from problems.backlash import TRUTH
 from problems.backlash.commands import Force
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
 NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the defaults of a wear curve
-TRUTH = "truth.csv"
 
 _joint, _recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Joint", "Recording", "Wear"))
 

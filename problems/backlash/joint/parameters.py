@@ -124,8 +124,8 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
     where = "the joint" if path is None else f"joint {path}"
     settings = read_toml(path, where) if path is not None else {}
     for key in replaced:
-        for other in INSTEAD.get(key, ()):
-            settings.pop(other, None)
+        for parameter in INSTEAD.get(key, ()):
+            settings.pop(parameter, None)
     settings |= replaced
     allowed = {*FIELDS, *INSTEAD}
     for key, value in settings.items():
@@ -133,9 +133,9 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
             raise BenchError(f"{where} has no parameter {key!r}{nearest(key, allowed)}")
         if not is_finite(value) or abs(value) >= LARGEST:
             raise BenchError(f"{where}: {key} must be a finite number, not {value!r}")
-        for other in INSTEAD.get(key, ()):
-            if other in settings:
-                raise BenchError(f"{where} gives both {other} and {key}, which sets it; keep one of them")
+        for parameter in INSTEAD.get(key, ()):
+            if parameter in settings:
+                raise BenchError(f"{where} gives both {parameter} and {key}, which sets it; keep one of them")
     for key in ("payload_kg", "lever_m", "speed_rps"):
         require_positive(f"{where}: {key}", settings.get(key, 1.0))
     angle = settings.get("gravity_angle_deg", 90.0)
@@ -177,10 +177,10 @@ def joint_text(joint: Joint) -> str:
 def described(joint: Joint) -> str:
     """Return a description of the joint: the default joint, or its differences from the default joint."""
     default = Joint()
-    other = {name: getattr(joint, name) for name in FIELDS if getattr(joint, name) != getattr(default, name)}
-    if not other:
+    differing = {name: getattr(joint, name) for name in FIELDS if getattr(joint, name) != getattr(default, name)}
+    if not differing:
         return "default joint"
-    return "joint with " + ", ".join(f"{name} = {value:.6g}" for name, value in other.items())
+    return "joint with " + ", ".join(f"{name} = {value:.6g}" for name, value in differing.items())
 
 
 def read_toml(path: str | Path, where: str) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Find the time of one load turn, T_f, from the gear ratio or from the disturbance itself.
 
-    >>> find_period(recording, gear_ratio=40)  # from the mean speed, where the ratio is known
+    >>> period_from_gear(recording, 40)  # by the mean speed, where the gear ratio is known
     >>> find_period(recording)  # from the signal, None where it has no period
 
 The second half of a load turn repeats the first with the opposite sign (thesis section 3.3): f(t + T_f/2) = -f(t), so
@@ -11,7 +11,6 @@ Schwarz's criterion (Annals of Statistics 6, 1978, doi:10.1214/aos/1176344136); 
 together then make it exact (Quinn and Hannan, The Estimation and Tracking of Frequency, 2001, chapter 4).
 """
 
-from dataclasses import dataclass
 from math import log, pi
 
 import numpy as np
@@ -32,58 +31,25 @@ CLAIM = 12.0  # the gain in log-likelihood, after Schwarz's allowance, from whic
 FLOOR = 0.02  # the smallest part of the signal's energy that counts as noise: a search misses so much of a period
 
 
-@dataclass(frozen=True)
-class Period:
-    """The time of one load turn.
+def find_period(recording: Recording) -> float | None:
+    """Return the time of one load turn in s, the period of the disturbance, or None where the signal shows none.
 
-    Attributes:
-        seconds: T_f, s.
-        uncertainty: its standard error, s.
-        confidence: the part of the signal's energy up to 50 Hz, from 0 to 1, that repeats with the opposite sign after
-            half of T_f, above what a random signal's would.
-        source: "gear ratio" or "signal".
-        whole: whether T_f was rounded to a whole number of samples in half a turn.
+    The recording, at a steady speed, must hold two turns.
     """
-
-    seconds: float
-    uncertainty: float
-    confidence: float
-    source: str
-    whole: bool
+    spectrum = _Spectrum(recording)
+    frequency = spectrum.search(SAMPLES_A_TURN * recording.dt)
+    return None if frequency is None else _rounded(*spectrum.refine(frequency), recording)
 
 
-def find_period(recording: Recording, *, gear_ratio: float | None = None) -> Period | None:
-    """Return the time of one load turn, or None where the signal shows none.
+def period_from_gear(recording: Recording, gear_ratio: float) -> float:
+    """Return the time of one load turn in s: the motor turns in one over the mean speed, of whole load turns.
 
-    With the gear ratio, motor turns per load turn, it is the ratio over the mean speed: always known, and exact where
-    the signal shows no disturbance. Otherwise it is the period of the disturbance; the recording must hold two turns.
-    Either is rounded to a whole number of samples in half a turn, which makes the fit faster, if that changes it by at
-    most two standard errors or shifts the last turn by less than a quarter of a sample.
-
-    Args:
-        recording: the recording, at a steady speed.
-        gear_ratio: motor turns per load turn.
+    It is known where the signal shows no disturbance, too.
 
     Raises:
         BenchError: for a gear ratio that is not a positive number, and for a mean speed of 0.
     """
-    spectrum = _Spectrum(recording)
-    if gear_ratio is not None:
-        require_positive("the gear ratio", gear_ratio)
-        seconds, error, source = *_from_speed(recording, gear_ratio), "gear ratio"
-    else:
-        frequency = spectrum.search(SAMPLES_A_TURN * recording.dt)
-        if frequency is None:
-            return None
-        seconds, error, source = *spectrum.refine(frequency), "signal"
-    confidence = float(spectrum.explained(np.array([1 / seconds]))[1][0])
-    nearest = 2 * recording.dt * max(1, round(seconds / (2 * recording.dt)))
-    whole = abs(nearest - seconds) <= max(2 * error, 0.25 * recording.dt * seconds / recording.duration)
-    return Period(nearest if whole else seconds, error, confidence, source, whole)
-
-
-def _from_speed(recording: Recording, gear_ratio: float) -> tuple[float, float]:
-    """Return the period (s) by the mean speed, and its standard error; the mean is that of whole load turns."""
+    require_positive("the gear ratio", gear_ratio)
     speed = recording.speed
     mean = abs(float(speed.mean()))
     if mean == 0.0:
@@ -93,7 +59,18 @@ def _from_speed(recording: Recording, gear_ratio: float) -> tuple[float, float]:
         speed = speed[: round(int(len(speed) / turn) * turn)]
     mean = abs(float(speed.mean()))
     seconds = gear_ratio / mean
-    return seconds, seconds * float(speed.std()) / mean / len(speed) ** 0.5
+    return _rounded(seconds, seconds * float(speed.std()) / mean / len(speed) ** 0.5, recording)
+
+
+def _rounded(seconds: float, error: float, recording: Recording) -> float:
+    """Return a period in s rounded to a whole number of samples in half a turn, which makes the fit faster.
+
+    It is left as it is where that changes it by more than two standard errors and shifts the last turn by a quarter of
+    a sample or more.
+    """
+    nearest = 2 * recording.dt * max(1, round(seconds / (2 * recording.dt)))
+    whole = abs(nearest - seconds) <= max(2 * error, 0.25 * recording.dt * seconds / recording.duration)
+    return nearest if whole else seconds
 
 
 class _Spectrum:
@@ -118,20 +95,16 @@ class _Spectrum:
         self._energy = float(2 * inside.sum() / padded * count / (window**2).sum())
         self._values = 2 * self._band * self._duration / 1.5  # independent values in the band, with this window
 
-    def explained(self, frequency: Floats) -> tuple[Floats, Floats]:
-        """Return the gain in log-likelihood over noise and the part of the energy, (m,) each, of (m,) ascending 1/T_f.
-
-        An allowance is taken off both: Schwarz's off the gain, and the part of a random signal off the part.
-        """
+    def _gain(self, frequency: Floats) -> Floats:
+        """Return the gain in log-likelihood over noise, (m,), of (m,) ascending 1/T_f, less Schwarz's allowance."""
         odd, harmonics = self._comb(frequency, 1)
         part = np.minimum(odd / self._energy, 1.0)
         gain = -self._values / 2 * np.log((1 - part + FLOOR) / (1 + FLOOR)) - harmonics * log(self._values)
-        chance = np.minimum(2 * harmonics / self._values, 0.99)
         likely = gain > CLAIM
         if likely.any():
             even, _ = self._comb(frequency[likely], 2)
             gain[likely] = np.where(odd[likely] > 3 * even, gain[likely], -np.inf)  # slow noise has both
-        return gain, np.clip((part - chance) / (1 - chance), 0.0, 1.0)
+        return gain
 
     def search(self, shortest: float) -> float | None:
         """Return 1/T_f in Hz of the best period from a limit in s on; None where no period beats noise."""
@@ -141,7 +114,7 @@ class _Spectrum:
             return None
         fine = 8 * self._duration * self._band  # at the band's end, two steps are an eighth of the resolution
         frequency = np.geomspace(1 / longest, 1 / shortest, int(fine * log(longest / shortest)) + 2)
-        gain, _ = self.explained(frequency)
+        gain = self._gain(frequency)
         best = int(np.argmax(gain))
         return float(frequency[best]) if gain[best] > CLAIM else None
 
@@ -161,8 +134,8 @@ class _Spectrum:
             inverse = np.linalg.inv(design.T @ design)
             solution = inverse @ (design.T @ self._signal)
             frequency += float(solution[-1])
-        rest = self._signal - design @ solution
-        variance = float(rest @ rest) / max(1, len(rest) - len(solution)) * float(inverse[-1, -1])
+        residual = self._signal - design @ solution
+        variance = float(residual @ residual) / max(1, len(residual) - len(solution)) * float(inverse[-1, -1])
         return 1 / frequency, variance**0.5 / frequency**2
 
     def _comb(self, frequency: Floats, first: int) -> tuple[Floats, Floats]:

@@ -218,9 +218,9 @@ def _warn_of_ends(recording: Recording) -> Iterator[str]:
 
 def _warn_of_samples(recording: Recording) -> Iterator[str]:
     speed = recording.speed
-    rest = np.abs(speed - _running_median(speed, 3))  # a median of five would flatten ringing at 21 Hz
+    jumps = np.abs(speed - _running_median(speed, 3))  # a median of five would flatten ringing at 21 Hz
     low, high = np.quantile(speed, (0.01, 0.99))
-    spikes = rest > max(high - low, 12.0 * float(np.median(rest)))
+    spikes = jumps > max(high - low, 12.0 * float(np.median(jumps)))
     if 0 < spikes.sum() <= max(3.0, 0.002 * len(speed)):  # more spikes than that belong to the signal
         where = recording.start + recording.dt * int(np.argmax(spikes))
         count = int(spikes.sum())

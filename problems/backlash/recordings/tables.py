@@ -38,7 +38,7 @@ How many counts an encoder has a turn is known to its user alone.
 """
 
 WORDS = tomllib.loads(Path(__file__).with_name("headings.toml").read_text(encoding="utf-8"))
-_UNITS = {spelling: unit for unit, others in WORDS["units"].items() for spelling in (unit, *others)}
+_UNITS = {spelling: unit for unit, spellings in WORDS["units"].items() for spelling in (unit, *spellings)}
 _SUFFIX = re.compile(r"(?:^|[\s_/,])(" + "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True))) + r")\)?$")
 _BRACKET = re.compile(r"([\[(])([^\[\]()]*)[\])]$")
 
@@ -80,8 +80,8 @@ def parse_heading(name: str) -> Heading:
     role = next((role for role, spellings in WORDS["roles"].items() if {*spellings} & {*words}), "")
     if not words and unit is not None:  # a column called "rpm"
         role = next(role for role, units in UNITS.items() if unit in units)
-    motor, other = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
-    rank = (other, not motor, len(words))
+    motor, not_motor = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
+    rank = (not_motor, not motor, len(words))
     return Heading(role, rank, text.strip(" _/,"), unit, unknown)
 
 

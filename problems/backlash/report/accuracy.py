@@ -77,12 +77,10 @@ def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     in them, so that a wide scatter about the truth looks accurate: only the size shows how far off a trial is.
     Only trials with a known truth count. Errors are over the trials that found a value, the percentage is over all.
     """
-    groups = with_truth(data).groupby(keys, observed=True)
+    trials = with_truth(data)
+    groups = trials.assign(size=trials["error"].abs()).groupby(keys, observed=True)
     errors = groups["error"].agg(["size", "mean", "median"]).set_axis(["trials", "mean error", "median error"], axis=1)
-    size = (
-        with_truth(data).assign(error=lambda rows: rows["error"].abs()).groupby(keys, observed=True)["error"].median()
-    )
-    return errors.assign(**{"median |error|": size, "within band %": 100 * groups["within"].mean()})
+    return errors.assign(**{"median |error|": groups["size"].median(), "within band %": 100 * groups["within"].mean()})
 
 
 def signed_and_size(data: pd.DataFrame, unit: str, factor: float = 1.0) -> str:

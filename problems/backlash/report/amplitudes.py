@@ -172,18 +172,14 @@ def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -
     swarms = [label_of[name] for name in SWARMS]
     claims = {
         "CMA-ES the most suited": _above(shares, label_of[EXTRA], swarms),
-        "GWO the best of the swarms": _above(
-            shares, label_of["gwo"], [swarm for swarm in swarms if swarm != label_of["gwo"]]
-        ),
-        "DA the least effective": _below(
-            shares, label_of["da"], [swarm for swarm in swarms if swarm != label_of["da"]]
-        ),
+        "GWO the best of the swarms": _above(shares, label_of["gwo"], swarms),
+        "DA the least effective": _below(shares, label_of["da"], swarms),
     }
     verdicts = {1: "agree", -1: "disagree", 0: "are too close to decide"}
     parts = [
-        f"{listing(those)}, and these shares {text}"
+        f"{listing(alike)}, and these shares {text}"
         for verdict, text in verdicts.items()
-        if (those := [claim for claim, outcome in claims.items() if outcome == verdict])
+        if (alike := [claim for claim, outcome in claims.items() if outcome == verdict])
     ]
     return f"The thesis finds {'; it also finds '.join(parts)} (by 95% Wilson intervals).{other_conditions(study)}"
 
@@ -191,16 +187,21 @@ def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -
 Share = tuple[float, float, float]  # of trials within the band, with its interval
 
 
-def _above(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
-    """Return 1 where the share of one is separably the largest, -1 where another's is separably larger, else 0."""
-    if all(shares[one][1] > shares[other][2] for other in others):
+def _above(shares: Mapping[str, Share], label: str, labels: Sequence[str]) -> int:
+    """Return 1 where a label's share is separably the largest, -1 where a rival's is separably larger, else 0.
+
+    The rivals are the others among ``labels``.
+    """
+    _, low, high = shares[label]
+    rivals = [shares[rival] for rival in labels if rival != label]
+    if all(low > rival_high for _, _, rival_high in rivals):
         return 1
-    return -1 if any(shares[other][1] > shares[one][2] for other in others) else 0
+    return -1 if any(rival_low > high for _, rival_low, _ in rivals) else 0
 
 
-def _below(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
-    """Return 1 where the share of one is separably the smallest, -1 where another's is separably smaller, else 0."""
-    return _above({label: (-share, -high, -low) for label, (share, low, high) in shares.items()}, one, others)
+def _below(shares: Mapping[str, Share], label: str, labels: Sequence[str]) -> int:
+    """Return 1 where a label's share is separably the smallest, -1 where a rival's is separably smaller, else 0."""
+    return _above({name: (-share, -high, -low) for name, (share, low, high) in shares.items()}, label, labels)
 
 
 def _underestimates(swarms: pd.DataFrame) -> str:

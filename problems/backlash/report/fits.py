@@ -121,6 +121,21 @@ def window(problem: SignatureFit, x: Floats) -> slice:
 
 
 def _figure(data: pd.DataFrame, shown: pd.DataFrame, optimizers: list[str], every: int, number: int) -> Figure:
+    best = shown[shown["curve"] == BEST].pivot(index="problem", columns="optimizer", values="fun")
+    chosen = (
+        f" Of {count(every, 'optimizer')}, those {len(optimizers)} whose median trials rank lowest on average."
+        if len(optimizers) < every
+        else ""
+    )
+    caption = (
+        "Motor speed about its mean over a half turn, by recording (rows; right: the half range in the unit of its "
+        f"RMSE) and optimizer (columns), with the fitted signature of the best and of the median trial.{chosen}"
+    )
+    abridged = best.reindex(columns=optimizers).rename_axis(columns=None).add_prefix("RMSE of best: ")
+    return Figure("fits" if number == 1 else f"fits-{number}", caption, _drawn(data, optimizers), data, abridged)
+
+
+def _drawn(data: pd.DataFrame, optimizers: list[str]) -> matplotlib.figure.Figure:
     """Draw all panels on one Axes, rows of recordings and columns of optimizers: ninety Axes would take seconds."""
     problems = list(dict.fromkeys(data["problem"]))
     height = TOP + ROW * len(problems) + BOTTOM
@@ -156,22 +171,4 @@ def _figure(data: pd.DataFrame, shown: pd.DataFrame, optimizers: list[str], ever
         points = np.concatenate([line for part in parts for line in (part, gap)])
         handles += ax.plot(points[:, 0], points[:, 1], label=curve, clip_on=False, **LINES[curve])
     style.legend_above(drawn, handles)
-    return _captioned(drawn, data, shown, optimizers, every, number)
-
-
-def _captioned(
-    drawn: matplotlib.figure.Figure, data: pd.DataFrame, shown: pd.DataFrame, optimizers: list[str], every: int,
-    number: int,
-) -> Figure:  # fmt: skip
-    best = shown[shown["curve"] == BEST].pivot(index="problem", columns="optimizer", values="fun")
-    chosen = (
-        f" Of {count(every, 'optimizer')}, those {len(optimizers)} whose median trials rank lowest on average."
-        if len(optimizers) < every
-        else ""
-    )
-    caption = (
-        "Motor speed about its mean over a half turn, by recording (rows; right: the half range in the unit of its "
-        f"RMSE) and optimizer (columns), with the fitted signature of the best and of the median trial.{chosen}"
-    )
-    abridged = best.reindex(columns=optimizers).rename_axis(columns=None).add_prefix("RMSE of best: ")
-    return Figure("fits" if number == 1 else f"fits-{number}", caption, drawn, data, abridged)
+    return drawn

@@ -31,9 +31,9 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     text, items = swarm_tests(pairs, study), (table,)
     if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
-    ours, theirs = beside_published(means)
-    text = (*sentences(means, ours, theirs), conditions(study), *unequal(study), *text)
-    return [Section(TITLE, text, (*items, side_by_side(ours, theirs)) if ours.size else items)]
+    here, printed = beside_published(means)
+    text = (*sentences(means, here, printed), conditions(study), *unequal(study), *text)
+    return [Section(TITLE, text, (*items, side_by_side(here, printed)) if here.size else items)]
 
 
 def algorithms(study: Study) -> dict[str, str]:
@@ -107,9 +107,9 @@ def _by_dataset(table: pd.DataFrame, named: dict[str, str], rows: dict[str, int]
 
 def beside_published(means: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the cells of the means that the published table has, and the published ones in the same order."""
-    theirs = published()
-    ours = means.loc[means.index.isin(theirs.index), [name for name in SWARMS if name in means]]
-    return ours, theirs.loc[ours.index, ours.columns]
+    printed = published()
+    here = means.loc[means.index.isin(printed.index), [name for name in SWARMS if name in means]]
+    return here, printed.loc[here.index, here.columns]
 
 
 def ordered(means: pd.DataFrame) -> int:
@@ -125,9 +125,9 @@ def _holders(means: pd.DataFrame, extreme: str) -> str:
     return leaders(whole.eq(means_of_rows, axis=0), f"the {extreme} mean")
 
 
-def sentences(means: pd.DataFrame, ours: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:
+def sentences(means: pd.DataFrame, here: pd.DataFrame, printed: pd.DataFrame) -> list[str]:
     """Return sentences on how the means compare with the published ones of :func:`beside_published`."""
-    differences = ((ours - theirs) / theirs).to_numpy()
+    differences = ((here - printed) / printed).to_numpy()
     compared = differences[~np.isnan(differences)]
     if not len(compared):
         return ["No cell of the published Table 7.2 can be compared."]
@@ -138,32 +138,23 @@ def sentences(means: pd.DataFrame, ours: pd.DataFrame, theirs: pd.DataFrame) -> 
     )
     text = [agreement]
     if set(ORDER) <= set(means.columns):
-        swarms, printed = means[list(ORDER)], theirs[list(ORDER)]
+        highest = published().idxmax(axis=1).value_counts()
+        swarms, published_swarms = means[list(ORDER)], printed[list(ORDER)]
         text.append(
             f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(swarms)} of {len(swarms)} rows; "
-            f"in the published table it holds in {ordered(printed)} of these."
+            f"in the published table it holds in {ordered(published_swarms)} of these."
         )
         text.append(
-            f"Among the swarms {_holders(swarms, 'lowest')} (published: {_holders(printed, 'lowest')}); "
-            f"{_holders(swarms, 'highest')} (published: {_holders(printed, 'highest')}). The thesis calls GWO the best "
-            f"of the four and DA the least effective.{_against_table()}"
+            f"Among the swarms {_holders(swarms, 'lowest')} (published: {_holders(published_swarms, 'lowest')}); "
+            f"{_holders(swarms, 'highest')} (published: {_holders(published_swarms, 'highest')}). The thesis calls GWO "
+            "the best of the four and DA the least effective. The latter is not what its Table 7.2 shows: there "
+            f"{str(highest.index[0]).upper()} has the highest mean on {highest.iloc[0]} of {highest.sum()} datasets, "
+            f"and DA on {highest['da']}."
         )
-    lost = [f"{name.upper()} on dataset {k}" for name in map(str, ours) for k in ours.index[ours[name].isna()]]
+    lost = [f"{name.upper()} on dataset {k}" for name in map(str, here) for k in here.index[here[name].isna()]]
     if lost:
         text.append(f"No mean, as trials failed or are missing: {listing(lost)}.")
     return text
-
-
-def _against_table() -> str:
-    """Return where the thesis's words on DA and its own Table 7.2 differ."""
-    worst = published().idxmax(axis=1).value_counts()
-    name, rows = str(worst.index[0]), int(worst.iloc[0])
-    if name == "da":
-        return ""
-    return (
-        f" The latter is not what its Table 7.2 shows: there {name.upper()} has the highest mean on {rows} of "
-        f"{worst.sum()} datasets, and DA on {int(worst.get('da', 0))}."
-    )
 
 
 def other_conditions(study: Study) -> str:
@@ -225,10 +216,10 @@ def unequal(study: Study) -> tuple[str, ...]:
     return (text,)
 
 
-def side_by_side(ours: pd.DataFrame, theirs: pd.DataFrame) -> Table:
+def side_by_side(here: pd.DataFrame, printed: pd.DataFrame) -> Table:
     """Return the table with each algorithm's mean, its published mean and their relative difference in percent."""
-    parts = {"": ours, " published": theirs, " diff. %": 100 * ((ours - theirs) / theirs)}
-    columns = {f"{name.upper()}{end}": part[name] for name in map(str, ours) for end, part in parts.items()}
+    parts = {"": here, " published": printed, " diff. %": 100 * ((here - printed) / printed)}
+    columns = {f"{name.upper()}{end}": part[name] for name in map(str, here) for end, part in parts.items()}
     return Table(
         "table-7-2-published",
         "Mean fitting error in rpm beside the published one, and the relative difference in percent.",

@@ -51,7 +51,7 @@ def noisy_problems(study: Study) -> pd.DataFrame:
 def by_cell(data: pd.DataFrame, noisy: pd.DataFrame) -> pd.DataFrame:
     """Return a row a problem and optimizer in the columns of Table 7.3, in rps and percent.
 
-    ``data`` has the amplitudes (:func:`problems.backlash.report.accuracy.estimates`) of the ``known`` noisy problems.
+    ``data`` has the amplitudes (:func:`problems.backlash.report.accuracy.estimates`) of the ``noisy`` problems.
 
     Columns: problem, optimizer, trials, dataset, noise level, theoretical, noise (amplitude), mean and stdev of |A|,
     error (of the mean, as published) and run error (the mean of every run's own); errors are missing without backlash.
@@ -150,12 +150,12 @@ def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
 
 def side_by_side(cells: pd.DataFrame, noise: str) -> Table:
     """Return Table 7.3 at a noise level, each column beside the published one."""
-    theirs = published().reindex(cells["dataset"]).set_index(cells.index)
+    printed = published().reindex(cells["dataset"]).set_index(cells.index)
     columns: dict[str, pd.Series[float]] = {}
     for name, title in COLUMNS.items():
-        columns |= {f"{title} published": theirs[name], title: cells[name]}
+        columns |= {f"{title} published": printed[name], title: cells[name]}
     columns["single runs %"] = cells["run error"]
-    other = "" if noise == "low" else " The published columns are those of the low level, the only one printed."
+    remark = "" if noise == "low" else " The published columns are those of the low level, the only one printed."
     return Table(
         f"table-7-3-{noise}",
         f"Amplitude found at the {noise} level of noise, in rps (thesis Table 7.3).",
@@ -164,16 +164,16 @@ def side_by_side(cells: pd.DataFrame, noise: str) -> Table:
         note="A: the positive peak of the undecimated disturbance; noise: half of its peak-to-peak value. Ours are "
         "values of |A|. The error is that of the mean, |mean − A| / A, as the published one is: the printed digits of "
         "all ten rows give it within 0.01 percentage points. A cannot have had both signs in any row, as the standard "
-        f"deviation is small compared with the mean. Single runs: the mean of every run’s own error.{other}",
+        f"deviation is small compared with the mean. Single runs: the mean of every run’s own error.{remark}",
     )
 
 
 def beside_best(best: pd.DataFrame) -> Table:
     """Return the table of the best fits, each beside the published error."""
-    theirs = published()["error"].reindex(best["dataset"]).set_axis(best.index)
+    printed = published()["error"].reindex(best["dataset"]).set_axis(best.index)
     columns = {
         "A": best["theoretical"], "|A| of best fit": best["mean"], "error %": best["error"],
-        "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": theirs,
+        "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": printed,
     }  # fmt: skip
     return Table(
         "table-7-3-best-fit",
@@ -206,8 +206,8 @@ def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
         for number, (label, pen) in enumerate(pens.items(), start=1):
             rows = shown[shown["optimizer"] == label]
             _points(ax, rows, pen.marker, pen.color, style.plain(label), 0.012 * number)
-        theirs = published().loc[sorted(set(shown["dataset"]) & set(table_7_3()))]
-        _points(ax, theirs, "o", "0.45", THESIS, -0.012)
+        printed = published().loc[sorted(set(shown["dataset"]) & set(table_7_3()))]
+        _points(ax, printed, "o", "0.45", THESIS, -0.012)
         fits = best[best["noise level"] == noise]
         ax.plot(fits["theoretical"], fits["mean"], "_", color="black", markersize=6, label=BEST)
     axes[0].set_ylabel("|A| in rps")

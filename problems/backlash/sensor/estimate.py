@@ -1,8 +1,8 @@
 """Estimate the backlash of a joint from a recording of its motor's speed: the virtual sensor (thesis section 5.3).
 
     >>> from problems.backlash.recordings import read
-    >>> found = estimate(read("joint2.csv"))
-    >>> found.verdict, found.backlash_rad, found.interval_rad
+    >>> result = estimate(read("joint2.csv"))
+    >>> result.verdict, result.backlash_rad, result.interval_rad
 
 The reference fit of the signature is the best fit there is, so an estimate is the same every time. A calibration of the
 joint maps the strength of the fit to the amplitude of the disturbance, and that to the half-gap delta.
@@ -18,7 +18,7 @@ from bench.numbers import require_positive, require_seed, require_whole
 from bench.typing import Floats
 from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
-from problems.backlash.recordings.period import find_period
+from problems.backlash.recordings.period import find_period, period_from_gear
 from problems.backlash.recordings.screen import drift, screen, warnings
 from problems.backlash.sensor.evidence import SIGNIFICANT, detectable, p_value, resampled
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
@@ -177,12 +177,14 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
     """Return the time of one load turn in s, and its source."""
     if settings.period is not None:
         return settings.period, "given"
-    looked_for = settings.gear_ratio is not None or not settings.single  # one oscillation shows no period
-    from_signal = find_period(recording, gear_ratio=settings.gear_ratio) if looked_for else None
-    if from_signal is None and not settings.single and settings.calibration:
-        assumed = find_period(recording, gear_ratio=settings.calibration.gear_ratio)
-        return (assumed.seconds if assumed else USUAL_PERIOD), "assumed"
-    return (from_signal.seconds, from_signal.source) if from_signal else (USUAL_PERIOD, "assumed")
+    if settings.gear_ratio is not None:
+        return period_from_gear(recording, settings.gear_ratio), "gear ratio"
+    if settings.single:  # one oscillation shows no period
+        return USUAL_PERIOD, "assumed"
+    if (period := find_period(recording)) is not None:
+        return period, "signal"
+    usual_ratio = settings.calibration.gear_ratio if settings.calibration else None
+    return period_from_gear(recording, usual_ratio) if usual_ratio is not None else USUAL_PERIOD, "assumed"
 
 
 def gear_ratio_of(problem: SignatureFit, settings: Settings, source: str) -> float | None:

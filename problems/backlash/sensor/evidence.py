@@ -32,8 +32,8 @@ def p_value(problem: SignatureFit, fitted: Floats) -> float:
     for _ in range(OTHERS if problem.replicas == 1 else 0):
         if p <= SIGNIFICANT:
             break
-        other = problem.beside(residual)
-        residual = residual - other.model(other.reference().x)
+        remaining = problem.beside(residual)
+        residual = residual - remaining.model(remaining.reference().x)
         p = _p_value(problem, energy, residual)
     return p
 

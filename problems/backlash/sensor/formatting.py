@@ -71,10 +71,10 @@ def broken(line: str, width: int, indent: int = 4) -> list[str]:
 
 def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
     """Return the lines on an optimizer's runs."""
-    asked, sizes, gaps = runs.settings, runs.sizes_rps, runs.backlashes_rad
+    settings, sizes, gaps = runs.settings, runs.sizes_rps, runs.backlashes_rad
     best = abs(estimate.variables["A"])
     size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (best fit: {best:.4f})"
-    lines = [f"{asked.runs} runs of {asked.budget} evaluations: {size}"]
+    lines = [f"{settings.runs} runs of {settings.budget} evaluations: {size}"]
     inside = gaps[np.isfinite(gaps)]  # the others are outside the calibration
     if len(inside):
         outside = (
@@ -83,7 +83,7 @@ def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
         lines.append(
             f"half-gap {1e3 * inside.mean():.3f} mrad, standard deviation {1e3 * _deviation(inside):.3f}{outside}"
         )
-    lines.append(f"{runs.found} of {asked.runs} runs found the best fit, within {FOUND:.0%} of its RMSE")
+    lines.append(f"{runs.found} of {settings.runs} runs found the best fit, within {FOUND:.0%} of its RMSE")
     return lines
 
 

@@ -51,14 +51,14 @@ def save_figures(
         BenchError: where they cannot be written.
     """
     one = bool(path.suffix) and not path.is_dir()
-    made = []
+    pictures = []
 
     def save(figure: Figure, name: str) -> None:
         picture = path if one else path / f"{name}.svg"
         with replacing(picture) as temporary:
             temporary.parent.mkdir(parents=True, exist_ok=True)
             figure.savefig(temporary, metadata={LEFT_OUT[picture.suffix.lower()]: None})
-        made.append(picture)
+        pictures.append(picture)
 
     with style.context():
         names = unique(file_name(outcome.path.stem) for outcome in outcomes)
@@ -66,7 +66,7 @@ def save_figures(
             save(fit_figure(outcome.estimate, single=settings.single), name)
         if trends:
             save(trend_figure(trends, limit_rad=settings.limit_rad), "trend")
-    return made
+    return pictures
 
 
 def fit_figure(estimate: Estimate, *, single: bool) -> Figure:

@@ -20,9 +20,9 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.typing import Floats
+from problems.backlash import TRUTH
 from problems.backlash.recordings.tables import READERS
 
-TRUTH = "truth.csv"  # the file that 'bench simulate --wear' writes beside the recordings
 MAGIC = set("*?[")
 DATE = re.compile(
     r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<by>[-_.]?)(?P<month>0[1-9]|1[0-2])(?:(?P=by)(?P<day>0[1-9]|[12]\d|3[01]))?"
@@ -134,8 +134,8 @@ def _is_recording(path: Path) -> bool:
 def _parse(path: Path) -> _Name:
     stem, folder = path.stem, "" if path.parent == Path() else path.parent.as_posix()
     if (date := DATE.search(stem)) and (at := _months(date)) is not None:
-        rest = re.sub(r"^[\W_]*\d+$", "", stem[date.end() :])  # repeated on one day
-        return _Name(_joined(folder, stem[: date.start()], rest), at, "month", date["day"] is not None)
+        after = re.sub(r"^[\W_]*\d+$", "", stem[date.end() :])  # repeated on one day
+        return _Name(_joined(folder, stem[: date.start()], after), at, "month", date["day"] is not None)
     joint = JOINT.search(stem)
     numbers = [m for m in re.finditer(r"\d+", stem) if joint is None or not joint.start() <= m.start() < joint.end()]
     if numbers:

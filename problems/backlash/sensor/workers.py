@@ -58,12 +58,12 @@ def _alone(work: Callable[[Item], Answer], item: Item, lost: Callable[[Item], An
 @contextmanager
 def _processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool of processes, which end with the context, whatever they do."""
-    others = set(multiprocessing.active_children())
+    earlier = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("fork" if FORKS else "spawn"), _obey_parent)
     try:
         yield pool
     finally:
-        for process in set(multiprocessing.active_children()) - others:
+        for process in set(multiprocessing.active_children()) - earlier:
             process.kill()
         pool.shutdown(cancel_futures=True)
 

@@ -275,8 +275,8 @@ class Pchip:
         return float(c0 + c1 * s + c2 * (s * s) + c3 * (s * s * s))
 
 
-def _near(value: float, other: float) -> bool:
-    return abs(value / other - 1) <= NEAR
+def _near(value: float, calibrated: float) -> bool:
+    return abs(value / calibrated - 1) <= NEAR
 
 
 def _end(h: Floats, slope: Floats) -> float:
@@ -288,10 +288,10 @@ def _end(h: Floats, slope: Floats) -> float:
 
 def polynomial(coefficients: Sequence[float] | Floats) -> str:
     """Return a cubic in A with four decimals, as eq. 4.7 is printed."""
-    first, *others = coefficients
+    first, *lower = coefficients
     powers = (" A^2", " A", "")
-    rest = (f" {'-' if c < 0 else '+'} {abs(c):.4f}{power}" for c, power in zip(others, powers, strict=True))
-    return f"{first:.4f} A^3{''.join(rest)}"
+    terms = (f" {'-' if c < 0 else '+'} {abs(c):.4f}{power}" for c, power in zip(lower, powers, strict=True))
+    return f"{first:.4f} A^3{''.join(terms)}"
 
 
 def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monotone") -> Calibration:

@@ -149,10 +149,10 @@ class SignatureFit(Problem):
 
     def beside(self, speed: Floats) -> "SignatureFit":
         """Return the same problem, with the same box, for another signal (N,) in ``unit``."""
-        other = copy.copy(self)
-        other.signal, other._references = speed, {}
-        other._folded = other._fold(speed)
-        return other
+        problem = copy.copy(self)
+        problem.signal, problem._references = speed, {}
+        problem._folded = problem._fold(speed)
+        return problem
 
     def _fold(self, signal: Floats) -> kernel.Folded:
         return kernel.fold(signal, start=float(self.time[0]), dt=self.dt, period=self.period, replicas=self.replicas)

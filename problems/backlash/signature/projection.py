@@ -182,11 +182,11 @@ def _ray(ss: float, sc: float, cc: float, s: float, c: float, angle: float, reac
 def solve_cell(total: Floats, sums: Sums, phase: float, reach: float, least: float) -> tuple[float, float, float]:
     """Return energy and weights of one window from its seven sums, the offset v_t eliminated; see `weights`."""
     gs, gc = total[3] / sums.n, total[4] / sums.n
-    found: tuple[float, float, float] = weights(
+    best: tuple[float, float, float] = weights(
         total[0] - total[3] * gs, total[1] - total[3] * gc, total[2] - total[4] * gc,
         total[5] - gs * sums.s1, total[6] - gc * sums.s1, phase, reach, least,
     )  # fmt: skip
-    return found
+    return best
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,7 +7,8 @@ those four, the window's first and last sample, tau and omega, the folded sums o
 1. *scan*: every start, every length, 6 values of tau and 79 of omega. The main lobe of the spectrum of a window of
    at most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
    1.4. So at most 2 % of the explained energy is missed between two lines. A start is skipped only if no waveform at
-   all, repeated from there, could explain as much.
+   all, repeated from there, could explain as much, and a window is looked at more closely only if its best sine and
+   cosine of any phase come near the best energy so far.
 2. *polish*: every pair of start and omega near the best is refined by compass search over (tau, omega), all lengths
    at each point.
 3. *settle*: the ends of the window become times. Where T_d is no whole number of samples (the scan then
@@ -46,6 +47,7 @@ from problems.backlash.signature.projection import (
 )
 
 TAUS, OMEGAS = 6, 79  # lines of the scan's grid
+COARSE = 8  # the scan takes every so many lines of omega first
 MARGIN, SETTLED = 0.03, 12  # pairs within this share of the best energy are polished, and this number is settled
 MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40  # the same if T_d lies between samples, where the scan is not exact
 POLISHED = 400  # the largest number of pairs that are polished
@@ -65,15 +67,15 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
     limit, length, sums = prepare(recording, lower, upper, constrained=constrained)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
     ceiling = _ceiling(recording.signal, sums, length)
+    share = min(SHORT / sums.n, 1.0)
+    margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
     grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
     for base in range(1, limit.last + 1, 2 * length):
         count = min(2 * length, limit.last + 1 - base)
         if (ceiling[base : base + count] > most_yet).any():
-            scanned = _scan(base, count, taus, omegas, sums, limit, length)
+            scanned = _scan(base, count, taus, omegas, sums, limit, length, 1 - margin - ROUNDING, most_yet)
             grid[base : base + count], most_yet = scanned, max(most_yet, scanned[..., 0].max())
     energy = grid[..., 0]
-    share = min(SHORT / sums.n, 1.0)
-    margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
     near = np.argwhere(energy >= (1 - margin) * energy.max())
     near = near[np.argsort(-energy[tuple(near.T)], kind="stable")][:POLISHED]
     steps = np.array([1.0, (omegas[1] - omegas[0]) / 2])
@@ -132,9 +134,10 @@ def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
     laid = max(length - math.floor(sums.lag), 0)
 
     def window(apart: Floats, usual: Floats) -> Floats:
-        first, rest = (np.concatenate([[0.0], np.cumsum(energies)]) for energies in (apart, usual))
+        apart_so_far, usual_so_far = (np.concatenate([[0.0], np.cumsum(energies)]) for energies in (apart, usual))
         start = np.arange(sums.n)
-        reached: Floats = first[start + laid] - first[start] + rest[start + length - laid] - rest[start + laid]
+        overlapping = apart_so_far[start + laid] - apart_so_far[start]
+        reached: Floats = overlapping + usual_so_far[start + length - laid] - usual_so_far[start + laid]
         return reached
 
     r, inside = np.zeros_like(sums.f), np.zeros_like(sums.f)
@@ -142,18 +145,24 @@ def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
     after, after_inside = np.zeros_like(r), np.zeros_like(r)
     if (end := math.floor(sums.replicas * sums.lag)) < sums.n:
         after[: len(r) - end], after_inside[: len(r) - end] = r[end:], inside[end:]
-    terms, others = np.maximum(sums.terms, 1.0), np.maximum(sums.terms - 1.0, 1.0)
+    terms, later_terms = np.maximum(sums.terms, 1.0), np.maximum(sums.terms - 1.0, 1.0)
     f, g = sums.f - r, sums.g - inside
-    ff = window(r**2 + f**2 / others + after**2, sums.f**2 / terms)
-    fg = window(r + f * g / others + after, sums.f * sums.g / terms)
-    gg = window(inside + g**2 / others + after_inside, sums.g**2 / terms)
+    ff = window(r**2 + f**2 / later_terms + after**2, sums.f**2 / terms)
+    fg = window(r + f * g / later_terms + after, sums.f * sums.g / terms)
+    gg = window(inside + g**2 / later_terms + after_inside, sums.g**2 / terms)
     ceiling: Floats = ff + (sums.s1 - fg) ** 2 / np.maximum(sums.n - gg, 1e-9 * sums.n)
     return ceiling
 
 
 @njit(cache=True, error_model="numpy")
-def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit: Limits, length: int) -> Floats:
+def _scan(
+    base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit: Limits, length: int, share: float,
+    top: float,
+) -> Floats:  # fmt: skip
     """Return (count, omegas, 2): the most energy that a window from each start explains over tau and length, and tau.
+
+    Both are 0 where the energy is less than ``share`` of the best one, which is at least ``top``. Every eighth omega is
+    scanned first: the best energy is then soon known nearly, and few cells come near it.
 
     Starts ``base`` and up are the inner loop, which vectorises; a cell's phase is checked only if the best of all
     phases would be a new best.
@@ -161,8 +170,9 @@ def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit
     n, s1 = sums.n, sums.s1
     best = np.zeros((count, len(omegas), 2))
     cell = np.empty(7)
-    free = np.empty(count)
-    for w in range(len(omegas)):
+    free, most = np.empty(count), np.empty(count)
+    for w in np.argsort(np.arange(len(omegas)) % COARSE):
+        most[:] = share * top
         for tau in taus:
             q = math.exp(-tau * sums.dt)
             re, im, q_re, q_im = 1.0, 0.0, q * math.cos(omegas[w] * sums.dt), q * math.sin(omegas[w] * sums.dt)
@@ -177,6 +187,7 @@ def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit
                         m_ss[k] += pairs * ss
                         m_sc[k] += pairs * sc
                         m_cc[k] += pairs * cc
+                better = 0
                 for k in range(np.uintp(count)):
                     m_ss[k] += terms[k] * (im * im)
                     m_sc[k] += terms[k] * (im * re)
@@ -190,14 +201,17 @@ def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit
                     s, c = m_fs[k] - gs * s1, m_fc[k] - gc * s1
                     det = ss * cc - sc * sc
                     free[k] = (cc * s * s - 2 * sc * s * c + ss * c * c) / det if det > SINGULAR * ss * cc else np.inf
-                for k in range(min(count, limit.last + 1 - base - j)):
-                    if free[k] > best[k, w, 0]:
+                    better += free[k] > most[k]
+                for k in range(min(count, limit.last + 1 - base - j) if better else 0):
+                    if free[k] > most[k]:
                         phase = largest_phase(omegas[w], base + k, j, sums, limit)
                         if phase > 0.0:
                             cell[:] = m_ss[k], m_sc[k], m_cc[k], m_gs[k], m_gc[k], m_fs[k], m_fc[k]
-                            energy = solve_cell(cell, sums, phase, limit.reach, best[k, w, 0])[0]
-                            if energy > best[k, w, 0]:
-                                best[k, w, 0], best[k, w, 1] = energy, tau
+                            energy = solve_cell(cell, sums, phase, limit.reach, most[k])[0]
+                            if energy > most[k]:
+                                most[k] = best[k, w, 0] = energy
+                                best[k, w, 1] = tau
+                                top = max(top, energy)
                 re, im = re * q_re - im * q_im, re * q_im + im * q_re
     return best
 
@@ -291,7 +305,7 @@ def _sweep(at: Floats, which: int, places: Floats, recording: Folded, limit: Lim
     """Return the (4,) point with the best begin (2) or end (3) within ``NEAR`` samples, the other values unchanged."""
     best, dt = explained(at, recording, limit)[0], recording.dt
     sample = recording.start + math.floor((at[which] - recording.start) / dt) * dt
-    found = at.copy()
+    best_at = at.copy()
     for i in range(-NEAR, NEAR + 1):
         for place in places:
             for side in (-2 * CLEARANCE, 2 * CLEARANCE):
@@ -299,8 +313,8 @@ def _sweep(at: Floats, which: int, places: Floats, recording: Folded, limit: Lim
                 trial[which] = sample + i * dt + place + side
                 energy = explained(trial, recording, limit)[0]
                 if energy > best * (1 + ROUNDING):
-                    best, found = energy, trial
-    return found
+                    best, best_at = energy, trial
+    return best_at
 
 
 @njit(cache=True, error_model="numpy")

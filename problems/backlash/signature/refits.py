@@ -61,18 +61,18 @@ def _best_window(
             if at > whole:
                 value += (at - whole) * (recording.signal[whole + 1] - value)
             f[i] += value if k % 2 == 0 else -value
-    own = Sums(f, sums.g, sums.terms, sums.n, sums.dt, recording.s1, sums.lag, sums.replicas)
+    changed = Sums(f, sums.g, sums.terms, sums.n, sums.dt, recording.s1, sums.lag, sums.replicas)
     energies = np.empty(len(starts))
     for i in range(len(starts)):
-        energies[i] = profile(tau, omega, starts[i], own, limit, length)[0]
+        energies[i] = profile(tau, omega, starts[i], changed, limit, length)[0]
     least = (1 - MARGIN) * energies.max()
     best, start = (-1.0, tau, omega), int(starts[0])
     for i in range(len(starts)):
         if energies[i] >= least:
-            found = _climb((energies[i], tau, omega), starts[i], own, limit, length)
-            if found[0] > best[0]:
-                best, start = found, int(starts[i])
-    energy, samples, sine, cosine = profile(best[1], best[2], start, own, limit, length)
+            climbed = _climb((energies[i], tau, omega), starts[i], changed, limit, length)
+            if climbed[0] > best[0]:
+                best, start = climbed, int(starts[i])
+    energy, samples, sine, cosine = profile(best[1], best[2], start, changed, limit, length)
     return energy, best[1], best[2], start, samples, sine, cosine
 
 

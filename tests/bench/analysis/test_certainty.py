@@ -1,13 +1,13 @@
-"""How far other trials could move a ranking: by a plain, slow bootstrap, and in odd cases."""
+"""How far other trials could move a ranking, by a plain, slow bootstrap, and what fewer trials would have given."""
 
 import numpy as np
 import pytest
 
 from bench.analysis.cells import near_best, summarise
-from bench.analysis.certainty import COLUMNS, ranking_certainty, ranks_of_draws
+from bench.analysis.certainty import COLUMNS, rank_stability, ranking_certainty, ranks_of_draws
 from bench.analysis.direction import wins
 from bench.analysis.pairwise import pairwise_tests
-from bench.analysis.standings import against_rivals, ranks, standings
+from bench.analysis.standings import against_rivals, mean_ranks, ranks, standings
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 LOW, FAR = [1.0, 2.0, 3.0, 4.0, 5.0], [11.0, 12.0, 13.0, 14.0, 15.0]
@@ -91,3 +91,47 @@ def test_the_share_of_trials_near_the_best_known_value(frame_of):
     assert near_best(frame_of(cells), {"p": 1.005}).to_dict() == {"a": 0.75, "b": 0.5}  # a beaten optimum is none
     assert near_best(frame_of({("p", "a"): LOW, ("q", "b"): LOW}), {}).empty
     assert near_best(frame_of({("p", "a"): [None], ("p", "b"): [None]}), {}).to_dict() == {"a": 0.0, "b": 0.0}
+
+
+def test_the_ranks_are_the_standings_of_the_first_trials(random_frame):
+    frame = random_frame(5, problems=3, trials=14, failing=0.1)
+    found = rank_stability(frame)
+    assert found["trials"].min() == 3
+    assert found["trials"].max() == 14
+    for trials, own in found.groupby("trials"):
+        early = frame[frame["trial"] < trials]
+        expected = mean_ranks(standings(summarise(early), pairwise_tests(early)))
+        assert own.set_index("optimizer")["rank"].to_dict() == pytest.approx(expected.to_dict())
+
+
+def test_bands_hold_the_curve_and_end_in_a_point(random_frame):
+    found = rank_stability(random_frame(6, trials=20))
+    assert (found["low"] <= found["rank"]).all()
+    assert (found["rank"] <= found["high"]).all()
+    last = found[found["trials"] == 20]
+    assert (last["low"] == last["high"]).all()
+    assert (found[found["trials"] == 3]["high"] > found[found["trials"] == 3]["low"]).any()
+
+
+def test_a_smaller_cell_enters_with_all_it_has(frame_of):
+    rng = np.random.default_rng(1)
+    values = rng.random(12)
+    found = rank_stability(frame_of({("p", "a"): values, ("p", "b"): 9 + rng.random(4)}))
+    assert found["trials"].max() == 12
+    assert found.groupby("optimizer")["rank"].unique().map(list).to_dict() == {"a": [1.0], "b": [2.0]}
+
+
+def test_no_curve_of_ranks_without_more_trials_than_the_first(frame_of):
+    assert rank_stability(frame_of({("p", "a"): [1.0] * 9})).empty
+    assert rank_stability(frame_of({("p", "a"): [1.0] * 3, ("p", "b"): [2.0] * 3})).empty
+    assert rank_stability(frame_of({("p", "a"): [1.0] * 9, ("q", "b"): [2.0] * 9})).empty
+    assert rank_stability(frame_of({("p", "a"): [1.0]}).head(0)).empty
+
+
+def test_instances_take_turns(frame_of):
+    # pooled: the first five trials are of instance 1, on which a is better; over both it is a tie
+    a, b = [0.0] * 5 + [9.0] * 5, [1.0] * 5 + [8.0] * 5
+    frame = frame_of({("p", "a"): a, ("p", "b"): b})
+    frame = frame.assign(instance=np.where(frame["trial"] < 5, 1, 2))
+    found = rank_stability(frame).set_index(["optimizer", "trials"])["rank"]
+    assert found["a", 4] == found["b", 4] == 1.5

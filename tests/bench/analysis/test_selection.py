@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis.selection import Space, best_on, selection_gain, usual_reach, validated_selection
+from bench.analysis.selection import best_on, feature_distances, selection_gain, usual_reach, validated_selection
 
 KINDS = 6  # problems on which a is good, and as many for b; each function has two problems
 
@@ -72,25 +72,25 @@ def test_equal_optimizers_gain_nothing(study):
 
 def test_distances_are_of_no_unit_and_weigh_groups_alike():
     table = pd.DataFrame({"a.1": [0.0, 1.0, 0.0, 1.0], "a.2": [0.0, 1.0, 0.0, 1.0], "b.1": [0.0, 0.0, 1.0, 1.0]})
-    apart = Space.of(table).distances(table).to_numpy()
+    apart = feature_distances(table, table).to_numpy()
     assert apart[0, 1] == pytest.approx(apart[0, 2])
     assert apart[0, 1] == pytest.approx(np.sqrt(4 / 2))  # two standard deviations in one of two groups
     moved = table.assign(**{"b.1": np.sinh(5 + 7 * np.arcsinh(table["b.1"]))})
-    assert Space.of(moved).distances(moved).to_numpy() == pytest.approx(apart)
+    assert feature_distances(moved, moved).to_numpy() == pytest.approx(apart)
 
 
 def test_missing_and_constant_features_do_no_harm():
     table = pd.DataFrame({"a.1": [0.0, 1.0, np.nan], "a.2": [3.0] * 3, "b.1": [np.nan] * 3})
-    apart = Space.of(table).distances(table).to_numpy()
+    apart = feature_distances(table, table).to_numpy()
     assert np.isfinite(apart).all()
     assert apart[2, 0] == pytest.approx(apart[2, 1])
     one = table.iloc[:1]
-    assert Space.of(one).distances(one).to_numpy() == pytest.approx(0)
+    assert feature_distances(one, one).to_numpy() == pytest.approx(0)
 
 
 def test_the_reach_is_measured_between_functions():
     table = pd.DataFrame({"a.1": [0.0, 0.1, 5.0]}, index=["f-1", "f-2", "g"])
-    space = Space.of(table).distances(table)
+    space = feature_distances(table, table)
     blocks = {"f-1": "f", "f-2": "f", "g": "g"}
     assert usual_reach(table, blocks) == pytest.approx(space.loc["f-1", "g"])
     assert np.isnan(usual_reach(table.iloc[:2], blocks))

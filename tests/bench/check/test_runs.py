@@ -70,7 +70,7 @@ def test_an_optimizer_that_prints_without_end_is_stopped(monkeypatch):
 @pytest.mark.parametrize(
     "change",
     [
-        {"x": None}, {"x": [1.0]}, {"x": "ab"}, {"first": [1.0, 2.0]}, {"first": [[1.0]]}, {"best": []},
+        {"x": None}, {"x": [1.0]}, {"x": "ab"}, {"first": [1.0]}, {"first": "AAAA"}, {"best": []},
         {"clamped": "much"},
     ],
 )  # fmt: skip

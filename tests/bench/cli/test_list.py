@@ -88,7 +88,7 @@ def test_a_suite_lists_its_functions_and_dimensions(bench_here, words):
     done = bench_here("list", *words)
     rows = [line.split("  ") for line in done.stdout.splitlines() if line.startswith("f")][1:]
     assert [row[0].strip() for row in rows] == [f"f{number:02}" for number in range(1, 13)]
-    assert "f12       10, 20      cec2022-f12-d10" in done.stdout
+    assert "f12       composition 4             10, 20      cec2022-f12-d10" in done.stdout
 
 
 def test_a_suite_with_instances_lists_their_number(bench_here):

@@ -14,7 +14,8 @@ import pandas as pd
 import pytest
 
 from bench import Results, Study, load_problem, load_results, run
-from bench.execution.supervisor import Task, check
+from bench.execution.job import Task
+from bench.execution.supervisor import check
 from bench.plugins.from_file import fingerprint
 from bench.sandbox import process
 

@@ -16,8 +16,7 @@ import pytest
 from bench import BenchError, Results, Study, load_results, run
 from bench.execution import dask as cluster
 from bench.execution import dask_worker
-from bench.execution.pool import WorkerDiedError
-from bench.execution.supervisor import KilledError, Task
+from bench.execution.supervisor import KilledError, Task, WorkerDiedError
 
 distributed = pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
 

@@ -7,7 +7,8 @@ import pytest
 
 from bench import Results, Study, load_optimizer, run, write_report
 from bench.execution.descriptions import Description, noted
-from bench.execution.supervisor import Task, check
+from bench.execution.job import Task
+from bench.execution.supervisor import check
 from bench.sandbox.process import Process
 from bench.storage.folder import Folder
 from bench.storage.merge import merge

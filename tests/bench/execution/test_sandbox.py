@@ -3,6 +3,8 @@
 import os
 import shutil
 import socket
+import subprocess
+import sys
 from textwrap import dedent
 
 import pandas as pd
@@ -226,6 +228,23 @@ def test_the_scratch_folder_is_all_that_can_be_written():
         assert process.call(eval, f"[x for x in {folders} if __import__('os').access(x, 2)]", seconds=60.0) == [
             namespaces.SCRATCH
         ]
+
+
+@needed
+def test_numba_reads_there_what_was_compiled_outside_and_writes_beside_it(tmp_path, monkeypatch):
+    (tmp_path / "mine.py").write_text("from numba import njit\n@njit(cache=True)\ndef twice(x):\n    return 2 * x\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    script = "import mine; mine.twice(1); print(sum(mine.twice.stats.cache_hits.values()))"
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    for _ in range(2):
+        subprocess.run([sys.executable, "-c", script], env=environment, check=True)
+    kernels = [*tmp_path.rglob("__pycache__/*.nb[ci]")]
+    assert len(kernels) == 2
+    with Process(sandbox=bubblewrap.find("bwrap", shown=[tmp_path], kernels=kernels)) as process:
+        for argument, hits in (("1", 1), ("1.5", 1)):
+            code = f"[m := __import__('mine'), m.twice({argument})] and sum(m.twice.stats.cache_hits.values())"
+            assert process.call(eval, code, seconds=60.0) == hits
+    assert len([*tmp_path.rglob("__pycache__/*.nb[ci]")]) == 2
 
 
 @pytest.mark.slow

@@ -3,7 +3,8 @@ import pytest
 
 from bench.execution import supervisor as module
 from bench.execution.answers import Box
-from bench.execution.supervisor import Supervisor, Task
+from bench.execution.job import Task
+from bench.execution.supervisor import Supervisor
 from bench.execution.trial_process import as_answer
 from bench.objective import Trace
 from bench.sandbox.process import LostError, RemoteError

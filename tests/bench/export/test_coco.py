@@ -173,6 +173,7 @@ class TestSuites:
         assert len(reached) > 100
         assert math.inf in reached
 
+    @pytest.mark.slow  # as are all tests that need this study in cocopp
     def test_the_suites_have_the_functions_that_cocopp_knows(self, bbob_read):
         for suite, functions in coco.SUITES.items():
             assert bbob_read[1]["known"][suite] == [functions[0], functions[-1]]

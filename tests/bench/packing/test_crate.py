@@ -10,7 +10,7 @@ import pytest
 
 from bench import BenchError, Study
 from bench.packing.contents import PackedFile
-from bench.packing.crate import UNSTATED, Credits, describe, stated
+from bench.packing.crate import UNSTATED, describe, stated
 
 CONTEXT = "https://w3id.org/ro/crate/1.1/context"
 TERMS = {
@@ -32,14 +32,12 @@ def graph(crate):
     return {entity["@id"]: entity for entity in crate["@graph"]}
 
 
-def made(credits=None, environments=()):
+def made(environments=(), **credits):
     study = Study.from_dict(
         {"name": "s", "trials": 1, "budget": 9, "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "early"}]}
     )
     files = [PackedFile("trials.sqlite", 3, "0" * 64)]
-    found = describe(
-        study, files, environments, trials=1, fallback_date="2026-01-02T03:04:05+00:00", credits=credits or Credits()
-    )
+    found = describe(study, files, environments, trials=1, fallback_date="2026-01-02T03:04:05+00:00", **credits)
     return {entity["@id"]: entity for entity in found["@graph"]}
 
 
@@ -142,7 +140,7 @@ def test_a_record_without_dates_leaves_that_of_the_study(record):
     ],
 )
 def test_a_licence_is_an_address_where_it_has_one(text, licence):
-    graph = made(Credits(licence=text))
+    graph = made(licence=text)
     assert graph["./"]["license"] == licence
     assert isinstance(licence, str) or graph[licence["@id"]]["name"] == text
 
@@ -161,8 +159,8 @@ def test_a_licence_is_stated_in_the_letters_of_spdx(text, licence):
 
 
 def test_an_author_may_have_an_orcid():
-    graph = made(Credits(authors=("Ada Lovelace (https://orcid.org/0000-0002-1825-0097)", "A. N. Other")))
+    graph = made(authors=("Ada Lovelace (https://orcid.org/0000-0002-1825-0097)", "A. N. Other"))
     assert graph["https://orcid.org/0000-0002-1825-0097"]["name"] == "Ada Lovelace"
     assert graph["#A.%20N.%20Other"]["@type"] == "Person"
     with pytest.raises(BenchError, match="names no author"):
-        made(Credits(authors=("0000-0002-1825-0097",)))
+        made(authors=("0000-0002-1825-0097",))

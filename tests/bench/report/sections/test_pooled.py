@@ -44,6 +44,7 @@ def mixed(made):
     return Findings(Results(made["mixed"]))
 
 
+@pytest.mark.slow  # its words are tested in tests/bench/report/test_replication.py, too
 def test_the_lead_counts_trials_by_problem(made, read):
     lead = "2 optimizers on 2 problems, 9 trials (3 on each of 3 instances) each, 100 evaluations a trial."
     assert lead in read(write_report(made["pooled"], n_jobs=1)).text

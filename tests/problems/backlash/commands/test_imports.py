@@ -6,8 +6,7 @@ import sys
 import pytest
 
 from bench.plugins import catalogue
-from problems.backlash.commands.data import VARIABLE, data
-from problems.backlash.published import download
+from problems.backlash.commands.data import data
 
 HEAVY = {"numpy", "scipy", "pandas", "numba", "matplotlib", "joblib", "pooch", "requests"}
 
@@ -30,7 +29,3 @@ def test_a_single_estimate_imports_neither_scipy_stats_nor_joblib():
 
 def test_a_command_with_sub_commands_is_listed_by_its_help():
     assert catalogue.first_line(data) == "Get the thesis authors' published recordings, and check them."
-
-
-def test_the_help_names_the_variable_that_is_read():
-    assert f"${download.VARIABLE}" == VARIABLE
