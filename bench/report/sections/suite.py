@@ -16,7 +16,7 @@ from bench.report.wording import count, listing
 
 TITLE = "The suite at a glance"
 ALL = "all functions"
-Panels = list[tuple[str, int, list[str]]]  # group, dimension and problems
+Panels = dict[str, list[str]]  # the problems of each panel, by its title
 SAME_SHARE = 5e-4  # of the targets: shares closer than this are printed alike
 
 
@@ -52,9 +52,10 @@ def overview(findings: Findings) -> list[Figure]:
     members = _members(findings.trials)
     if members.empty or not findings.trials.traces or len(members) != len(findings.trials.problems):
         return []
-    panels = [
-        (ALL, int(str(dimension)), list(rows["problem"])) for dimension, rows in members.groupby("dimension", sort=True)
-    ]
+    panels = {
+        _title(ALL, int(str(dimension))): list(rows["problem"])
+        for dimension, rows in members.groupby("dimension", sort=True)
+    }
     reached = _reached(findings, panels)
     return [_figure(findings, "targets-of-all", reached, panels, columns=min(len(panels), 2))] if len(reached) else []
 
@@ -62,10 +63,10 @@ def overview(findings: Findings) -> list[Figure]:
 def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels, columns: int = 0) -> Figure:
     """Return the figure of curves of :func:`_reached`, on ``columns`` columns of panels within one of a paper."""
     anytime, drawn = findings.anytime, findings.display.drawn
-    ends = {_title(*panel): anytime.ends(panel[2], per_dimension=True) for panel in panels}
+    ends = {title: anytime.ends(problems, per_dimension=True) for title, problems in panels.items()}
     shown = reached[reached["optimizer"].isin([*drawn, BEST])]
     kwargs = {"columns": columns} if columns else {}
-    single = all(len(problems) == 1 for _, _, problems in panels)
+    single = all(len(problems) == 1 for problems in panels.values())
     what = "dimension" if columns else "function" if single else "group"
     return reached_figure(name, shown, drawn, ends=ends if anytime.words.restarts else None, what=what, **kwargs)
 
@@ -76,7 +77,7 @@ def _each_dimension(findings: Findings, members: pd.DataFrame) -> Iterator[Secti
         d, parts = int(str(dimension)), rows["function"].str.partition(" ")
         functions = parts[2] if parts[0].nunique() == 1 and parts[2].all() else rows["function"]
         names = dict(zip(rows["problem"], functions if functions.is_unique else rows["problem"], strict=True))
-        panels = [(name, d, [problem]) for problem, name in names.items()]
+        panels = {_title(name, d): [problem] for problem, name in names.items()}
         items: list[Part] = []
         reached = _reached(findings, panels)
         if len(reached):
@@ -133,30 +134,30 @@ def _meaning(trials: Trials, members: pd.DataFrame) -> str:
     return text
 
 
-def _title(group: str, dimension: int, _: object = None) -> str:
+def _title(group: str, dimension: int) -> str:
     return f"{group}, d = {dimension}"
 
 
 def _panels(members: pd.DataFrame) -> Panels:
-    """Return group, dimension and problems of each panel: first all functions, then each group, by dimension."""
+    """Return the problems of each panel by its title: first all functions, then each group, by dimension."""
     panels: dict[tuple[str, int], list[str]] = {}
     groups = list(dict.fromkeys(members["group"]))
     for member in members.itertuples(index=False):
         for group in (ALL, member.group) if len(groups) > 1 else (member.group,):
             panels.setdefault((str(group), int(str(member.dimension))), []).append(str(member.problem))
     order = [ALL, *groups]
-    return [(*key, panels[key]) for key in sorted(panels, key=lambda key: (order.index(key[0]), key[1]))]
+    return {_title(*key): panels[key] for key in sorted(panels, key=lambda key: (order.index(key[0]), key[1]))}
 
 
 def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
     ranks, panels = analysis.table(findings.final.standings, "rank").dropna(), _panels(members)
-    rows = {_title(group, dimension): ranks[ranks.index.isin(problems)].mean() for group, dimension, problems in panels}
+    rows = {title: ranks[ranks.index.isin(problems)].mean() for title, problems in panels.items()}
     shown = pd.DataFrame(rows).T.reindex(columns=findings.trials.optimizers).rename_axis("group and dimension")
-    problems = [len(problems) for _, _, problems in panels]
+    sizes = [len(problems) for problems in panels.values()]
     return Table(
         "ranks-by-group",
         "Mean rank by the rivals beaten, by group of functions and dimension, 1 for the best.",
-        shown.assign(problems=problems)[["problems", *shown]],
+        shown.assign(problems=sizes)[["problems", *shown]],
         bold=shown.eq(shown.min(axis=1), axis=0).mul(shown.min(axis=1) < shown.max(axis=1), axis=0),
         decimals=dict.fromkeys(map(str, shown.columns), 2),
         note="Bold: the lowest of a row, unless all are equal. Ties share their mean rank. Problems on which an "
@@ -191,16 +192,16 @@ def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
     trials, anytime, curves = findings.trials, findings.anytime, []
     most = max(trials.budgets[label] / d for label, d in trials.dimensions.items())
     grid = np.geomspace(1 / max(trials.dimensions.values()), most, 60)
-    for panel in panels:
+    for title, problems in panels.items():
         shares = anytime.restarts_per_dimension if anytime.words.restarts else anytime.hits
-        of_panel = shares[shares["problem"].isin(panel[2])]
+        of_panel = shares[shares["problem"].isin(problems)]
         if len(of_panel):
             curve = (
                 analysis.mean_shares(of_panel, anytime.curves)
                 if anytime.words.restarts
                 else analysis.ecdf(of_panel, grid, trials.dimensions)
             )
-            curves.append(curve.assign(problem=_title(*panel)))
+            curves.append(curve.assign(problem=title))
     columns = ["optimizer", "per_dimension", "fraction", "problem"]
     return pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=columns)
 

@@ -74,18 +74,21 @@ def _cost(tuned: list[Tuned]) -> str:
 def _gain(final: Final, entry: Tuned) -> dict[str, Any]:
     """Return how the tuned parameters compare with the defaults, over the problems on which both have trials."""
     pairs = final.pairs.dropna(subset="a12")  # it is missing where a cell has no trial
-    both = pairs[pairs["first"].isin([entry.default, entry.tuned]) & pairs["second"].isin([entry.default, entry.tuned])]
-    chance = both["a12"].where(both["first"].astype(object) == entry.tuned, 1 - both["a12"])
-    clear = both[both["lower"] != ""]
-    tests = final.overall
-    across = tests[
-        tests["first"].isin([entry.default, entry.tuned]) & tests["second"].isin([entry.default, entry.tuned])
-    ]
+    tests = _between(pairs, entry)
+    chance = tests["a12"].where(tests["first"].astype(object) == entry.tuned, 1 - tests["a12"])
+    clear = tests[tests["lower"] != ""]
+    across = _between(final.overall, entry)
     return {
-        "problems": len(both), "chance": float(chance.mean()) if len(both) else float("nan"),
+        "problems": len(tests), "chance": float(chance.mean()) if len(tests) else float("nan"),
         "lower": int((clear["lower"] == entry.tuned).sum()), "higher": int((clear["lower"] == entry.default).sum()),
-        "testable": bool(both["testable"].any()), "across": next(iter(across.to_dict("records")), None),
+        "testable": bool(tests["testable"].any()), "across": next(iter(across.to_dict("records")), None),
     }  # fmt: skip
+
+
+def _between(tests: pd.DataFrame, entry: Tuned) -> pd.DataFrame:
+    """Return the tests of the tuned parameters against the defaults."""
+    both = [entry.default, entry.tuned]
+    return tests[tests["first"].isin(both) & tests["second"].isin(both)]
 
 
 def _gained(trials: Trials, entry: Tuned, gain: dict[str, Any] | None) -> str:
