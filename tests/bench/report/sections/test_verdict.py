@@ -22,6 +22,18 @@ def fresh(findings):
     return Findings(findings.results)
 
 
+def test_rivals_that_share_a_rank_have_one_order_in_every_sentence(findings, fresh):
+    final = fresh.final
+    tied = final.ranking.set_index("optimizer").assign(mean_rank=pd.Series({"a": 1.0, "b": 2.5, "c": 2.5}))
+    pairs = final.improvement.set_index(["first", "second"]).assign(probability=1.0)
+    pairs.loc[("b", "c"), "probability"] = 0.1
+    vars(final).update(ranking=tied.reset_index(), improvement=pairs.reset_index())  # in place of what it computed
+    assert final.ranked == ["a", "c", "b"]
+    known = verdict.standing(fresh)
+    assert known.ordered == final.ranked
+    assert known.size != verdict.standing(findings).size  # of a and b
+
+
 def test_the_first_screen(findings):
     shown = verdict.section(findings)
     assert [card.title for card in shown.cards] == [
