@@ -193,7 +193,11 @@ class Study:
         return budgets.described(self.budget)
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
-        """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
+        """Return a copy with more optimizers and problems, by name or pattern.
+
+        Raises:
+            BenchError: for a label twice, and for a problem that the declared looks do not suit.
+        """
         both: dict[str, Any] = {}
         for key, names in (("optimizers", optimizers), ("problems", problems)):
             added = entries.read_entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
@@ -201,6 +205,7 @@ class Study:
             entries.refuse_duplicates(both[key], key, repr(self.name))
         study = dataclasses.replace(self, **both)
         study._check_entries(repr(self.name))
+        study.check_looks()
         return study
 
     def _check_entries(self, where: str) -> None:

@@ -73,6 +73,8 @@ def test_one_optimizer_and_instances_of_one_function_are_refused():
     with pytest.raises(BenchError, match="pool the instances of 'bbob-f01-d2'"):
         study([10, 20], problems=["bbob-f01-d2-i1", "bbob-f02-d2-i1", "bbob-f01-d2-i2"])
     assert study([10, 20], problems=["bbob-f01-d2-i1", "bbob-f02-d2-i1"]).looks == (10, 20)
+    with pytest.raises(BenchError, match="'looks' compares problem by problem"):
+        study([10, 20], problems=["bbob-f01-d2-i1"]).beside(problems=["bbob-f01-d2-i2"])
 
 
 def test_looks_are_whole_numbers_of_python():
