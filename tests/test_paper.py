@@ -43,7 +43,7 @@ def test_its_chances_are_those_of_the_results(conditions):
     )  # fmt: skip
     chance, low, high = (f"{float(row[name]):.2f}".lstrip("0") for name in ("probability", "low", "high"))
     assert re.search(
-        rf"{re.escape(chance)}, with an? (95 % )?interval of {re.escape(low)} to {re.escape(high)}", SENTENCES
+        rf"{re.escape(chance)}, with an? (95% )?interval of {re.escape(low)} to {re.escape(high)}", SENTENCES
     )
 
 

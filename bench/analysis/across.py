@@ -173,7 +173,7 @@ def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object
 def probability_of_improvement(pairs: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
     """Return the probability that a trial of ``first`` ends below one of ``second``, one row a pair.
 
-    Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12; low and high, its 95 %
+    Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12; low and high, its 95%
     interval for other trials on these problems, missing where a cell has a single trial; further_low and further_high,
     that of the mean over blocks for further problems, missing below three blocks. All is missing where no problem has
     trials of every optimizer.
@@ -223,7 +223,7 @@ def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None =
     """Return one row an optimizer: problems, n (trials), and the interquartile mean of its normalised errors.
 
     ``iqm`` is the mean of the middle half of the :func:`normalised_errors` of all trials on all problems, low to
-    high its 95 % percentile bootstrap interval, from 33 optimizers on of 999 resamples. It is +inf once more than a
+    high its 95% percentile bootstrap interval, from 33 optimizers on of 999 resamples. It is +inf once more than a
     quarter of the trials failed, and missing without any problem that has trials of every optimizer. The scale of the
     errors is not resampled.
     """
@@ -309,7 +309,7 @@ def _normalised(values: Floats, reference: float) -> Floats:
 
 
 def _interval(strata: list[Floats], resamples: int, seed: int) -> tuple[float, float]:
-    """Return the 95 % interval of the interquartile mean of samples that are resampled separately."""
+    """Return the 95% interval of the interquartile mean of samples that are resampled separately."""
 
     def iqm(*samples: Floats, axis: int) -> Any:
         return trim_mean(np.concatenate(samples, axis=axis), TRIMMED, axis=axis)

@@ -154,7 +154,7 @@ def expected_running_time(hits: pd.DataFrame) -> pd.DataFrame:
 def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)) -> pd.DataFrame:
     """Return the share of trials that reached a target: problem, optimizer, tau, successes, trials, rate, low, high.
 
-    ``low`` and ``high`` are the 95 % interval of Wilson (1927): all of 0 to 1 without a trial, where ``rate`` is
+    ``low`` and ``high`` are the 95% interval of Wilson (1927): all of 0 to 1 without a trial, where ``rate`` is
     missing. A tau between two targets stands for the next harder one; below a problem's last target there is no row.
     """
     counts = _counts(hits)

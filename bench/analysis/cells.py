@@ -210,7 +210,7 @@ def coverage(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) 
 
 
 def summarise(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return one row a cell: n, failed, mean, sd (n - 1), median, its 95 % interval, q1, q3, best and worst.
+    """Return one row a cell: n, failed, mean, sd (n - 1), median, its 95% interval, q1, q3, best and worst.
 
     ``median_low`` and ``median_high`` are order statistics, so they assume no distribution (Conover 1999, Practical
     Nonparametric Statistics, section 3.2); missing below six trials, which allow no such interval. Mean and sd are
@@ -290,7 +290,7 @@ def _describe(values: Floats) -> dict[str, Any]:
 
 @cache
 def _median_interval(n: int) -> tuple[int, int] | None:
-    """Return the places, among n sorted values, of the ends of the median's 95 % interval; None where it has none."""
+    """Return the places, among n sorted values, of the ends of the median's 95% interval; None where it has none."""
     interval: Any = quantile_test(np.arange(n), p=0.5).confidence_interval(0.95)  # depends on n alone
     return None if np.isnan([interval.low, interval.high]).any() else (int(interval.low), int(interval.high))
 

@@ -23,11 +23,11 @@ RESAMPLES = {30: 999, 100: 199}
 """Resamples up to a number of optimizers: the cost of one grows with their square."""
 
 AT_ONCE = 2**20  # pairs of optimizers in memory
-FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95 % interval
+FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95% interval
 
 FIRST = 3  # trials
 STEPS = {30: (12, 39), 100: (8, 19)}
-"""Numbers of trials, and random subsets of each, up to a number of optimizers; the extremes of 39 are 95 % limits."""
+"""Numbers of trials, and random subsets of each, up to a number of optimizers; the extremes of 39 are 95% limits."""
 FEWEST_SUBSETS = (4, 9)  # of more optimizers, as the cost grows with their square
 
 COLUMNS = ("optimizer", "problems", "rank_low", "rank_high")
@@ -37,7 +37,7 @@ STABILITY = ("optimizer", "trials", "rank", "low", "high")
 def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """Return how far as many other trials on the same problems could move the ranking, one row an optimizer.
 
-    Columns: optimizer; problems, those on which every optimizer has a trial; rank_low to rank_high, a 95 % interval of
+    Columns: optimizer; problems, those on which every optimizer has a trial; rank_low to rank_high, a 95% interval of
     the mean rank that such trials give on average. That is not the rank by the true A12: ranks of few trials lie
     nearer to each other, and no number of problems makes up for that.
 

@@ -35,7 +35,7 @@ def ks_distance(this: Floats, other: Floats) -> Floats:
 def ks_tests(these: Floats, others: Floats) -> dict[str, Any]:
     """Test g pairs of samples, (g, n) and (g, m), n and m at least 1: ks_distance, ks_p and ks_tied, (g,) each.
 
-    p is exact; where more than 10 % of the values are tied (``ks_tied``), by the permutation distribution given the
+    p is exact; where more than 10% of the values are tied (``ks_tied``), by the permutation distribution given the
     ties.
     """
     n, m = these.shape[1], others.shape[1]

@@ -100,7 +100,7 @@ def features(x: Floats, y: Floats, seed: int = 0) -> dict[str, float]:
 def distribution(y: Floats) -> dict[str, float]:
     """Return skewness and excess kurtosis with the n - 1 standard deviation, and the peaks of a density of the values.
 
-    A peak holds at least 1 % of the values between two minima of a Gaussian kernel density with Scott's bandwidth.
+    A peak holds at least 1% of the values between two minima of a Gaussian kernel density with Scott's bandwidth.
     """
     n = len(y)
     density = gaussian_kde(y)

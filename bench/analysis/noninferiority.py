@@ -1,7 +1,7 @@
 """Is a new version of an optimizer worse than the old one by more than a margin? A test of non-inferiority.
 
 The measure is A12, the chance that a trial of the old version ends lower than one of the new version, ties counted
-half: 0.5 means no tendency. With a margin of 0.05 the new version may lose up to 55 % of the pairs of trials.
+half: 0.5 means no tendency. With a margin of 0.05 the new version may lose up to 55% of the pairs of trials.
 
 Two claims can be shown, and often neither is (Wellek 2010, Testing Statistical Hypotheses of Equivalence and
 Noninferiority, chapter 6; Piaggio et al. 2012, JAMA 308): that A12 is above 0.5 + margin (worse), or that it is below
@@ -62,7 +62,7 @@ class Noninferiority:
         problems: one row a problem: problem, n_old, n_new, a12, its interval low to high, the p of the same test,
             p_holm adjusted over the problems, worse (p_holm <= ``alpha`` / 2), and not_worse (high is no more than
             0.5 + margin).
-        needed: about how many trials a problem would make equal versions pass with a power of 80 %.
+        needed: about how many trials a problem would make equal versions pass with a power of 80%.
     """
 
     outcome: Outcome

@@ -29,7 +29,7 @@ COLUMNS = (
 def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     """Return one row a problem and pair of optimizers.
 
-    The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, with the 95 %
+    The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, with the 95%
     interval a12_low to a12_high, and joint_low to joint_high, intervals of which all together hold with 1 - ``alpha``
     (Bonferroni); ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); cliffs_delta, 2 a12 -
     1; separated, whether a12 is 0 or 1.

@@ -61,7 +61,7 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
 
     Columns: problem, optimizer, tau, target, trials, successes, ert (as of
     :func:`bench.analysis.expected_running_time`); ``unsuccessful``, the median time that the trials without a success
-    spent, missing where there is none; ``low`` and ``high``, its 95 % interval; ``p10`` and ``p90``, the
+    spent, missing where there is none; ``low`` and ``high``, its 95% interval; ``p10`` and ``p90``, the
     10th and 90th percentiles of simulated restarts, the dispersion that COCO prints as ratios of the ERT. All four are
     missing without a success; one trial alone has no interval.
 
@@ -216,7 +216,7 @@ def simulated_restarts(batch: Batch, samples: int, rng: np.random.Generator | No
 
 
 def _intervals(batch: Batch) -> tuple[Floats, Floats]:
-    """Return the (C, T) ends of the 95 % intervals of the ERT."""
+    """Return the (C, T) ends of the 95% intervals of the ERT."""
     trials, reached, most = batch.paid.shape[1], batch.reached, batch.most
     successes = reached.sum(axis=1).astype(float)
     failures = trials - successes
@@ -236,7 +236,7 @@ def _intervals(batch: Batch) -> tuple[Floats, Floats]:
 
 
 def _mean(paid: Floats, chosen: Flags, most: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the (C, T) mean of the ``chosen`` ones of the (C, n, T) times, and the ends of its 95 % interval.
+    """Return the (C, T) mean of the ``chosen`` ones of the (C, n, T) times, and the ends of its 95% interval.
 
     The interval is Student's within 0 and the ``most``; that is all that is known from a single time. Without any, the
     ``most`` is the mean.

@@ -73,7 +73,7 @@ def validated_selection(
 
     The single best is chosen on the trials that score it, so the gain of useless features is below 0. One that is
     chosen anew without each function would be unbiased, but then gains depend on each other, and their interval lies
-    above 0 in 14 % of studies of 24 functions and equal optimizers (``validation/portfolio.py``).
+    above 0 in 14% of studies of 24 functions and equal optimizers (``validation/portfolio.py``).
 
     Args:
         features: by problem, ``dimension`` among them; problems without are left out.

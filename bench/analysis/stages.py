@@ -42,7 +42,7 @@ def stage_ranks(
 def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
     """Return the share of the budget that the finished trials of each optimizer left: optimizer, trials, unused, early.
 
-    ``unused`` is the mean over trials, missing without any; ``early`` is the share of trials that left more than 1 %.
+    ``unused`` is the mean over trials, missing without any; ``early`` is the share of trials that left more than 1%.
     """
     left = 1 - pd.to_numeric(frame["nfev"], errors="coerce").astype(float) / budgets(frame, budget)
     left = left.where(frame["status"] == "ok").clip(lower=0.0)

@@ -30,7 +30,7 @@ from bench.typing import Floats
 
 POWER = 0.8
 LARGEST = 1_000  # trials a cell; a pair that needs more is practically not separable
-DRAWS = 400  # of a simulated power, so its standard error is 2 % at most
+DRAWS = 400  # of a simulated power, so its standard error is 2% at most
 MOST_PAIRS = 100  # open pairs up to which all are simulated
 GRID = sorted({round(4 * 1.1**step) for step in range(58)} | {LARGEST})  # numbers of trials that are tried
 

@@ -3,7 +3,7 @@
 Two implementations are *different* where their trials differ in at least one of ``MEASURES`` on at least one of
 ``PROBLEMS`` by the exact two-sample Kolmogorov-Smirnov test (:mod:`bench.analysis.kolmogorov_smirnov`), after Holm's
 adjustment over all such tests of the atlas: pairs x functions x measures. No other test leads to that word. So in at
-most 5 % of atlases any pair that is one algorithm is called different, whatever the distributions, ties included.
+most 5% of atlases any pair that is one algorithm is called different, whatever the distributions, ties included.
 
 The distances and the map are those of :mod:`bench.analysis.similarity`; no decision depends on them.
 """

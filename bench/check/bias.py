@@ -21,7 +21,7 @@ from bench.typing import Floats
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
 FLOOR = 1e-8  # errors below this count as equal
 ALPHA = 0.01  # of the tests for structural bias
-ALPHA_STARTS = 0.001  # of the tests of starts: an unbiased optimizer then passes all checks for 99 % of the seeds
+ALPHA_STARTS = 0.001  # of the tests of starts: an unbiased optimizer then passes all checks for 99% of the seeds
 HALFWAY = 0.25  # mean distance of a uniform coordinate from the centre, as a share of the box's width
 
 PUBLISHED = "in a published algorithm, report the bias and offer a corrected version under another name, never silently"

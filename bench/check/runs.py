@@ -60,7 +60,7 @@ class Runs:
 
     Attributes:
         centred: by function, those with the optimum at the centre of the box; each has a seed of its own.
-        moved: the same with the optimum moved by 10 % of the box.
+        moved: the same with the optimum moved by 10% of the box.
         noise: those on noise, by box; their seeds are adjacent numbers in each, and each has noise of its own.
     """
 

@@ -41,8 +41,8 @@ class Across(NamedTuple):
     """A pair of optimizers over all problems, seen from the first one.
 
     Attributes:
-        chance: the mean over problems of A12, with its 95 % interval for these problems, low to high.
-        further: its 95 % interval for further problems; missing where they are too few.
+        chance: the mean over problems of A12, with its 95% interval for these problems, low to high.
+        further: its 95% interval for further problems; missing where they are too few.
         p: of the test over all problems, adjusted over all pairs.
         lower: whether that test shows the first one to be lower.
     """

@@ -43,7 +43,7 @@ class Controls:
         """The probability that a run of the leader beats one of each rival, as reported and under each condition.
 
         One row a condition and rival, with the columns ``COLUMNS``: ``first`` and ``second`` are the labels of the
-        optimizers or controls whose runs are compared, ``probability`` is the mean over problems of A12 with its 95 %
+        optimizers or controls whose runs are compared, ``probability`` is the mean over problems of A12 with its 95%
         interval. Conditions are left out under which the leader has no trials.
         """
         kinds, ranked = algorithms(self.trials.results.study), self.final.ranked

@@ -98,7 +98,7 @@ class Final:
 
     @cached_property
     def needed(self) -> pd.DataFrame:
-        """The trials that would separate the pairs that are not separated, with a power of 80 %."""
+        """The trials that would separate the pairs that are not separated, with a power of 80%."""
         return self.needed_for(analysis.POWER)
 
     def needed_for(self, power: float) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from bench.typing import Floats
 
-STEPS = 1000  # of a decade: a value is rounded to 0.12 % at most
+STEPS = 1000  # of a decade: a value is rounded to 0.12% at most
 NEVER, REACHED = "i", "z"
 LEVELS = 9999  # of a signal between its lowest and its highest value
 

@@ -40,7 +40,7 @@ def section(findings: Findings) -> Section | None:
 
 
 def _smallest(portfolio: Portfolio) -> str:
-    """Return the sentence on the smallest set within 5 % of the virtual best."""
+    """Return the sentence on the smallest set within 5% of the virtual best."""
     row = portfolio.sets.iloc[-1]
     members = list(row["optimizers"])
     how = (

@@ -29,7 +29,7 @@ class Joint:
     """A motor that turns an unbalanced load through an elastic gear with backlash, under a position loop.
 
     The defaults are the thesis's test bench: they were identified from its published recordings and reproduce these
-    with an error of 4 to 6.5 % of their standard deviation. A speed signal fixes only ratios of the mechanical
+    with an error of 4 to 6.5% of their standard deviation. A speed signal fixes only ratios of the mechanical
     parameters; the absolute scale is that of the 5 kg payload. Symbols are those of thesis Table 4.1 where it has them.
 
     Raises:

@@ -57,7 +57,7 @@ class Simulation:
         speed: (n,) motor speed, rps: the exact speed, or the encoder's.
         peak: positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
             It is taken in the last load turn, where the start has died away, and before sampling, which loses up to
-            3.4 %.
+            3.4%.
         fine: the motion before sampling.
     """
 

@@ -100,7 +100,7 @@ def read(
     begins half a sampling period later.
 
     Successive samples with one time stamp become one sample, the mean of their values, which ``assumed`` says; they may
-    be 1 % of all samples.
+    be 1% of all samples.
 
     Args:
         path: a .csv, .txt, .xlsx or .parquet file.

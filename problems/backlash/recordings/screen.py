@@ -67,7 +67,7 @@ def drift(recording: Recording) -> float:
 def steady_window(recording: Recording) -> tuple[float, float] | None:
     """Return the ends (s) of the longest part in which the speed is steady, without a transient at its ends, or None.
 
-    A speed is steady that stays within 20 % of its level. The ends are cut back to where the speed does not leave the
+    A speed is steady that stays within 20% of its level. The ends are cut back to where the speed does not leave the
     range of the part's middle half by more than that range itself.
     """
     speed = _running_median(recording.speed)

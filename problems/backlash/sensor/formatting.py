@@ -190,7 +190,7 @@ def trend_lines(trend: Trend, settings: Settings) -> list[str]:
     if trend.significant:
         lines.append(
             f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {per} "
-            f"({100 * settings.confidence:g} % interval {min(abs(low), abs(high)):.3g} to "
+            f"({100 * settings.confidence:g}% interval {min(abs(low), abs(high)):.3g} to "
             f"{max(abs(low), abs(high)):.3g}, {chance})"
         )
     else:
@@ -267,7 +267,7 @@ def _finite(value: Any) -> Any:
 
 def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on the size of a disturbance and of the gap that causes it."""
-    percent = f"{100 * settings.confidence:g} %"
+    percent = f"{100 * settings.confidence:g}%"
     span = _span(estimate.amplitude_interval_rps, ".4f", percent)
     rows = [("amplitude", f"{estimate.amplitude_rps:.4f} rps of the motor{span}")]
     if math.isnan(estimate.backlash_rad):

@@ -4,13 +4,13 @@
     >>> dataclasses.replace(made, fitted=fitted, scatter=scatter).expected(42.0)    # strength of a fit -> peak, rpm
 
 The peak of a disturbance is that of an impact's first swing; a fit is a damped sine through all that follows. On the
-default joint the peak is 7 % above the mean |A| at the small gaps and 2 % below it at 0.0037 rad, and the place of the
-samples between two of the motor's moments changes |A| by 1 to 3 % (standard deviation). It changes the root of the
-oscillation's energy (:func:`~problems.backlash.signature.model.strength`) by 0.4 to 1 % only, so a calibration uses
+default joint the peak is 7% above the mean |A| at the small gaps and 2% below it at 0.0037 rad, and the place of the
+samples between two of the motor's moments changes |A| by 1 to 3% (standard deviation). It changes the root of the
+oscillation's energy (:func:`~problems.backlash.signature.model.strength`) by 0.4 to 1% only, so a calibration uses
 that. Without backlash the fit is to the load's own gravity ripple.
 
 The recordings of a half-gap differ evenly in their start within a load turn and in the place of their samples. They are
-free of noise: the noise of section 7.3, low or high, changes the mean fit of levels 2 to 20 by at most 1.3 %.
+free of noise: the noise of section 7.3, low or high, changes the mean fit of levels 2 to 20 by at most 1.3%.
 """
 
 from collections.abc import Sequence

@@ -5,7 +5,7 @@ Stat. Assoc. 63, 1379-1389, doi:10.1080/01621459.1968.10480934). Mann's test, wh
 time, decides whether there is a trend (Econometrica 13, 1945, 245-259, doi:10.2307/1907187). Neither assumes normal
 errors, and both resist a few outliers. The later half of the recordings predicts when the limit is reached: wear is
 fast at first, slow for long and fast at the end, and a line through all recordings predicts the limit too early. (On
-simulated wear, the 95 % range from the later half held the true month in 9 of 10 cases, that from all recordings in
+simulated wear, the 95% range from the later half held the true month in 9 of 10 cases, that from all recordings in
 fewer than half.)
 """
 
@@ -21,7 +21,7 @@ from problems.backlash.sensor.estimate import Estimate, Interval, Settings
 from problems.backlash.sensor.recording_files import Series, series
 
 FEWEST = 3  # recordings that a slope needs
-LATEST = 6  # recordings that predict a limit at least, where there are as many: five cannot be significant at 1 %
+LATEST = 6  # recordings that predict a limit at least, where there are as many: five cannot be significant at 1%
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,8 @@ EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)  # rpm; the amplitudes of those 
 MOST_GAPS = 100
 FEWEST = {"monotone": 2, "cubic": 4}
 # The largest relative difference of a recording's gear ratio and motor speed from the calibration's. A simulated joint
-# that differs by 1 % in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
-# 7.2.1; one that differs by 2 %, by up to 3.5e-4 rad ('python validation/sensor.py --elsewhere').
+# that differs by 1% in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
+# 7.2.1; one that differs by 2%, by up to 3.5e-4 rad ('python validation/sensor.py --elsewhere').
 NEAR = 0.01
 FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 

@@ -6,7 +6,7 @@ those four, the window's first and last sample, tau and omega, the folded sums o
 
 1. *scan*: every start, every length, 6 values of tau and 79 of omega. The main lobe of the spectrum of a window of
    at most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
-   1.4. So at most 2 % of the explained energy is missed between two lines. A start is skipped only if no waveform at
+   1.4. So at most 2% of the explained energy is missed between two lines. A start is skipped only if no waveform at
    all, repeated from there, could explain as much, and a window is looked at more closely only if its best sine and
    cosine of any phase come near the best energy so far.
 2. *polish*: every pair of start and omega near the best is refined by compass search over (tau, omega), all lengths

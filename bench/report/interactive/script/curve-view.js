@@ -71,7 +71,7 @@ export const reached = (p, o, wanted) => {
   const counts = new Float64Array(grid.length);
   for (const curve of runs)
     for (const [, distance] of wanted) {
-      const first = curve.findIndex((value) => value <= distance * (1 + 1e-3)); // a curve is rounded to 0.12 %
+      const first = curve.findIndex((value) => value <= distance * (1 + 1e-3)); // a curve is rounded to 0.12%
       if (first >= 0) counts[first]++;
     }
   return { counts, of: runs.length * wanted.length };

@@ -46,7 +46,7 @@ export const [commonUnit, common] = sameBudget
     : ["% of the budget", (i) => (100 * grid[i]) / grid[last]];
 
 // The values by which runs are compared: at the whole budget their places among all runs of the problem, which are
-// exact; before, values rounded to 0.12 %. Of medians where not all runs are here.
+// exact; before, values rounded to 0.12%. Of medians where not all runs are here.
 const compared = (cell, i) =>
   !data.complete ? [quartiles(cell)[1][i]] : i === last ? cell.place : curves(cell).map((curve) => curve[i]);
 

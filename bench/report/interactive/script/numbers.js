@@ -7,7 +7,7 @@ export const text = (value) => {
   const size = Math.abs(value);
   return size >= 1e6 || size < 1e-3 ? value.toExponential(3) : String(Number(value.toPrecision(6)));
 };
-export const percent = (share) => (Number.isNaN(share) ? "–" : `${Number((100 * share).toPrecision(3))} %`);
+export const percent = (share) => (Number.isNaN(share) ? "–" : `${Number((100 * share).toPrecision(3))}%`);
 /** A column may hold one value for all runs. */
 export const one = (values, k) => (Array.isArray(values) ? values[k] : values);
 

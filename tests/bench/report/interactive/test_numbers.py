@@ -23,7 +23,7 @@ def test_a_number_is_short_enough_for_a_cell(value, text, call):
 
 
 def test_a_share_keeps_three_digits(call):
-    assert [call("percent", share) for share in (0, 0.12345, 1)] == ["0 %", "12.3 %", "100 %"]
+    assert [call("percent", share) for share in (0, 0.12345, 1)] == ["0%", "12.3%", "100%"]
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])

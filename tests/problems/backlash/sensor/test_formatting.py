@@ -33,9 +33,9 @@ def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(make_estimat
     said = words(make_estimate(0.001, notes=("it drifts",)))
     assert said.startswith("a.csv: early backlash, up to the limit of 2.1 mrad\n")
     for line in (
-        "amplitude    0.6000 rps of the motor, 95 % interval 0.5400 to 0.6600",
-        "half-gap     1.000 mrad at the joint, 95 % interval 0.900 to 1.100",
-        "3.44 arc minutes, 95 % interval 3.09 to 3.78",
+        "amplitude    0.6000 rps of the motor, 95% interval 0.5400 to 0.6600",
+        "half-gap     1.000 mrad at the joint, 95% interval 0.900 to 1.100",
+        "3.44 arc minutes, 95% interval 3.09 to 3.78",
         "total gap    twice the half-gap: 2.000 mrad, 6.88 arc minutes",
         "fit          RMSE 0.0500 rps; explains 90.0% of the signal's variance (p < 1e-6 for noise alone)",
         "load turn    0.4 s (found in the signal); 1.2 s, 3 load turns, 601 samples at 100 rps",
@@ -58,7 +58,7 @@ def test_what_is_not_known_is_not_told(make_estimate):
     assert "amplitude  0.6000 rps of the motor\n" in without
     assert "calibration  " not in without
     half = words(make_estimate(0.001, interval_rad=(0.0009, math.nan)))
-    assert "95 % interval 0.900 to …" in half
+    assert "95% interval 0.900 to …" in half
 
 
 def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_too_much(make_estimate):
@@ -200,7 +200,7 @@ def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):
         (
             [0.001 + 0.0001 * i for i in range(8)], "month",
             ["joint4: half-gap 1.000 mrad in 2024-01, 1.700 in 2024-08: a change of +0.700 (+0.559 to +0.841)",
-             "  it grows by 0.1 mrad a month (95 % interval 0.1 to 0.1, p < 0.001)",
+             "  it grows by 0.1 mrad a month (95% interval 0.1 to 0.1, p < 0.001)",
              "  the limit of 2.1 mrad is reached in 2024-12 (2024-12 to 2024-12) if the growth of the latest 6"],
         ),
         (
@@ -210,7 +210,7 @@ def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):
         ),
         (
             [0.002 - 0.0001 * i for i in range(8)], "file",
-            ["2.000 mrad in recording 1", "it falls by 0.1 mrad a recording (95 % interval 0.1 to 0.1, p < 0.001)",
+            ["2.000 mrad in recording 1", "it falls by 0.1 mrad a recording (95% interval 0.1 to 0.1, p < 0.001)",
              "is not predicted to be reached: the latest 6 recordings show no significant growth"],
         ),
         ([0.001, 0.002], "month", ["a slope needs three recordings of different times"]),
