@@ -27,12 +27,12 @@ def test_every_reference_is_cited_and_known():
 
 def test_its_shares_of_runs_that_found_the_best_fit_are_those_of_the_results():
     found = {row["optimizer"]: float(row["found %"]) for row in rows("thesis/reference-fit-by-optimizer.csv")}
-    assert f"{found['cma-es']:.0f} % of its runs, GWO in {found['gwo']:.0f} %" in SENTENCES
+    assert f"{found['cma-es']:.0f}% of its runs, GWO in {found['gwo']:.0f}%" in SENTENCES
     assert found["alo"] == found["da"] == found["goa"] == 0
     names = {f"minion:{name}" for name in ("NLSHADE_RSP", "LSHADE", "ARRDE", "jSO")}
     plus = rows("thesis-plus/reference-fit-by-optimizer.csv")
     heirs = [float(row["found %"]) for row in plus if row["optimizer"] in names]
-    assert f"in {min(heirs):.0f} % to {max(heirs):.0f} % of 36 runs each" in SENTENCES
+    assert f"in {min(heirs):.0f}% to {max(heirs):.0f}% of 36 runs each" in SENTENCES
 
 
 @pytest.mark.parametrize("conditions", ["as reported", "handling = repair, start = random"])

@@ -292,7 +292,7 @@ class TestMethods:
 
     def test_the_resamples_of_the_bootstrap_and_the_rule_for_a_winner_are_stated(self):
         text = said(full())
-        assert "Mean ranks have 95 % intervals from 999 bootstrap resamples of the trials of each cell" in text
+        assert "Mean ranks have 95% intervals from 999 bootstrap resamples of the trials of each cell" in text
         assert "stratified by problem and optimizer (Agarwal et al., 2021) of 9,999 resamples." in text
         assert WINNER_RULE in text
         many = said(full(study=study([f"o{place}" for place in range(33)])))
