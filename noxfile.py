@@ -105,7 +105,7 @@ def benchmark(session: nox.Session) -> None:
 def performance(session: nox.Session) -> None:
     """Measure what the performance page shows, and write its JSON; "-- --quick" tries the scripts with small sizes."""
     session.install("-e", ".[suites]", *group("test"), "ioh")
-    session.run("python", "performance", *session.posargs)
+    session.run("python", "performance", *session.posargs, env={"PYTHONDONTWRITEBYTECODE": ""})  # as for 'benchmark'
 
 
 @nox.session

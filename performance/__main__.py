@@ -11,8 +11,7 @@ import json
 import subprocess
 import sys
 from datetime import UTC, datetime
-from importlib.metadata import version
-from importlib.util import find_spec
+from importlib.metadata import distributions
 from pathlib import Path
 from time import monotonic
 
@@ -43,7 +42,8 @@ def main() -> None:
 def record(quick: bool) -> dict[str, object]:
     """Return when, where and of which code the rows are."""
     here = machine()
-    packages = {name: version(name) for name in PACKAGES if find_spec(name)}
+    installed = {distribution.name: distribution.version for distribution in distributions()}
+    packages = {name: installed[name] for name in PACKAGES if name in installed}
     known = {key: here[key] for key in ("processor", "cores", "memory_gb", "system", "python", "git")}
     return {"quick": quick, "date": datetime.now(UTC).date().isoformat(), **known, "packages": packages}
 
