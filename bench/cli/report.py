@@ -64,9 +64,9 @@ def report_on(folders: list[Path], console: Console, open_page: bool = False, **
     """Write the report with settings of :func:`bench.write_report`, and print its answer and its path; open the page
     on request.
     """
+    from bench.cli.answer import read, shown
     from bench.execution.progress import steps
     from bench.report import write_report
-    from bench.report.answer import read, shown
     from bench.storage.folder import STORE, Folder
 
     with steps(console, "report") as on_progress:

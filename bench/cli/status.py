@@ -71,7 +71,7 @@ def command(
 
 def _answer(folder: Folder, console: Console) -> None:
     """Print the answer of the folder's report, where it is one of the trials that are stored now."""
-    from bench.report.answer import read, shown
+    from bench.cli.answer import read, shown
 
     noted = read(folder.path)
     if not noted or folder.running():

@@ -22,7 +22,7 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.plugins import registry
-from bench.report.answer import NOTE, answer
+from bench.report.answer import answer
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.findings import CROWD, Findings
 from bench.report.interactive import interactive
@@ -33,6 +33,7 @@ from bench.report.parts import Figure, Part, Section, Table
 from bench.report.replication import each_problem
 from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
+from bench.storage.folder import ANSWER
 from bench.storage.results import Results
 from bench.study import rope as ropes
 from bench.study.targets import checked
@@ -176,7 +177,7 @@ class _Report:
         )
         further = interactive(self.findings)
         lines = answer(self.findings, opening[0]) if opening[0] is not None else {}
-        self.save(NOTE, json.dumps(lines, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
+        self.save(ANSWER, json.dumps(lines, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
         html = render(study.title or study.name, lead, self.views, self.problems, further)
         page = self.save(PAGE, html, "This page.")
         self.clean()

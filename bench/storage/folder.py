@@ -32,6 +32,7 @@ VERIFICATION = "verification.json"
 DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
 KILLED = "killed.json"
+ANSWER = "answer.json"  # of the report
 
 _CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment

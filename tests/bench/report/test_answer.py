@@ -5,9 +5,11 @@ from io import StringIO
 
 from rich.console import Console
 
-from bench.report.answer import MOST, NOTE, answer, read, shown
+from bench.cli.answer import read, shown
+from bench.report.answer import MOST, answer
 from bench.report.findings import Findings
 from bench.report.sections import verdict
+from bench.storage.folder import ANSWER
 from bench.storage.results import Results
 
 
@@ -50,5 +52,5 @@ def test_without_a_comparison_it_states_why(make, tmp_path):
 def test_what_is_no_answer_is_read_as_none(tmp_path):
     assert read(tmp_path) == {}
     for text in ("[", "[]", json.dumps({"rows": 3}), "[" * 100_000):
-        (tmp_path / NOTE).write_text(text)
+        (tmp_path / ANSWER).write_text(text)
         assert read(tmp_path) == {}

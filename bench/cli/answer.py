@@ -1,0 +1,41 @@
+"""Show the answer of a report in a terminal: the verdict's first sentence and a short table.
+
+Nothing of :mod:`bench.report` is imported, which would take seconds.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from bench.helpers.parsing import parse_json, read_text
+from bench.storage.folder import ANSWER
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """Return the answer of the report in a folder; empty where there is none that can be read."""
+    try:
+        content = parse_json(read_text(folder / ANSWER))
+        return content if isinstance(content, dict) and isinstance(content.get("rows"), list) else {}
+    except (OSError, ValueError):
+        return {}
+
+
+def shown(content: dict[str, Any]) -> Group:
+    """Return an answer as lines for a terminal."""
+    parts: list[RenderableType] = [Text(str(content.get("sentence", "")), style="bold")]
+    if content["rows"]:
+        first, *heads = map(str, content["columns"])
+        table = Table(first, box=None, pad_edge=False)
+        for head in heads:
+            table.add_column(head, justify="right")
+        for row in content["rows"]:
+            table.add_row(*(Text(str(cell)) for cell in row))
+        parts += [Text(), table]
+    if content.get("more"):
+        parts.append(Text(str(content["more"])))
+    return Group(*parts)
