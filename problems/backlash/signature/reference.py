@@ -47,7 +47,7 @@ from problems.backlash.signature.projection import (
 )
 
 TAUS, OMEGAS = 6, 79  # lines of the scan's grid
-COARSE = 8  # the scan takes every so many lines of omega first
+COARSE = 8  # one line of omega in so many is scanned before the others
 MARGIN, SETTLED = 0.03, 12  # pairs within this share of the best energy are polished, and this number is settled
 MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40  # the same if T_d lies between samples, where the scan is not exact
 POLISHED = 400  # the largest number of pairs that are polished
@@ -161,8 +161,8 @@ def _scan(
 ) -> Floats:  # fmt: skip
     """Return (count, omegas, 2): the most energy that a window from each start explains over tau and length, and tau.
 
-    Both are 0 where the energy is less than ``share`` of the best one, which is at least ``top``. Every eighth omega is
-    scanned first: the best energy is then soon known nearly, and few cells come near it.
+    Both are 0 where the energy is less than ``share`` of the best one, which is at least ``top``. One omega in
+    ``COARSE`` is scanned first: the best energy is then soon known nearly, and few cells come near it.
 
     Starts ``base`` and up are the inner loop, which vectorises; a cell's phase is checked only if the best of all
     phases would be a new best.
