@@ -6,10 +6,14 @@ reads its results; ``bench.write_report`` writes a page, tables and figures. ``b
 the single statistics and figures, for notebooks.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
+from importlib import import_module
+
+TYPE_CHECKING = False  # `python -m bench` would import a file typing.py of the working folder before __main__ runs
 if TYPE_CHECKING:
+    from typing import Any
+
     __version__: str
 
     from bench.check import check_optimizer

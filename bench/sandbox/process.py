@@ -24,10 +24,13 @@ from bench.sandbox.channel import BrokenChannelError, Channel
 from bench.sandbox.messages import end_of_output
 from bench.sandbox.server import UNANSWERABLE
 
-# Before any import the channel is all that a process has of its owner: prints go to a file.
+# Before any import the channel is all that a process has of its owner: prints go to a file. It imports nothing from the
+# working folder (-P), and what its owner found elsewhere than every Python does, comes last: no file there may shadow
+# the standard library or what is installed.
 _START = """
 import json, sys
-sys.path[:], end, owner, forks = json.loads(sys.argv.pop())
+path, end, owner, forks = json.loads(sys.argv.pop())
+sys.path[:] = sorted(path, key=lambda place: place not in sys.path)
 if isinstance(end, str):
     import socket
     end = socket.fromshare(sys.stdin.buffer.read()).detach()
@@ -112,7 +115,7 @@ class Process:
         environment = {"PYTHONHASHSEED": str(hash_seed), "PYTHONIOENCODING": "utf-8"}
         with end, sandbox.opened() if sandbox else nullcontext(((), ())) as (words, files):
             process = subprocess.Popen(
-                [*words, sys.executable, "-c", _START, settings], env=os.environ | _ONE_THREAD | environment,
+                [*words, sys.executable, "-P", "-c", _START, settings], env=os.environ | _ONE_THREAD | environment,
                 stdin=subprocess.PIPE if share else subprocess.DEVNULL, stdout=self._output, stderr=self._output,
                 pass_fds=() if share else [end.fileno(), *files], start_new_session=hasattr(os, "killpg"),
                 creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),

@@ -81,6 +81,36 @@ def bench_here(monkeypatch, capsys):
     return run
 
 
+SHADOWS = ("json", "numpy", "random", "typing", "bench")
+
+
+@pytest.fixture
+def shadows(tmp_path, monkeypatch):
+    """The working folder, with files of the names of modules, each of which notes its import and fails."""
+    for name in SHADOWS:
+        imported = str(tmp_path / f"{name}.imported")
+        (tmp_path / f"{name}.py").write_text(f"open({imported!r}, 'w').close()\nraise ImportError('a shadow')\n")
+    (tmp_path / "stride.py").write_text("STEP = 0.1\n")
+    (tmp_path / "beside.py").write_text("""if True:
+        import json, random
+
+        import numpy as np
+
+        from bench import FunctionProblem
+        from stride import STEP
+
+        def stroll(objective, rng, step=STEP):
+            x = objective.initial(1)
+            while True:
+                x = objective.repair(x + step * rng.standard_normal(x.shape))
+                objective(x)
+
+        ball = FunctionProblem(lambda x: (x * x).sum(axis=1), [-STEP, -STEP], [1.0, 1.0], name="ball")
+    """)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 @pytest.fixture
 def small_study():
     """Two problems, three optimizers, three trials: fast, and every value is known to depend on its seed."""

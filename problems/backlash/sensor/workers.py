@@ -57,12 +57,20 @@ def _alone(work: Callable[[Item], Answer], item: Item, lost: Callable[[Item], An
 
 @contextmanager
 def _processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield a pool of processes, which end with the context, whatever they do."""
+    """Yield a pool of processes, which end with the context, whatever they do.
+
+    Where they are started anew, they import nothing from the working folder before they have this process's path.
+    """
     earlier = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("fork" if FORKS else "spawn"), _obey_parent)
+    safe = {} if FORKS else {"PYTHONSAFEPATH": "1"}
+    added = safe.keys() - os.environ
+    os.environ.update(safe)
     try:
         yield pool
     finally:
+        for name in added:
+            del os.environ[name]
         for process in set(multiprocessing.active_children()) - earlier:
             process.kill()
         pool.shutdown(cancel_futures=True)

@@ -74,6 +74,33 @@ def test_the_default_output_is_named_after_the_study(bench_here, tiny, tmp_path)
     assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
 
 
+def test_python_m_bench_imports_nothing_of_the_working_folder(bench, shadows):
+    (shadows / "bench.py").unlink()  # which Python itself would run in its place
+    assert bench("--version", cwd=shadows).stdout.startswith("backlash-bench ")
+    assert not [*shadows.glob("*.imported")]
+
+
+def test_a_file_imports_what_lies_beside_it_and_no_command_anything_else_of_the_working_folder(bench_here, shadows):
+    (shadows / "tiny.toml").write_text(STUDY.format(second="beside.py:stroll"))
+    for arguments in (
+        ("solve", "beside.py:ball", "beside.py:stroll", "--budget", 40),
+        ("run", "tiny.toml", "-o", "out", "--problem", "beside.py:ball", "--jobs", 1, "--no-report"),
+    ):
+        done = bench_here(*arguments, cwd=shadows)
+        assert done.returncode == 0, done.stderr
+    assert not [*shadows.glob("*.imported")]
+
+
+@pytest.mark.slow
+def test_nor_do_verify_and_check(bench_here, shadows):
+    (shadows / "tiny.toml").write_text(STUDY.format(second="beside.py:stroll"))
+    bench_here("run", "tiny.toml", "-o", "out", "--jobs", 1, "--no-report", cwd=shadows)
+    assert bench_here("verify", "out", "--trials", 1, "--jobs", 1).returncode == 0
+    done = bench_here("check", "beside.py:stroll", "--no-bias", cwd=shadows)
+    assert "passed: beside.py:stroll, processes" in done.stdout
+    assert not [*shadows.glob("*.imported")]
+
+
 def test_list_names_everything(bench):
     done = bench("list", COLUMNS="200")
     assert done.returncode == 0

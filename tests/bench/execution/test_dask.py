@@ -73,7 +73,7 @@ class Machines:
     def _start(self, what, *arguments, environment=None, cores=None):
         file = ["--scheduler-file"] if what == "scheduler" else []
         module, last = f"distributed.cli.dask_{what}", arguments[-1]
-        command = [sys.executable, "-m", module, "--no-dashboard", *arguments[:-1], *file, last]
+        command = [sys.executable, "-P", "-m", module, "--no-dashboard", *arguments[:-1], *file, last]
         with (self.folder / f"{what}.log").open("ab") as log:
             process = subprocess.Popen(
                 list(map(str, command)), stdout=log, stderr=log, start_new_session=True, cwd=self.folder,
@@ -131,6 +131,17 @@ def slow_study(trials):
         {"name": "slow", "trials": trials, "budget": 40, "seed": 3, "problems": [{"names": ["slow-2", "sphere-3"]}],
          "optimizers": [{"name": "hill-climber"}, {"name": "scatter"}]}
     )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_worker_s_processes_import_nothing_of_its_working_folder(machines, tmp_path, shadows):
+    for file in shadows.glob("*.py"):
+        shutil.copy(file, machines.folder)
+    machines.worker("one")
+    code = "import random\ndef draw(objective, rng):\n    while True:\n        objective(objective.initial(1))\n"
+    study = study_of("draw", tmp_path, code, 2)
+    assert machines.run(study, tmp_path / "dask").made == 2
+    assert not [*shadows.glob("*.imported")]
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """Finding plug-ins, and refusing wrong ones."""
 
 import ast
+import os
 import subprocess
 import sys
 from importlib.metadata import EntryPoint
@@ -89,7 +90,8 @@ def test_two_plugins_of_one_name_are_refused_by_name(monkeypatch):
 @pytest.mark.parametrize("name", ["optimizers", "problems"])
 def test_a_foreign_module_of_a_generic_name_is_refused_at_start_up(tmp_path, name):
     (tmp_path / f"{name}.py").write_text("")
-    done = subprocess.run([sys.executable, "-m", "bench", "list"], cwd=tmp_path, capture_output=True, text=True)
+    first = os.environ | {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-m", "bench", "list"], env=first, capture_output=True, text=True)
     assert done.returncode == 2
     assert f"the module '{name}' found at" in done.stderr
     assert "Traceback" not in done.stderr

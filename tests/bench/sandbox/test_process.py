@@ -51,6 +51,33 @@ def clocked(monkeypatch):
         yield process
 
 
+# Starts
+
+
+def test_a_process_imports_nothing_of_the_working_folder(calls, shadows):
+    imports = "[__import__(name) and name for name in ('json', 'random')]"
+    with Process() as process:
+        assert process.call(calls.evaluate, imports, seconds=LONG) == ["json", "random"]
+    assert not [*shadows.glob("*.imported")]
+
+
+def test_a_folder_that_its_owner_has_added_shadows_nothing_that_is_installed(calls, shadows, monkeypatch):
+    monkeypatch.syspath_prepend(shadows)
+    imports = "__import__('random') and __import__('stride').STEP"
+    with Process() as process:
+        assert process.call(calls.evaluate, imports, seconds=LONG) == 0.1
+    assert not [*shadows.glob("*.imported")]
+
+
+@LINUX
+@pytest.mark.parametrize("method", ["spawn", "forkserver"])
+def test_a_process_that_plug_in_code_starts_imports_nothing_of_the_working_folder(calls, shadows, method):
+    started = f"__import__('multiprocessing').get_context({method!r}).Pool(1).map(abs, [-1])"
+    with Process() as process:
+        assert process.call(calls.evaluate, started, seconds=LONG) == [1]
+    assert not [*shadows.glob("*.imported")]
+
+
 # Answers
 
 

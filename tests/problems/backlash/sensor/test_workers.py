@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from functools import partial
+from pathlib import Path
 
 import psutil
 import pytest
@@ -50,6 +51,14 @@ def process_of(item, folder):
 
 def children():
     return psutil.Process().children(recursive=True)
+
+
+def test_workers_import_nothing_of_the_working_folder(kind, tmp_path, monkeypatch):
+    (tmp_path / "random.py").write_text("open('imported', 'w').close()\n")  # which multiprocessing itself imports
+    monkeypatch.chdir(tmp_path)
+    assert list(in_workers(math.factorial, [3], 1, lost)) == [6]
+    assert not Path("imported").exists()
+    assert "PYTHONSAFEPATH" not in os.environ
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 9])
