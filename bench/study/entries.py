@@ -39,8 +39,8 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list, in which a text is a table with that name.
 
     ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
-    problem that is selected from the suite. Lists in the table ``options`` of optimizers give one entry for each
-    combination of their values; everywhere else a list is a value.
+    problem that is selected from the suite; ``{name}`` in a label stands for the entry's name. Lists in the table
+    ``options`` of optimizers give one entry for each combination of their values; everywhere else a list is a value.
     """
     if not isinstance(items, list) or not items or not all(isinstance(item, dict | str) for item in items):
         raise BenchError(f"study {where} needs at least one [[{key}]] table with a name, or a list of names as {key}")
@@ -62,7 +62,7 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         expand = selection.matching if key == "problems" else loading.matching
         names = [match for name in names for match in expand(name)]
         for name in names:
-            combinations = expanded(label or loading.default_label(name), options, swept)
+            combinations = expanded((label or loading.default_label(name)).replace("{name}", name), options, swept)
             entries += [Entry(name, *combination) for combination in combinations]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")

@@ -32,20 +32,37 @@ def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> lis
     if cells.empty:
         return []
     best = best_fits(results, cells)
-    text = [conditions(results.study), *(sentence for noise in NOISES for sentence in sentences(cells, best, noise))]
-    tables = [side_by_side(rows, noise) for noise in NOISES if len(rows := cells[cells["noise level"] == noise])]
+    levels = levels_of(cells)
+    text = [conditions(results.study), *(sentence for level in levels for sentence in sentences(cells, best, level))]
+    tables = [side_by_side(cells[cells["noise level"] == level], level) for level in levels]
     items: list[Part] = [figure(cells, best), *tables, *([beside_best(best)] if len(best) else [])]
     return [Section(TITLE, tuple(text), tuple(items))]
 
 
 def noisy_problems(study: Study) -> pd.DataFrame:
-    """Return problem (its label), dataset (0 without backlash) and noise level of every noisy problem of a study."""
-    rows = [
-        (entry.label, int(match[1]), entry.options.get("noise", NOISES[0]))
-        for entry in study.problems
-        if (match := re.fullmatch(r"noisy-(\d\d)", entry.name))
-    ]
-    return pd.DataFrame(rows, columns=["problem", "dataset", "noise level"])
+    """Return every noisy problem of a study: problem (its label), dataset (0 without backlash), noise level, noise.
+
+    The noise level is "low" or "high", with the range of t0 where that is not the whole recording: "low, t0 within 1
+    T_f". The noise is its amplitude in rps, half of its peak-to-peak value.
+    """
+    rows = []
+    for entry in study.problems:
+        if match := re.fullmatch(r"noisy-(\d\d)", entry.name):
+            noise, turns = entry.options.get("noise", NOISES[0]), entry.options.get("t0_turns")
+            level = noise if turns is None else f"{noise}, t0 within {turns:g} T_f"
+            rows.append((entry.label, int(match[1]), level, peak_to_peak(int(match[1]), noise) / 2))
+    return pd.DataFrame(rows, columns=["problem", "dataset", "noise level", "noise"])
+
+
+def levels_of(cells: pd.DataFrame) -> list[str]:
+    """Return the noise levels of some cells in their order, "low" before "high"."""
+    return sorted(cells["noise level"].unique(), key=lambda level: NOISES.index(level.partition(",")[0]))
+
+
+def words(level: str) -> str:
+    """Return a noise level in words, such as "low noise, t0 within 1 T_f"."""
+    noise, comma, rest = level.partition(",")
+    return f"{noise} noise{comma}{rest}"
 
 
 def by_cell(data: pd.DataFrame, noisy: pd.DataFrame) -> pd.DataFrame:
@@ -64,7 +81,6 @@ def by_cell(data: pd.DataFrame, noisy: pd.DataFrame) -> pd.DataFrame:
     )  # fmt: skip
     cells = cells[cells["trials"] > 0].reset_index().astype({"problem": object, "optimizer": object})
     cells = cells.merge(noisy, on="problem")
-    cells["noise"] = [peak_to_peak(*pair) / 2 for pair in zip(cells["dataset"], cells["noise level"], strict=True)]
     cells["error"] = relative(cells["mean"] - cells["theoretical"], cells["theoretical"])
     cells["run error"] = relative(cells.pop("miss"), cells["theoretical"])
     return cells
@@ -105,17 +121,17 @@ def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
     return size, infer_backlash(problem, Settings(resamples=0)).amplitude_rps if in_rps else float("nan")
 
 
-def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
+def sentences(cells: pd.DataFrame, best: pd.DataFrame, level: str) -> list[str]:
     """Return sentences that compare each optimizer's and the best fit's errors at a noise level with the published."""
-    text = []
-    for label, rows in cells[cells["noise level"] == noise].groupby("optimizer", sort=False):
-        text += _compared(f"{noise.capitalize()} noise, {label}", "mean |A|", rows)
+    text, begin = [], words(level)[0].upper() + words(level)[1:]
+    for label, rows in cells[cells["noise level"] == level].groupby("optimizer", sort=False):
+        text += _compared(f"{begin}, {label}", "mean |A|", rows)
         text += _without_backlash(f"{label} finds a mean |A|", rows)
-    fits = best[best["noise level"] == noise]
-    text += _compared(f"{noise.capitalize()} noise, the best fit", "|A|", fits)
+    fits = best[best["noise level"] == level]
+    text += _compared(f"{begin}, the best fit", "|A|", fits)
     text += _without_backlash("the best fit has an |A|", fits)
     sensor = fits.assign(mean=fits["estimate"], error=fits["estimate error"])
-    text += _compared(f"{noise.capitalize()} noise, the virtual sensor (best fit and calibration)", "A", sensor)
+    text += _compared(f"{begin}, the virtual sensor (best fit and calibration)", "A", sensor)
     return text + _without_backlash("the virtual sensor estimates an amplitude", sensor)
 
 
@@ -148,17 +164,19 @@ def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
     ]
 
 
-def side_by_side(cells: pd.DataFrame, noise: str) -> Table:
+def side_by_side(cells: pd.DataFrame, level: str) -> Table:
     """Return Table 7.3 at a noise level, each column beside the published one."""
     printed = published().reindex(cells["dataset"]).set_index(cells.index)
     columns: dict[str, pd.Series[float]] = {}
     for name, title in COLUMNS.items():
         columns |= {f"{title} published": printed[name], title: cells[name]}
     columns["single runs %"] = cells["run error"]
-    remark = "" if noise == "low" else " The published columns are those of the low level, the only one printed."
+    remark = (
+        "" if level.startswith("low") else " The published columns are those of the low level, the only one printed."
+    )
     return Table(
-        f"table-7-3-{noise}",
-        f"Amplitude found at the {noise} level of noise, in rps (thesis Table 7.3).",
+        f"table-7-3-{level.replace(',', '').replace(' ', '-')}",
+        f"Amplitude found with {words(level)}, in rps (thesis Table 7.3).",
         pd.DataFrame(columns).set_index([cells["problem"], cells["optimizer"]]),
         decimals={column: 2 if "%" in column else 4 for column in columns},
         note="A: the positive peak of the undecimated disturbance; noise: half of its peak-to-peak value. Ours are "
@@ -187,20 +205,20 @@ def beside_best(best: pd.DataFrame) -> Table:
 
 def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
     """Plot the amplitudes found against the expected ones, a panel a noise level, with the thesis's points."""
-    levels = [noise for noise in NOISES if noise in set(cells["noise level"])]
+    levels = levels_of(cells)
     pens = style.pens(labels(cells, "optimizer"))
     names = [style.plain(label) for label in pens]
     drawn, axes = style.grid(
         len(levels), columns=2, height=2.6, left=0.45, across=0.1,
         top=0.25 + style.legend_height([*names, THESIS, BEST, EXPECTED]),
     )  # fmt: skip
-    for ax, noise in zip(axes, levels, strict=True):
+    for ax, level in zip(axes, levels, strict=True):
         if ax is not axes[0]:
             ax.sharey(axes[0])
             ax.tick_params(axis="y", labelleft=False)
-        ax.set_title(f"{noise} noise", loc="left")
+        ax.set_title(words(level), loc="left")
         ax.set_xlabel("expected A in rps")
-        shown = cells[cells["noise level"] == noise]
+        shown = cells[cells["noise level"] == level]
         most = shown["theoretical"].max()
         ax.plot([0, most], [0, most], "-", color=style.REFERENCE, linewidth=0.8, label=EXPECTED)
         for number, (label, pen) in enumerate(pens.items(), start=1):
@@ -208,7 +226,7 @@ def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
             _points(ax, rows, pen.marker, pen.color, style.plain(label), 0.012 * number)
         printed = published().loc[sorted(set(shown["dataset"]) & set(table_7_3()))]
         _points(ax, printed, "o", "0.45", THESIS, -0.012)
-        fits = best[best["noise level"] == noise]
+        fits = best[best["noise level"] == level]
         ax.plot(fits["theoretical"], fits["mean"], "_", color="black", markersize=6, label=BEST)
     axes[0].set_ylabel("|A| in rps")
     style.legend_above(drawn, axes[0].get_legend_handles_labels()[0])

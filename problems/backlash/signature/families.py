@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 # The compiler is imported where a problem is loaded: every study asks every family for its names.
 
 SWEEP = "the gap of one simulated joint"
-OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor", "constrained")
+OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor", "t0_turns", "constrained")
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,8 @@ class SignatureFit(Problem):
             8.3); ``turns`` then has no meaning, and ``period`` limits T1 and T2 alone.
         unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
         amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
+        t0_turns: the load turns from the first sample on in which t0 may lie; None is the whole recording, as in
+            Table 7.1. With a range, no optimum is known: the reference fit's first window begins within it, too.
         constrained: whether the thesis's constraints are constraints of the problem, so that only points that satisfy
             them are recorded, and a study's handling decides what optimizers see of others: ``repair`` is the thesis's
             capping rule. Without, as in the thesis's comparison, an optimizer may repair its points, or not.
@@ -77,9 +79,10 @@ class SignatureFit(Problem):
         single: bool = False,
         unit: Unit = "rps",
         amplitude_factor: float = 1.3,
+        t0_turns: float | None = None,
         constrained: bool = False,
     ) -> None:
-        _check_options(name, period, turns, single, unit, amplitude_factor, constrained)
+        _check_options(name, period, turns, single, unit, amplitude_factor, t0_turns, constrained)
         _check_recording(name, recording, period, single=single)
         self._references: dict[bool, Fit] = {}
         self.name = name
@@ -98,6 +101,9 @@ class SignatureFit(Problem):
         self.expected = expected
         factor = float(amplitude_factor)
         self.lower, self.upper = box(self.time, self.signal, period=self.period, amplitude_factor=factor)
+        if t0_turns is not None:
+            self.upper[T0] = min(self.upper[T0], self.time[0] + float(t0_turns) * self.period)
+        self._anywhere = t0_turns is None  # whether t0 may lie anywhere in the recording
         self.replicas = 1 if single else 2 * int(turns)  # oscillations of the train, two a load turn
         self.dt = recording.dt
         self._folded = self._fold(self.signal)
@@ -126,14 +132,14 @@ class SignatureFit(Problem):
         )
 
     @cached_property
-    def optimum(self) -> float:  # type: ignore[override] # few callers need it, so it is computed on demand
+    def optimum(self) -> float | None:  # type: ignore[override] # few callers need it, so it is computed on demand
         """The RMSE of the reference fit within the box, in ``unit``; the constraints leave no lower one."""
-        return self.reference(constrained=self.constrained).value
+        return self.reference(constrained=self.constrained).value if self._anywhere else None
 
     @cached_property
-    def repaired_optimum(self) -> float:  # type: ignore[override] # likewise
+    def repaired_optimum(self) -> float | None:  # type: ignore[override] # likewise
         """The RMSE of the reference fit under the constraints, in ``unit``, which repaired points satisfy."""
-        return self.reference(constrained=True).value
+        return self.reference(constrained=True).value if self._anywhere else None
 
     def reference(self, *, constrained: bool = False) -> Fit:
         """Return the reference fit, the best within the box or, with ``constrained``, under the constraints too.
@@ -205,8 +211,9 @@ def _check_recording(name: str, recording: Recording, period: float, *, single: 
 
 
 def _check_options(
-    name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float, constrained: bool
-) -> None:
+    name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float, t0_turns: float | None,
+    constrained: bool,
+) -> None:  # fmt: skip
     """Raise BenchError for an option of the wrong type or out of range."""
     if unit not in get_args(Unit):
         raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
@@ -214,5 +221,10 @@ def _check_options(
     for option, flag in (("single", single), ("constrained", constrained)):
         if not isinstance(flag, bool):
             raise BenchError(f"problem {name!r}: {option} must be true or false, not {flag!r}")
-    for option, value in (("period", period), ("amplitude_factor", amplitude_factor)):
+    positive = {
+        "period": period,
+        "amplitude_factor": amplitude_factor,
+        "t0_turns": 1.0 if t0_turns is None else t0_turns,
+    }
+    for option, value in positive.items():
         require_positive(f"problem {name!r}: {option}", value, 1e6)

@@ -31,6 +31,7 @@ from numba import njit
 
 from bench.typing import Floats
 from problems.backlash.signature.kernel import Folded
+from problems.backlash.signature.model import EDGE, T0
 from problems.backlash.signature.projection import (
     CLEARANCE,
     SINGULAR,
@@ -63,15 +64,19 @@ ROUNDING = 1e-13  # a relative gain up to this is rounding
 
 
 def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
-    """Return the (7,) point of the lowest RMSE within the (7,) bounds and, if asked for, the constraints of 7.2.2."""
+    """Return the (7,) point of the lowest RMSE within the (7,) bounds and, if asked for, the constraints of 7.2.2.
+
+    Where t0 may not lie anywhere in the recording, the first window begins within t0's bounds, too.
+    """
     limit, length, sums = prepare(recording, lower, upper, constrained=constrained)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
     ceiling = _ceiling(recording.signal, sums, length)
     share = min(SHORT / sums.n, 1.0)
     margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
     grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
-    for base in range(1, limit.last + 1, 2 * length):
-        count = min(2 * length, limit.last + 1 - base)
+    starts = min(limit.last, math.floor((upper[T0] - recording.start) / recording.dt + EDGE)) + 1
+    for base in range(1, starts, 2 * length):
+        count = min(2 * length, starts - base)
         if (ceiling[base : base + count] > most_yet).any():
             scanned = _scan(base, count, taus, omegas, sums, limit, length, 1 - margin - ROUNDING, most_yet)
             grid[base : base + count], most_yet = scanned, max(most_yet, scanned[..., 0].max())

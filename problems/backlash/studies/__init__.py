@@ -3,6 +3,7 @@
 from importlib.resources import files
 
 noise = files(__name__) / "noise.toml"
+noise_start = files(__name__) / "noise-start.toml"
 published = files(__name__) / "published.toml"
 thesis = files(__name__) / "thesis.toml"
 thesis_equal = files(__name__) / "thesis-equal.toml"

@@ -129,6 +129,11 @@ def test_labels_tell_two_settings_of_one_optimizer_apart():
     assert {trial.optimizer for trial in two.plan()} == {"scatter", "wide"}
 
 
+def test_a_label_can_hold_the_name_of_each_of_many():
+    both = study(problems=["sphere-2", "sphere-3", {"names": ["sphere-2", "sphere-3"], "label": "{name} again"}])
+    assert [entry.label for entry in both.problems][2:] == ["sphere-2 again", "sphere-3 again"]
+
+
 def test_a_list_of_names_is_enough():
     short = study(problems=["sphere-2", {"name": "sphere-3"}], optimizers=["scatter", "early"])
     long = study(problems=[{"names": ["sphere-2", "sphere-3"]}], optimizers=[{"name": "scatter"}, {"name": "early"}])

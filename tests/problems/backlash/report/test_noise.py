@@ -139,6 +139,19 @@ def test_the_high_level_stands_apart_and_says_that_the_published_numbers_are_of_
     assert "the only one printed" not in low.note
 
 
+def test_rows_with_a_range_of_t0_stand_apart(tmp_path):
+    narrow = Entry("noisy-02", "noisy-02 T_d", {"t0_turns": 0.5})
+    results = make(tmp_path / "s", [at(2), narrow, at(2, "high")], lambda a, trial: a)
+    rows = table(results, "table-7-3-low-t0-within-0.5-T_f")
+    assert rows.index.tolist() == [("noisy-02 T_d", "cma-es")]
+    assert "Low noise, t0 within 0.5 T_f, cma-es: the relative error" in words(results)
+    with style.context():
+        drawn = next(item for item in section(results).items if not isinstance(item, Table))
+        assert [ax.get_title(loc="left") for ax in drawn.figure.axes] == [
+            "low noise", "low noise, t0 within 0.5 T_f", "high noise",
+        ]  # fmt: skip
+
+
 def test_every_optimizer_has_its_rows_and_datasets_that_the_thesis_lacks_are_shown_alone(tmp_path):
     results = make(tmp_path / "s", [at(2), at(14)], lambda a, trial: a, optimizers=("cma-es", "gwo"))
     shown = table(results, "table-7-3-low")
@@ -204,6 +217,9 @@ def test_the_shipped_study_has_the_rows_of_table_7_3_at_both_levels():
     assert sorted(rows[rows["noise level"] == "high"]["dataset"]) == sorted(table_7_3())
     assert {entry.options["unit"] for entry in study.problems} == {"rps"}
     assert {re.search("high", entry.label) is None for entry in study.problems} == {True, False}
+    assert set(noise.noisy_problems(Study.load("noise-start"))["noise level"]) == {
+        "low, t0 within 1 T_f", "low, t0 within 0.5 T_f",
+    }  # fmt: skip
     optimizer, restarts = study.optimizers
     assert (restarts.name, restarts.options) == (
         "bipop-cma-es", {"handling": "box", "variant": "pycma", "sigma": 0.25}

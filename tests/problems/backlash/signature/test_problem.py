@@ -50,6 +50,22 @@ def test_the_box_is_table_7_1():
     assert narrow.upper[0] == pytest.approx(half)
 
 
+@pytest.mark.parametrize(("turns", "last"), [(0.5, 0.2), (1, 0.4), (100, 4.8)])
+def test_t0_can_be_kept_within_the_first_load_turns(turns, last):
+    problem = load_problem("signature-12", t0_turns=turns)
+    bounds = load_problem("signature-12").upper.copy()
+    bounds[1] = last
+    np.testing.assert_allclose(problem.upper, bounds, rtol=1e-12)
+    assert problem.lower[1] <= problem.reference().x[1] <= last
+
+
+def test_a_reference_fit_keeps_a_bound_of_t0_that_excludes_the_best_one():
+    problem, free = (load_problem("noisy-09", **options) for options in ({"t0_turns": 0.1}, {}))
+    assert free.reference().x[1] > problem.upper[1]
+    assert problem.reference().x[1] <= problem.upper[1]
+    assert problem.reference().value > free.reference().value
+
+
 def test_rpm_is_sixty_times_rps():
     rps, rpm = load_problem("signature-05"), load_problem("signature-05", unit="rpm")
     x = np.random.default_rng(0).uniform(rps.lower, rps.upper, (50, 7))
@@ -198,6 +214,7 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
         ({"period": -1.0}, "period must be a positive number"),
         ({"period": 0.01}, "too coarse"),
         ({"amplitude_factor": "big"}, "amplitude_factor must be a positive number"),
+        ({"t0_turns": 0}, "t0_turns must be a positive number"),
     ],
 )
 def test_options_out_of_range_are_named(options, message):
