@@ -27,6 +27,14 @@ def test_every_version_of_python_is_tested(classifiers, matrix):
     assert matrix["python-version"] == named
 
 
+def test_the_next_version_of_python_is_tried_and_not_claimed(classifiers, matrix):
+    (tried,) = matrix["include"]
+    following = f"3.{1 + int(matrix['python-version'][-1].removeprefix('3.'))}"
+    assert tried == {"os": "ubuntu-latest", "python-version": following, "untried": True}
+    assert not any(each.endswith(f":: {following}") for each in classifiers)
+    assert WORKFLOWS["tests"]["jobs"]["tests"]["continue-on-error"] == "${{ matrix.untried == true }}"
+
+
 def test_a_system_is_claimed_only_where_it_is_tested(classifiers, matrix):
     named = [each.partition(" :: ")[2] for each in classifiers if each.startswith("Operating System")]
     assert "POSIX :: Linux" in named

@@ -31,7 +31,8 @@ def command(
     budget: Annotated[str, typer.Option(help="Evaluations to spend: a number, or such as '100 * d'.")],
     problem_option: ProblemParameters = None,
     output: Annotated[
-        Path | None, typer.Option(help="Write the study that tests the advice (TOML); default: print it.")
+        Path | None,
+        typer.Option("--output", "-o", help="Write the study that tests the advice (TOML); default: print it."),
     ] = None,
 ) -> None:  # fmt: skip
     """Recommend an optimizer for a problem, and print the study that tests the advice.

@@ -24,7 +24,9 @@ def command(
     ],
     output: Annotated[
         Path | None,
-        typer.Option(help="Folder to write; default: OUTPUT, or results/comparisons/NAMES for several."),
+        typer.Option(
+            "--output", "-o", help="Folder to write; default: OUTPUT, or results/comparisons/NAMES for several."
+        ),
     ] = None,
     jobs: Jobs = -1,
     against: Against = None,

@@ -46,7 +46,8 @@ def command(
         float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; one that exceeds it failed.")
     ] = None,
     output: Annotated[
-        Path, typer.Option(help="The study to write (TOML); a journal beside it continues a tuning.")
+        Path,
+        typer.Option("--output", "-o", help="The study to write (TOML); a journal beside it continues a tuning."),
     ] = Path("tuned.toml"),
 ) -> None:
     """Tune optimizers at the same budget each, and write a study of their default and tuned parameters.

@@ -11,7 +11,7 @@ from bench import BenchError, Study, load_problem
 from problems import studies
 from tests.problems.suites import assert_pure_and_reloadable, best_found
 
-iohgnbg = pytest.importorskip("iohgnbg", reason="ioh has no wheel for this Python")
+iohgnbg = pytest.importorskip("iohgnbg", reason="the extra ioh is not installed")
 
 NUMBERS = range(1, 25)
 

@@ -9,7 +9,7 @@ from bench import BenchError, load_problem
 from problems.ioh import DISCREPANCIES, ma_bbob
 from tests.problems.suites import assert_pure_and_reloadable, best_found
 
-ioh = pytest.importorskip("ioh", reason="ioh has no wheel for this Python")
+ioh = pytest.importorskip("ioh", reason="the extra ioh is not installed")
 
 BOXED = [(f"sbox-cost-f{n:02d}-d{d}-i{i}", n, d, i) for n in range(1, 25) for d, i in ((2, 1), (5, 15), (40, 200))]
 AFFINE = [(f"ma-bbob-f{n:04d}-d{d}", n, d) for n, d in ((1, 2), (2, 5), (17, 10), (500, 3), (1000, 40))]
@@ -52,6 +52,20 @@ def test_star_discrepancies_are_those_of_ioh_with_the_other_sign(name, number, d
     np.testing.assert_array_equal(problem.evaluate(x), [-theirs(row) for row in x])
     assert problem.evaluate(np.full((1, dimension), 1.01)).tolist() == [np.inf]
     assert problem.optimum is None
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("sbox-cost-f21-d3-i2", 19.769241366593942),
+        ("ma-bbob-f0017-d5", 3.0544934537872908),
+        ("star-discrepancy-sobol-50-d5-i3", -0.018200000000000004),
+    ],
+)
+def test_every_version_of_ioh_that_is_allowed_has_the_values_of_0_3_22(name, value):
+    problem = load_problem(name)
+    x = problem.lower + (problem.upper - problem.lower) * np.linspace(0.2, 0.8, problem.dimension)
+    assert problem.evaluate(x[None])[0] == pytest.approx(value, rel=1e-13)
 
 
 def test_a_discrepancy_is_the_share_of_the_points_in_a_box_less_its_volume():

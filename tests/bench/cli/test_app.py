@@ -4,6 +4,9 @@ import subprocess
 import sys
 
 import pytest
+import typer
+
+from bench.cli.app import app
 
 STUDY = """
 name = "tiny"
@@ -229,3 +232,10 @@ def test_another_study_s_folder_is_left_alone(bench_here, tiny, tmp_path):
     assert done.returncode == 2
     assert "holds another study (its budget is 40, not 50); give another --output\n" in done.stderr
     assert (tmp_path / "out" / "study.toml").read_text() == before
+
+
+def test_every_command_with_an_output_takes_o_for_it():
+    options = {name: [*each.params] for name, each in typer.main.get_command(app).commands.items()}
+    outputs = {name: each.opts for name, given in options.items() for each in given if "--output" in each.opts}
+    assert {"run", "report", "tune"} <= set(outputs)
+    assert [name for name, opts in outputs.items() if "-o" not in opts] == []

@@ -84,16 +84,18 @@ def test_packages_that_are_missing_or_of_a_wrong_version(states, monkeypatch, pr
 
 
 @pytest.mark.usefixtures("without_the_broken_plugin")
-def test_extras_that_are_not_installed_are_one_line_under_the_table(bench_here, monkeypatch, tmp_path):
+def test_extras_that_are_not_installed_are_one_line_under_the_table(bench_here, states, monkeypatch, tmp_path):
     def found(name):
         if name in ("openpyxl", "pyarrow"):
             raise doctor.PackageNotFoundError(name)
         return version(name)
 
     monkeypatch.setattr(doctor, "version", found)
+    missing = [name for (topic, name), each in states()[1].items() if topic == "extras" and each["state"] == "note"]
+    assert {"parquet", "xlsx"} <= set(missing)
     printed = bench_here("doctor", cwd=tmp_path).stdout
     assert [line for line in printed.splitlines() if "pip install" in line] == [
-        "note: extras that are not installed: pip install 'backlash-bench[parquet,xlsx]'"
+        f"note: extras that are not installed: pip install 'backlash-bench[{','.join(missing)}]'"
     ]
 
 
