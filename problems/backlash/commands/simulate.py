@@ -28,8 +28,8 @@ def simulate(
     output: Annotated[
         Path,
         typer.Argument(
-            help="The .csv, .xlsx or .parquet file to write: time in s, motor speed in rps. A .toml file gets the "
-            "joint's parameters instead, to edit; with --wear, it is a folder."
+            help="The .csv, .xlsx or .parquet file to write: time in s, motor speed in rps, position in rad, current "
+            "in A. A .toml file gets the joint's parameters instead, to edit; with --wear, it is a folder."
         ),
     ],
     level: Annotated[int | None, typer.Option(min=1, max=20, help="A level 1 … 20 of the thesis's datasets.")] = None,
@@ -48,7 +48,17 @@ def simulate(
     viscous: Annotated[float | None, _joint(help="Viscous friction at the load, N m s/rad.")] = None,
     duration: Annotated[float | None, _recording(help="Seconds to record.", show_default="12 load turns")] = None,
     rate: Annotated[float, _recording(help="Samples a second.")] = 500.0,
-    settle: Annotated[float, _recording(help="Seconds before the recording.")] = 1.2,
+    settle: Annotated[
+        float | None, _recording(help="Seconds before the recording.", show_default="1.2; 0 with --sweep")
+    ] = None,
+    sweep: Annotated[
+        float | None,
+        _recording(
+            help="The angle in rad by which the load turns forth and back, from rest, as a robot's wrist does.",
+            show_default="it turns on in one direction",
+        ),
+    ] = None,
+    ramp: Annotated[float, _recording(help="With --sweep: the seconds to reach the speed, or to stop.")] = 0.2,
     start_angle: Annotated[
         float | None,
         _recording(help="The load's angle in rad when the recording starts.", show_default="0.141; random with --wear"),
@@ -75,7 +85,7 @@ def simulate(
     ] = None,
     force: Force = False,
 ) -> None:
-    """Simulate a joint with backlash turning at constant speed, and write its recording.
+    """Simulate a joint with backlash at constant speed, or turning back and forth, and write its recording.
 
     With --wear 24, write a recording a month instead, of a gap that grows by a three-phase wear curve.
     """
@@ -96,7 +106,8 @@ def simulate(
     )  # fmt: skip
     options: dict[str, Any] = {
         "duration": duration if duration is not None else 12 * made.turn,
-        "rate": rate, "settle": settle, "encoder_bits": encoder_bits,
+        "rate": rate, "settle": (1.2 if sweep is None else 0.0) if settle is None else settle,
+        "encoder_bits": encoder_bits, "sweep": sweep, "ramp": ramp,
     }  # fmt: skip
     if start_angle is not None:
         options["start_angle"] = start_angle
@@ -118,10 +129,12 @@ def simulate(
         if gap is None:
             raise BenchError("give either --level 1 … 20 or --half-gap in rad")
         run, noise = joints.simulate(made, half_gap=gap, **options), noise or 0.0
-        write_recording(output, run.time, joints.with_noise(run.speed, noise, np.random.default_rng(seed)))
+        measured = joints.with_noise(run.speed, noise, np.random.default_rng(seed))
+        write_recording(output, run.time, measured, position_rad=run.position, current_a=run.current)
         print_line(
             f"{output}: {len(run.time)} samples, half-gap {gap:.4g} rad, peak disturbance {run.peak:.4f} rps"
-            + (" in less than one load turn" if run.fine.time[-1] < 0.999 * made.turn else "")
+            + (" in less than one load turn" if sweep is None and run.fine.time[-1] < 0.999 * made.turn else "")
+            + (" at full speed" if sweep is not None else "")
             + (f", noise of {noise:g} rps peak to peak" if noise else "")
         )
 

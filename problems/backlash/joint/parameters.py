@@ -53,6 +53,9 @@ class Joint:
     position_gain: float = _quantity(31.0, "kpp, proportional gain of the position loop, 1/s", may_be_zero=True)
     viscous_friction: float = _quantity(0.0, "viscous friction at the load, N m s/rad", may_be_zero=True)
     coulomb_friction: float = _quantity(0.0, "Coulomb friction at the load, N m", may_be_zero=True)
+    torque_constant: float = _quantity(
+        1.0, "the motor's torque for a current of 1 A, N m/A; it scales the current alone"
+    )
 
     def __post_init__(self) -> None:
         for parameter in fields(self):

@@ -1,11 +1,11 @@
-"""Simulate the joint of thesis chapter 4: a two-mass model with backlash at constant reference speed, by RK4.
+"""Simulate the joint of thesis chapter 4: a two-mass model with backlash, at constant speed or back and forth, by RK4.
 
     >>> from problems.backlash.joint import half_gap, simulate
     >>> simulation = simulate(half_gap=half_gap(12))
     >>> simulation.time, simulation.speed    # 2401 samples at 500 Hz: s, rps
 
-The motion is written as deviations from the uniform rotation at the reference speed, q = theta_m - omega_ref t of the
-motor and p = theta_l - omega_ref t / N of the load: these stay small, so that growing angles cost no digits.
+The motion is written as deviations from the reference motion, such as q = theta_m - omega_ref t of the motor and
+p = theta_l - omega_ref t / N of the load at constant speed: these stay small, so that growing angles cost no digits.
 """
 
 from dataclasses import astuple, dataclass
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.numbers import is_finite, require_positive, require_whole
@@ -22,6 +23,7 @@ from problems.backlash.joint.parameters import Joint
 
 STEP = 5e-5  # s; the largest step where the caller gives none
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
+DIES_AWAY = 0.3  # s; after it 1% is left of the default joint's transient
 MOST_STEPS = 4_000_000  # 200 s at STEP, which need some 600 MB
 DEFAULT = Joint()
 
@@ -33,6 +35,9 @@ class Trajectory:
     Attributes:
         time: s, from 0.
         speed: true motor speed, rps.
+        reference: the speed that the controller asks of the motor, rps.
+        position: theta_m, rad, from 0 at the beginning of the recording's reference motion.
+        current: the motor's current, A.
         load_angle: theta_l, rad, without reduction to one turn; 0 hangs down.
         dtheta: angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where it is smaller
             than the half-gap.
@@ -42,6 +47,9 @@ class Trajectory:
 
     time: Floats
     speed: Floats
+    reference: Floats
+    position: Floats
+    current: Floats
     load_angle: Floats
     dtheta: Floats
     domega: Floats
@@ -55,14 +63,19 @@ class Simulation:
     Attributes:
         time: (n,) sampling instants, s, from 0.
         speed: (n,) motor speed, rps: the exact speed, or the encoder's.
+        position: (n,) motor angle, rad, from 0, exact or the encoder's.
+        current: (n,) motor current, A.
         peak: positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
             It is taken in the last load turn, where the start has died away, and before sampling, which loses up to
-            3.4%.
+            3.4%. Of a sweep: the largest deviation of either sign, from 0.3 s after full speed is reached; 0 if there
+            is no such time.
         fine: the motion before sampling.
     """
 
     time: Floats
     speed: Floats
+    position: Floats
+    current: Floats
     peak: float
     fine: Trajectory
 
@@ -75,32 +88,71 @@ def gap_torque(dtheta: Any, domega: Any, delta: float, Ks: float, Ds: float, alp
 
 
 @njit(cache=True, error_model="numpy")
-def derivative(t: float, state: Floats, joint: tuple[float, ...], delta: float, theta0: float, out: Floats) -> None:
+def reference(t: float, stroke: float, ramp: float) -> tuple[float, float, float]:
+    """Return the reference motion at t in units of the reference speed: distance (s), speed (1), acceleration (1/s).
+
+    The motion begins at rest, reaches its speed within ``ramp``, covers in each direction what full speed covers in
+    ``stroke`` (both s; a stroke is at least as long as its ramp), and comes back the same way, again and again. An
+    infinite stroke is constant speed from the beginning.
+    """
+    if stroke == np.inf:
+        return t, 1.0, 0.0
+    number = np.floor(t / (stroke + ramp))
+    u = t - number * (stroke + ramp)
+    distance, speed, acceleration = u - ramp / 2, 1.0, 0.0
+    if u < ramp:
+        distance, speed, acceleration = u * u / (2 * ramp), u / ramp, 1 / ramp
+    elif u > stroke:
+        left = stroke + ramp - u
+        distance, speed, acceleration = stroke - left * left / (2 * ramp), left / ramp, -1 / ramp
+    if number % 2:
+        return stroke - distance, -speed, -acceleration
+    return distance, speed, acceleration
+
+
+@njit(cache=True, error_model="numpy")
+def travel(skip: int, keep: int, step: float, stroke: float, ramp: float) -> Floats:
+    """Return the reference motion (keep, 3) after skip, skip + 1, … steps; see `reference`."""
+    path = np.empty((keep, 3))
+    for i in range(keep):
+        path[i] = reference((skip + i) * step, stroke, ramp)
+    return path
+
+
+@njit(cache=True, error_model="numpy")
+def derivative(
+    t: float, state: Floats, joint: tuple[float, ...], delta: float, theta0: float, out: Floats,
+    stroke: float = np.inf, ramp: float = 0.0,
+) -> None:  # fmt: skip
     """Write the time derivative of state = (q, q', p, p', z) at t (s) to out, both of shape (5,).
 
-    joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the uniform rotation at t = 0, rad.
+    joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the reference motion at t = 0, rad, which
+    `reference` describes with stroke and ramp.
     """
-    N, omega_ref, Jm, Jl, mgl, Ks, Ds, alpha, Kv, ki, kpp, viscous, coulomb = joint
+    N, omega_ref, Jm, Jl, mgl, Ks, Ds, alpha, Kv, ki, kpp, viscous, coulomb, _ = joint
     q, dq, p, dp, z = state
+    gone, speed, acceleration = reference(t, stroke, ramp)
+    acceleration *= omega_ref
     dtheta = q / N - p  # (4.1)
     domega = dq / N - dp  # (4.2)
     tau_l = gap_torque(dtheta, domega, delta, Ks, Ds, alpha)
     e = -(dq + kpp * q)  # a P position loop around ...
-    tau_m = Kv * (e + ki * z)  # ... a PI speed loop
-    omega_l = omega_ref / N + dp
-    tau_g = mgl * np.sin(theta0 + omega_ref / N * t + p)
+    tau_m = Kv * (e + ki * z)  # ... a PI speed loop, to which the torque of the reference's acceleration is added
+    omega_l = omega_ref / N * speed + dp
+    tau_g = mgl * np.sin(theta0 + omega_ref / N * gone + p)
     friction = viscous * omega_l + coulomb * np.sign(omega_l)
     out[0] = dq
-    out[1] = (tau_m - tau_l / N) / Jm
+    out[1] = (tau_m - tau_l / N) / Jm + Jl / (N * N * Jm) * acceleration
     out[2] = dp
-    out[3] = (tau_l - tau_g - friction) / Jl
+    out[3] = (tau_l - tau_g - friction) / Jl - acceleration / N
     out[4] = e
 
 
 @njit(cache=True, error_model="numpy")
 def integrate(
-    start: Floats, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int
-) -> Floats:
+    start: Floats, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int,
+    stroke: float = np.inf, ramp: float = 0.0,
+) -> Floats:  # fmt: skip
     """Return the states (keep, 5) after skip, skip + 1, … steps of the classical Runge-Kutta method from start (5,)."""
     states = np.empty((keep, 5))
     state = start.copy()
@@ -109,25 +161,27 @@ def integrate(
         if i >= skip:
             states[i - skip] = state
         t = i * step
-        derivative(t, state, joint, delta, theta0, k1)
+        derivative(t, state, joint, delta, theta0, k1, stroke, ramp)
         for j in range(5):
             stage[j] = state[j] + step / 2 * k1[j]
-        derivative(t + step / 2, stage, joint, delta, theta0, k2)
+        derivative(t + step / 2, stage, joint, delta, theta0, k2, stroke, ramp)
         for j in range(5):
             stage[j] = state[j] + step / 2 * k2[j]
-        derivative(t + step / 2, stage, joint, delta, theta0, k3)
+        derivative(t + step / 2, stage, joint, delta, theta0, k3, stroke, ramp)
         for j in range(5):
             stage[j] = state[j] + step * k3[j]
-        derivative(t + step, stage, joint, delta, theta0, k4)
+        derivative(t + step, stage, joint, delta, theta0, k4, stroke, ramp)
         for j in range(5):
             state[j] += step / 6 * (k1[j] + 2 * k2[j] + 2 * k3[j] + k4[j])
     return states
 
 
-def resting_state(joint: Joint, delta: float, theta0: float) -> Floats:
-    """Return the state (5,) of uniform rotation with the load at angle theta0 (rad), resting on a flank of the gap."""
+def resting_state(joint: Joint, delta: float, theta0: float, *, still: bool = False) -> Floats:
+    """Return the state (5,) with the load at angle theta0 (rad) and on a flank of the gap, at its speed or still."""
     omega_l = joint.omega_ref / joint.gear_ratio
-    tau = joint.gravity_torque * sin(theta0) + joint.viscous_friction * omega_l + joint.coulomb_friction
+    tau = joint.gravity_torque * sin(theta0)
+    if not still:
+        tau = tau + joint.viscous_friction * omega_l + joint.coulomb_friction
     p = -(np.sign(tau) * delta + tau / joint.stiffness)
     z = tau / (joint.gear_ratio * joint.speed_gain * joint.integral_gain) if joint.integral_gain else 0.0
     return np.array([0.0, 0.0, p, 0.0, z])
@@ -143,8 +197,10 @@ def simulate(
     step: float | None = None,
     start_angle: float = 0.141,
     encoder_bits: int | None = None,
+    sweep: float | None = None,
+    ramp: float = 0.2,
 ) -> Simulation:
-    """Simulate the motor speed of a joint that turns at constant reference speed (thesis chapter 4).
+    """Simulate the motor of a joint that turns at constant reference speed (thesis chapter 4), or back and forth.
 
     Args:
         joint: the joint and its controller.
@@ -159,6 +215,10 @@ def simulate(
         start_angle: load angle at which the recording starts, rad; the default is that of the published datasets.
         encoder_bits: resolution of the motor encoder, 2**bits counts a turn. The speed is then the difference of
             two quantised angles over the sampling period, and lags by half a period. None: the exact speed.
+        sweep: the angle in rad by which the load turns forth and then back, again and again, from rest, as a robot's
+            joint with stops does; between its ends the speed is constant. The controller adds the torque of the
+            acceleration. None: constant speed in one direction.
+        ramp: the time in s in which a sweep reaches its speed, or stops.
 
     Raises:
         BenchError: an argument out of its range, or an integration that diverges.
@@ -178,25 +238,32 @@ def simulate(
             )
 
     omega_l = joint.omega_ref / joint.gear_ratio
-    theta0 = start_angle - omega_l * (skip * step)
+    stroke = _stroke(omega_l, sweep, ramp)
+    theta0 = start_angle - omega_l * reference(skip * step, stroke, ramp)[0]
     keep = lead + (samples - 1) * stride + 1
     constants = tuple(map(float, astuple(joint)))  # an int would make numba compile the kernel again
-    start = resting_state(joint, half_gap, theta0)
-    states = integrate(start, constants, float(half_gap), float(theta0), float(step), skip - lead, keep)
+    start = resting_state(joint, half_gap, theta0, still=sweep is not None)
+    steps = float(step), skip - lead, keep
+    states = integrate(start, constants, float(half_gap), float(theta0), *steps, float(stroke), float(ramp))
     if not np.isfinite(states).all():
         raise BenchError(
             f"simulate: the integration diverges with a step of {step!r} s; take a smaller step or a less stiff joint."
         )
 
-    fine = _trajectory(joint, half_gap, start_angle, step, states[lead:])
-    if encoder_bits is None:
-        speed = fine.speed[::stride].copy()
+    path = travel(skip - lead, keep, step, stroke, ramp)
+    path[:, 0] -= path[lead, 0]
+    fine = _trajectory(joint, half_gap, start_angle, step, path[lead:], states[lead:])
+    speed, position = fine.speed[::stride].copy(), fine.position[::stride].copy()
+    if encoder_bits is not None:
+        turns = (joint.omega_ref * path[::stride, 0] + states[::stride, 0]) / (2 * pi)
+        counts = np.floor(turns * 2**encoder_bits) / 2**encoder_bits
+        speed, position = np.diff(counts) * rate, 2 * pi * counts[1:]
+    if sweep is None:
+        peak = float(np.max(fine.speed[fine.time > fine.time[-1] - joint.turn])) - joint.nominal_speed
     else:
-        turns = joint.nominal_speed * step * np.arange(-lead, keep - lead, stride) + states[::stride, 0] / (2 * pi)
-        speed = np.diff(np.floor(turns * 2**encoder_bits)) / 2**encoder_bits * rate
-    last_turn = fine.time > fine.time[-1] - joint.turn
-    peak = float(np.max(fine.speed[last_turn])) - joint.nominal_speed
-    return Simulation(np.arange(samples) / rate, speed, peak, fine)
+        deviation = np.abs(fine.speed - fine.reference)[_steady(path[lead:, 1], step)]
+        peak = float(deviation.max()) if len(deviation) else 0.0
+    return Simulation(np.arange(samples) / rate, speed, position, fine.current[::stride].copy(), peak, fine)
 
 
 def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
@@ -229,12 +296,42 @@ def _steps(duration: float, rate: float, settle: float, step: float | None) -> t
     return step, round(settle / step), stride, int(duration * rate + 1e-6) + 1
 
 
-def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Floats) -> Trajectory:
-    """Turn the states (m, 5) into physical signals."""
-    q, dq, p, dp, _ = states.T
-    N = joint.gear_ratio
+def _stroke(omega_l: float, sweep: float | None, ramp: float) -> float:
+    """Return the time in s in which the load at its full speed (rad/s) would sweep the angle; inf without a sweep."""
+    if sweep is None:
+        return np.inf
+    for name, value in {"sweep": sweep, "ramp": ramp}.items():
+        require_positive(f"simulate: {name}", value, 1e6)
+    if sweep < omega_l * ramp:
+        raise BenchError(
+            f"simulate: the load cannot reach its speed of {omega_l:.3g} rad/s within a ramp of {ramp:g} s and a sweep "
+            f"of {sweep:g} rad; take a sweep of at least {omega_l * ramp:.3g} rad or a shorter ramp."
+        )
+    return sweep / omega_l
+
+
+def _steady(shape: Floats, step: float) -> NDArray[np.bool_]:
+    """Return where in a reference motion (m,) its speed has been the full one for ``DIES_AWAY``."""
+    number = np.arange(len(shape))
+    changed = np.maximum.accumulate(np.where(np.abs(shape) < 1, number, -1))
+    steady: NDArray[np.bool_] = number - changed > DIES_AWAY / step
+    return steady
+
+
+def _trajectory(
+    joint: Joint, delta: float, start_angle: float, step: float, path: Floats, states: Floats
+) -> Trajectory:
+    """Turn the reference motion (m, 3) and the states (m, 5) into physical signals."""
+    q, dq, p, dp, z = states.T
+    gone, shape, acceleration = path.T
+    N, omega_ref = joint.gear_ratio, joint.omega_ref
     time = step * np.arange(len(states), dtype=np.float64)
-    speed, load_angle = joint.nominal_speed + dq / (2 * pi), start_angle + joint.omega_ref / N * time + p
+    asked = joint.nominal_speed * shape
+    torque_m = joint.speed_gain * (joint.integral_gain * z - dq - joint.position_gain * q)
+    torque_m += (joint.motor_inertia + joint.load_inertia / N**2) * omega_ref * acceleration
     dtheta, domega = q / N - p, dq / N - dp  # (4.1), (4.2)
     torque = gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness)
-    return Trajectory(time, speed, load_angle, dtheta, domega, torque)
+    return Trajectory(
+        time, asked + dq / (2 * pi), asked, omega_ref * gone + q, torque_m / joint.torque_constant,
+        start_angle + omega_ref / N * gone + p, dtheta, domega, torque,
+    )  # fmt: skip

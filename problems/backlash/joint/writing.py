@@ -32,16 +32,20 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
         raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
 
 
-def write_recording(path: Path, time: Floats, speed: Floats) -> None:
-    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path."""
+def write_recording(path: Path, time: Floats, speed: Floats, **others: Floats) -> None:
+    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path.
+
+    ``others`` are further columns (n,), by heading.
+    """
+    columns = {"time_s": time, "speed_rps": speed, **others}
     with replacing(path) as temporary:
         if path.suffix.lower() == ".csv":
-            rows = np.column_stack([time, speed])
-            np.savetxt(temporary, rows, fmt=["%.6f", "%.10g"], delimiter=",", header="time_s,speed_rps", comments="")
+            rows, formats = np.column_stack(list(columns.values())), ["%.6f"] + ["%.10g"] * (len(columns) - 1)
+            np.savetxt(temporary, rows, fmt=formats, delimiter=",", header=",".join(columns), comments="")
             return
         import pandas as pd  # slow to import, and csv does not need it
 
-        frame = pd.DataFrame({"time_s": time, "speed_rps": speed})
+        frame = pd.DataFrame(columns)
         if path.suffix.lower() == ".xlsx":
             frame.to_excel(temporary, index=False)
         else:

@@ -21,8 +21,9 @@ def test_every_kind_of_file_holds_the_simulated_speed(command, tmp_path, kind):
     said = command(simulate, path, "--level", 12, "--duration", 0.6)
     made = run(half_gap=half_gap(12), duration=0.6)
     table = READERS[kind](path)
-    assert list(table) == ["time_s", "speed_rps"]
-    np.testing.assert_allclose(table.to_numpy(), np.column_stack([made.time, made.speed]), atol=1e-6)
+    assert list(table) == ["time_s", "speed_rps", "position_rad", "current_a"]
+    written = np.column_stack([made.time, made.speed, made.position, made.current])
+    np.testing.assert_allclose(table.to_numpy(), written, atol=1e-6)
     assert said == f"{path}: 301 samples, half-gap 0.0023 rad, peak disturbance {made.peak:.4f} rps\n"
 
 
@@ -42,6 +43,24 @@ def test_every_option_reaches_the_simulation(command, tmp_path):
     )
     made = run(joint, half_gap=0.001, duration=0.8, rate=250.0, settle=0.3, start_angle=1.0, encoder_bits=16)
     np.testing.assert_allclose(pd.read_csv(path)["speed_rps"], made.speed, atol=1e-6)
+
+
+def test_a_sweep_is_recorded_from_rest(command, tmp_path):
+    said = command(
+        simulate, tmp_path / "a.csv", "--level", 8, "--speed", 20, "--sweep", 4.4, "--ramp", 0.3, "--start-angle", -2.2,
+        "--duration", 1.4,
+    )  # fmt: skip
+    made = run(
+        load_joint(speed_rps=20.0),
+        half_gap=half_gap(8),
+        sweep=4.4,
+        ramp=0.3,
+        start_angle=-2.2,
+        duration=1.4,
+        settle=0.0,
+    )
+    np.testing.assert_allclose(pd.read_csv(tmp_path / "a.csv")["speed_rps"], made.speed, atol=1e-6)
+    assert said.endswith(f"peak disturbance {made.peak:.4f} rps at full speed\n")
 
 
 def test_noise_is_added_by_the_seed(command, tmp_path):
