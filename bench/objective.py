@@ -267,8 +267,9 @@ def floats(numbers: ArrayLike, what: str) -> Floats:
 
 def repaired(problem: Problem, x: Floats) -> Floats:
     """Return what a problem's rule makes of the (n, d) points; raises ValueError where it changes their shape."""
-    shape = np.shape(x)
-    points = floats(problem.repair(x), f"repaired points of problem {problem.name!r}")
+    given = floats(x, "points").copy()  # the rule may compute in place, or return an array that it keeps
+    shape = given.shape
+    points = floats(problem.repair(given), f"repaired points of problem {problem.name!r}").copy()
     if points.shape != shape:
         raise ValueError(f"problem {problem.name!r} repaired points of shape {shape} to {points.shape}")
     return points

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -40,12 +41,14 @@ class Problem(ABC):
     """A box-bounded single-objective minimisation problem.
 
     A subclass sets the attributes below and implements :meth:`evaluate`. It must be pure (no state changes between
-    calls) and picklable or reloadable by name, because trials run in worker processes.
+    calls) and picklable or reloadable by name, because trials run in worker processes. Every method gets an array of
+    its own, in which it may compute.
 
     Attributes:
         name: the name under which the problem is loaded and stored, such as ``"signature-12"``.
         variables: the d names of the search variables, such as ``("A", "t0", …)``.
-        lower: (d,) float64, the lower end of the box.
+        lower: (d,) float64, the lower end of the box. When a problem is loaded, the harness replaces ``lower``,
+            ``upper`` and ``integer`` by copies that cannot be written to (:func:`with_own_box`).
         upper: (d,) float64, the upper end of the box.
         optimum: the best known objective value, or None where none is known.
         repaired_optimum: the best known value of the points that :meth:`repair` returns, where the optimum itself may
@@ -164,15 +167,7 @@ class FunctionProblem(Problem):
         integer: ArrayLike | None = None,
         noiseless: Callable[..., Any] | None = None,
     ) -> None:
-        self.lower = np.array(lower, dtype=np.float64, ndmin=1)
-        self.upper = np.array(upper, dtype=np.float64, ndmin=1)
-        if self.lower.ndim != 1 or self.lower.shape != self.upper.shape:
-            raise BenchError(
-                f"problem {name!r}: lower and upper must be vectors of one length; give one value for each variable"
-            )
-        if not (np.isfinite(self.lower).all() and np.isfinite(self.upper).all() and (self.lower < self.upper).all()):
-            raise BenchError(f"problem {name!r}: every lower bound must be finite and below its upper bound")
-        self.name = name
+        self.name, self.lower, self.upper = name, *own_box(name, lower, upper)
         self.optimum = optimum
         self.features = dict(features)
         self.variables = (
@@ -206,3 +201,45 @@ class FunctionProblem(Problem):
             return None
         violations = self._violations(x) if self._vectorized else [np.ravel(self._violations(row)) for row in x]
         return np.asarray(violations, dtype=np.float64)
+
+
+def own_box(name: str, lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
+    """Return copies of a problem's bounds, (d,) float64, that cannot be written to.
+
+    Raises:
+        BenchError: unless they are two vectors of one length, finite, with lower < upper.
+    """
+    try:
+        low, high = (np.array(bounds, dtype=np.float64, ndmin=1) for bounds in (lower, upper))
+    except (TypeError, ValueError) as error:
+        raise BenchError(f"problem {name!r}: its bounds are no numbers: {error}") from error
+    if low.ndim != 1 or low.shape != high.shape:
+        raise BenchError(
+            f"problem {name!r}: lower and upper must be vectors of one length; give one value for each variable"
+        )
+    if (wrong := ~(np.isfinite(low) & np.isfinite(high) & (low < high))).any():
+        first = int(wrong.argmax())
+        raise BenchError(
+            f"problem {name!r}: every lower bound must be finite and below its upper bound, also finite; those of "
+            f"variable {first + 1} are {float(low[first])!r} and {float(high[first])!r}"
+        )
+    low.flags.writeable = high.flags.writeable = False
+    return low, high
+
+
+def with_own_box(problem: Problem) -> Problem:
+    """Replace a problem's bounds and integer flags by copies that cannot be written to; return the problem.
+
+    Otherwise code that computes in place, such as ``low = self.lower; low -= 1``, would move the box of later trials.
+
+    Raises:
+        BenchError: where the bounds are no box; see :func:`own_box`.
+    """
+    lower, upper = own_box(problem.name, problem.lower, problem.upper)
+    integer = None if problem.integer is None else np.array(problem.integer)
+    if integer is not None:
+        integer.flags.writeable = False
+    for name, array in (("lower", lower), ("upper", upper), ("integer", integer)):
+        with suppress(AttributeError):  # a property computes it
+            object.__setattr__(problem, name, array)  # also of a frozen dataclass
+    return problem

@@ -152,7 +152,7 @@ def result(
         objective_time=objective.seconds,
         stop="undeclared" if stop is None else stop,
         outside_box=objective.outside_box,
-        metrics=problem.describe(objective.best_point),
+        metrics=problem.describe(objective.best_point.copy()),
         seed=seed,
     )
 

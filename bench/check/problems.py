@@ -27,7 +27,7 @@ class RecordingProblem(FunctionProblem):
 
     def evaluate(self, x: Floats, rng: np.random.Generator | None = None) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``."""
-        self._batches.append(x)
+        self._batches.append(x.copy())
         return super().evaluate(x, rng)
 
     @property

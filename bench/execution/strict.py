@@ -95,7 +95,7 @@ def serve(objective: Objective, file: int) -> float:
             answer, kind = b"", _DONE
             try:
                 points = np.frombuffer(message, offset=1).reshape(-1, objective.dimension)
-                values = objective(points) if message[:1] == _EVALUATE else objective.repair(points.copy())
+                values = objective(points) if message[:1] == _EVALUATE else objective.repair(points)
                 answer = values.tobytes()
             except BudgetExhausted:
                 kind = _EXHAUSTED

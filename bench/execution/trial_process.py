@@ -112,8 +112,9 @@ def load_problem(label: str) -> dict[str, Any] | str:
         passes(_study().evaluations(problem.dimension), problem.dimension)
         if (kind := (type(problem.unscored), "")) not in _warm:
             _warm.add(kind)
-            problem.describe(problem.repair(problem.lower[np.newaxis])[0])
-            problem.evaluate(problem.lower[np.newaxis])
+            counted = scoring.objective(problem, 1, np.random.default_rng(0))
+            counted(points := counted.initial(1))
+            problem.describe(points[0])
     _settle()
     return described
 
@@ -192,7 +193,7 @@ def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
     """Return the value and the metrics of a point of a problem, and by how much the value differs in ``batches``."""
     problem, point = _problem(label), np.array(x, dtype=np.float64)
     value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
-    metrics = numbers(problem.describe(point))
+    metrics = numbers(problem.describe(point.copy()))
     spread = 0.0
     for size in _BATCHES if batches else ():
         spread = max(spread, float(np.ptp([value, *problem.evaluate(np.tile(point, (size, 1)))])))

@@ -10,7 +10,7 @@ from typing import Any
 from bench.errors import BenchError, near, nearest
 from bench.optimizer import Optimizer, build
 from bench.plugins import from_file, registry
-from bench.problem import Problem
+from bench.problem import Problem, with_own_box
 
 IMPORTED = "imported"
 """The prefix of names that only imported results have, such as ``imported:DIRECT``: nothing can be loaded for them."""
@@ -68,12 +68,13 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     A name may also be that of a file's problem, or of its class or function that makes one: ``"my/file.py:Mine"``.
 
     Raises:
-        BenchError: for an unknown name or option (naming the nearest) or data that cannot be read.
+        BenchError: for an unknown name or option (naming the nearest), data that cannot be read, and bounds that are
+            no box.
     """
     if is_imported(name):
         raise BenchError(f"{name!r} is known from imported results only: no installed family has it")
     if from_file.split(name):
-        return from_file.load_problem(name, **options)
+        return _problem(from_file.load_problem(name, **options), name)
     prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
     if colon and prefix in families:
@@ -148,7 +149,7 @@ def _first_line(error: Exception) -> str:
 
 def _problem(loaded: Any, name: str) -> Problem:
     if isinstance(loaded, Problem):
-        return loaded
+        return with_own_box(loaded)
     raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
 
 

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from bench.errors import BenchError
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
-from bench.problem import Problem
+from bench.problem import Problem, with_own_box
 from bench.scoring import constraints
 from bench.typing import Flags, Floats
 
@@ -76,7 +76,7 @@ class Scored(Problem):
     def assess(self, x: Floats, rng: np.random.Generator) -> Assessment:
         """Return what the (n, d) points ``x``, all in the box, are worth; noise is drawn from ``rng``."""
         if self.handling == "repair":
-            x = repaired(self.problem, x.copy())
+            x = repaired(self.problem, x)
         x = self.rounded(x)
         total, true = self._total(x), self._true(x)
         if self.handling == "repair":  # nothing else has checked these
@@ -104,7 +104,7 @@ class Scored(Problem):
 
     def describe(self, x: Floats) -> dict[str, float]:
         """Return the problem's domain metrics of the (d,) point ``x``, and its total ``violation``."""
-        metrics = self.problem.describe(x)
+        metrics = self.problem.describe(x.copy())
         return {**metrics, "violation": float(self._total(x[np.newaxis])[0])} if self.handling else metrics
 
     def fingerprint(self) -> str:
@@ -115,7 +115,7 @@ class Scored(Problem):
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""
-        return as_values(self.problem, self.problem.noiseless(x.copy()), len(x))
+        return as_values(self.problem, self.problem.noiseless(x.copy()), len(x)).copy()  # it may reuse its array
 
     def _observed(self, x: Floats, rng: np.random.Generator) -> Floats:
         """Return the (n,) values of the (n, d) points with noise."""
@@ -192,11 +192,12 @@ def scored(problem: Problem, handling: str) -> Problem:
         handling: what an optimizer sees of infeasible points.
 
     Raises:
-        BenchError: for ``repair`` of a problem whose repair does not satisfy its constraints, for a problem whose
-            violations cannot be computed, and for integer variables that cannot be.
+        BenchError: for bounds that are no box, for ``repair`` of a problem whose repair does not satisfy its
+            constraints, for a problem whose violations cannot be computed, and for integer variables that cannot be.
     """
     if isinstance(problem, Scored):
         return problem
+    with_own_box(problem)
     constrained = _constrained(problem)
     if constrained and handling == "repair" and not problem.repairs:
         usable = ", ".join(name for name in constraints.HANDLINGS if name != "repair")

@@ -9,6 +9,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -217,12 +218,12 @@ class Study:
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
         entry = self._named("problem", self.problems, label)
-        return scored(loading.load_problem(entry.name, **entry.options), self.constraints)
+        return scored(loading.load_problem(entry.name, **deepcopy(entry.options)), self.constraints)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
         entry = self._named("optimizer", self.with_controls, label)
-        return loading.load_optimizer(entry.name, **entry.options)
+        return loading.load_optimizer(entry.name, **deepcopy(entry.options))  # a plug-in may change a list
 
     @property
     def with_controls(self) -> tuple[Entry, ...]:
