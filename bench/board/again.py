@@ -10,7 +10,6 @@ from pathlib import Path
 from bench.board.archive import LONGEST, Again
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
-from bench.execution.job import Task
 from bench.execution.runner import prepare
 from bench.execution.verify import HASH_SEED, difference
 from bench.helpers.text import printable
@@ -62,10 +61,10 @@ def _again(folder: Folder, study: Study, trial: Trial) -> Again:
         looks=(),
     )
     try:
-        machine = prepare(alone, folder, SANDBOX).machine
-        task = Task(alone, timeout=TIMEOUT, memory=MEMORY, hash_seed=HASH_SEED, sandbox=SANDBOX)
+        checked = prepare(alone, folder, SANDBOX)
+        task = replace(checked.task, timeout=TIMEOUT, memory=MEMORY, hash_seed=HASH_SEED)
         with open_pool("local", 1, None) as pool:
-            rows = [row for _, row, _ in pool.answers(task, machine, lambda: [trial])]
+            rows = [row for _, row, _ in pool.answers(task, checked.machine, lambda: [trial])]
     except BenchError as error:
         return Again(name, reason=_one_line(str(error).replace(str(folder.path), "the archive")))
     if not rows:

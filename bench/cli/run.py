@@ -180,6 +180,9 @@ def command(
     if outcome.undeclared:
         who = listed([f"{label} ({number:,})" for label, number in outcome.undeclared.items()])
         print_line(f"trials that ended before the budget without a declared reason: {who}", "yellow", console)
+    for file in outcome.edited:
+        said = "was edited during the run: all its trials were made with the file as it was at the start"
+        print_line(f"{file} {said}; 'bench run' makes no more of them with the new one", "yellow", console)
     if outcome.failed:
         print_error(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
     if outcome.failed or unsound:

@@ -57,6 +57,19 @@ class Task:
     strict: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
     sandbox: str | None = None  # in which all processes run
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
+    files: from_file.Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
+    data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
+
+    @classmethod
+    def of(cls, study: Study, sandbox: str | None = None) -> Task:
+        """Return the task of a study with the content of the plug-ins' files as it is now.
+
+        Raises:
+            BenchError: for a file that cannot be read.
+        """
+        optimizers, problems = ([entry.name for entry in every] for every in (study.with_controls, study.problems))
+        files = from_file.contents(problems, "problem") | from_file.contents(optimizers)
+        return cls(study, sandbox=sandbox, files=files)
 
 
 class Job:
@@ -178,9 +191,10 @@ class Job:
 
     def _with_problem(self, problem: str) -> ForkServer:
         """Return what starts processes that have loaded a problem, and the others of its family where they can."""
+        task = self._task
         if problem not in self._problems:
             for trusted in (self._root, self._alone):
-                trusted.ensure(trial_process.begin, self._task.study, **self._loading)
+                trusted.ensure(trial_process.begin, task.study, task.files, task.data, **self._loading)
             server = self._root.branch()
             self._load_problem(problem, server)
             for label, family in self._families.items():

@@ -38,7 +38,7 @@ def with_controls(study: Study, sandbox: str | None = None) -> Study:
     Raises:
         BenchError: for a study whose plug-ins cannot be loaded, as :func:`bench.execution.supervisor.check` does.
     """
-    descriptions = check(Task(study, sandbox=sandbox)).descriptions
+    descriptions = check(Task.of(study, sandbox)).descriptions
     return replace(study, controls=(*study.controls, *missing(study, matched(study, descriptions))))
 
 

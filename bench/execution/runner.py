@@ -19,6 +19,7 @@ from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Checked, check
 from bench.numbers import require_jobs, require_positive
+from bench.plugins import from_file
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path
@@ -40,12 +41,15 @@ class Outcome:
         made: the trials that this run made.
         failed: the trials of the study that failed.
         undeclared: the trials of the study, by optimizer, that ended before the budget and did not declare why.
+        edited: the files of plug-ins that were edited during the run, all of whose trials were made with the files as
+            they were before.
     """
 
     folder: Path
     made: int
     failed: int
     undeclared: dict[str, int]
+    edited: list[str]
 
 
 def run(
@@ -126,7 +130,8 @@ def run(
             sandbox=sandbox,
             extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
         )
-        task = Task(study, timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
+        held_bytes = _bytes(memory, pool.jobs, backend)
+        task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes, strict=strict)
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
 
@@ -139,7 +144,7 @@ def run(
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
         failed = sum(cell.failed for cell in folder.store.cells())
-        return Outcome(folder.path, made, failed, folder.store.undeclared())
+        return Outcome(folder.path, made, failed, folder.store.undeclared(), from_file.changed(task.files))
 
 
 def plan(
@@ -171,7 +176,7 @@ def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
             "could make or repeat them"
         )
-    checked = check(Task(study, sandbox=sandbox))
+    checked = check(Task.of(study, sandbox))
     folder.refuse_changes(checked.fingerprints)
     return checked
 

@@ -42,11 +42,15 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 
 @dataclass(frozen=True)
 class Checked:
-    """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers."""
+    """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers.
+
+    ``task`` has the files that were checked and the hashes of the data, so that no trial is made with others.
+    """
 
     fingerprints: Fingerprints
     machine: str
     descriptions: Descriptions
+    task: Task
 
 
 class KilledError(RuntimeError):
@@ -70,7 +74,7 @@ def check(task: Task) -> Checked:
     for left in reversed(range(CHECKS)):
         try:
             with root(task) as server:
-                return _checked(server, task.study)
+                return _checked(server, task)
         except BenchError:
             raise
         except TimeExceededError as error:
@@ -86,7 +90,7 @@ def check(task: Task) -> Checked:
     raise AssertionError("the last loss is raised")
 
 
-def _checked(first: ForkServer, study: Study) -> Checked:
+def _checked(first: ForkServer, task: Task) -> Checked:
     """Return what forks of a process find; raises what they raise, or whatever a strange answer leads to."""
 
     def ask(server: ForkServer, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
@@ -96,7 +100,8 @@ def _checked(first: ForkServer, study: Study) -> Checked:
         return {label: str(answer["hashes"][label]) for label in labels if label in answer["hashes"]}, answer
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
-    problems.call(trial_process.begin, study, seconds=LOADING)
+    study = task.study
+    problems.call(trial_process.begin, study, task.files, {}, seconds=LOADING)
     data, answer = ask(problems, [entry.label for entry in study.problems], trial_process.check_problems)
     code: dict[str, str] = {}
     machine, least = dict(answer["machine"]), int(answer["least"])
@@ -115,8 +120,9 @@ def _checked(first: ForkServer, study: Study) -> Checked:
         return described
 
     files = [entry for entry in study.with_controls if from_file.split(entry.name)]
-    named = {entry.label: from_file.fingerprint(entry.name) for entry in files}
-    return Checked(Fingerprints(data, code | named), json.dumps(machine), accepting(study, describe))
+    named = {entry.label: from_file.fingerprint(entry.name, task.files) for entry in files}
+    fingerprints = Fingerprints(data, code | named)
+    return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data))
 
 
 def failed(reason: str) -> Row:

@@ -26,6 +26,7 @@ from bench.execution.answers import Box
 from bench.helpers.text import option, printable
 from bench.objective import integer_flags, passes
 from bench.optimizer import CONDITIONS, defaults, settings
+from bench.plugins import from_file
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck, note
@@ -39,10 +40,12 @@ from bench.typing import Floats
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
 
-def begin(study: Study) -> None:
-    """Set the study of all other calls in this process and its copies."""
+def begin(study: Study, files: from_file.Files, data: dict[str, str]) -> None:
+    """Set the study of all other calls in this process and its copies, its plug-ins' files and its data's hashes."""
     global _begun
     _begun = study
+    from_file.take(files)
+    _data.update(data)
 
 
 def check_problems() -> dict[str, Any]:
@@ -265,10 +268,17 @@ def _study() -> Study:
 
 @cache
 def _problem(label: str) -> Problem:
-    return _study().problem(label)
+    problem = _study().problem(label)
+    if _data.get(label, "") not in ("", problem.fingerprint()):
+        raise BenchError(
+            f"the data of problem {label!r} changed while the study ran, so none of its trials is made with the new "
+            "data; restore them, or run the study into another folder"
+        )
+    return problem
 
 
 _begun: Study | None = None
+_data: dict[str, str] = {}  # hashes by label
 _warm: set[tuple[type, str]] = set()  # kinds of problems with the optimizer, "" without one
 
 

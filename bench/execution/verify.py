@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 
 from joblib import cpu_count
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
-from bench.execution.job import Task
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
@@ -85,7 +84,7 @@ def verify(
     folder = Folder(path)
     study = folder.study()
     store = folder.check_store()
-    machine = prepare(study, folder, sandbox).machine
+    checked = prepare(study, folder, sandbox)
     chosen = _chosen(folder, store, trials, study.seed)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
@@ -93,8 +92,8 @@ def verify(
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
-        task = Task(study, hash_seed=HASH_SEED, strict=strict, sandbox=sandbox)
-        for trial, row, _ in pool.answers(task, machine, lambda: planned):
+        task = replace(checked.task, hash_seed=HASH_SEED, strict=strict)
+        for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
             if what := difference(folder.store, trial, row):
                 different.setdefault(trial, what)

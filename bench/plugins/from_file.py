@@ -6,7 +6,8 @@ import ast
 import hashlib
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib.machinery import SourceFileLoader
@@ -23,6 +24,9 @@ from bench.helpers.text import listed
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
 from bench.problem import Problem
+
+Files = dict[Path, bytes]
+"""The content of files of plug-ins, by the path under which a study names them."""
 
 
 def split(name: str) -> tuple[Path, str] | None:
@@ -56,7 +60,7 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
             are no parameters or out of range.
     """
     path, _, attribute = name.rpartition(":")
-    return build(_optimizer(name, attribute, Path(path).resolve(), fingerprint(name)), name, options)
+    return build(_optimizer(name, attribute, Path(path).resolve(), _content(Path(path), "optimizer")), name, options)
 
 
 def load_problem(name: str, /, **options: Any) -> Problem:
@@ -68,8 +72,9 @@ def load_problem(name: str, /, **options: Any) -> Problem:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
     """
     file, _, attribute = name.rpartition(":")
-    path, digest = Path(file), fingerprint(name, "problem")
-    module = _module(path.resolve(), digest, "problem")
+    path = Path(file)
+    content = _content(path, "problem")
+    module = _module(path.resolve(), content, "problem")
     if attribute not in vars(module):
         names = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
         raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, names)}")
@@ -82,25 +87,55 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
     if not problem.fingerprint():
-        object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
+        object.__setattr__(problem, "fingerprint", partial(str, _digest(content)))  # also of a frozen dataclass
     return problem
 
 
-def fingerprint(name: str, kind: str = "optimizer") -> str:
-    """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
-    return hashlib.sha256(_content(Path(name.rpartition(":")[0]), kind)).hexdigest()[:16]
+def contents(names: Iterable[str], kind: str = "optimizer") -> Files:
+    """Return the files that such names name, by path; raises BenchError where one cannot be read."""
+    return {parts[0]: _content(parts[0], kind) for name in names if (parts := split(name))}
+
+
+def take(files: Files) -> None:
+    """Have this process load these files with this content, whatever stands on its disk by then."""
+    _taken.update(files)
+
+
+def changed(files: Files) -> list[str]:
+    """Return the paths of files whose content on the disk is another one, or that are no longer there."""
+    different = []
+    for path, content in files.items():
+        with suppress(OSError):
+            if path.read_bytes() == content:
+                continue
+        different.append(str(path))
+    return different
+
+
+def fingerprint(name: str, files: Files) -> str:
+    """Return a hash of the file of such a name, whose code is not run."""
+    return _digest(files[Path(name.rpartition(":")[0])])
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 def _content(path: Path, kind: str) -> bytes:
+    if path in _taken:
+        return _taken[path]
     try:
         return path.read_bytes()
     except OSError as error:
         raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
 
 
+_taken: Files = {}
+
+
 @cache
-def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[Optimizer]:
-    module = _module(path, fingerprint)
+def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Optimizer]:
+    module, fingerprint = _module(path, content), _digest(content)
     plugin = vars(module).get(attribute)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer):
         if not is_frozen(plugin):
@@ -114,18 +149,25 @@ def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[
     raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
 
 
-class _UncachedLoader(SourceFileLoader):
-    """Compiles the source each time: cached bytecode may be of another version with the same time and size."""
+class _ContentLoader(SourceFileLoader):
+    """Compiles a file's content as it was read: the file may have changed since, and cached bytecode before."""
+
+    def __init__(self, name: str, path: Path, content: bytes) -> None:
+        super().__init__(name, str(path))
+        self._content = content
+
+    def get_data(self, path: str) -> bytes:
+        return self._content if path == self.path else super().get_data(path)
 
     def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - a loader's signature
-        return self.source_to_code(self.get_data(self.path), self.path)
+        return self.source_to_code(self._content, self.path)
 
 
 @cache
-def _module(path: Path, fingerprint: str, kind: str = "optimizer") -> ModuleType:
+def _module(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType:
     """Import the file as a module of its own, which can import the modules beside it."""
-    name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is another module
-    spec = spec_from_file_location(name, path, loader=_UncachedLoader(name, str(path)))
+    name = f"bench_file_{path.stem}_{_digest(content)}"  # an edited file is another module
+    spec = spec_from_file_location(name, path, loader=_ContentLoader(name, path, content))
     if spec is None or spec.loader is None:
         raise BenchError(f"the {kind} file {path} cannot be read as Python")
     module = module_from_spec(spec)

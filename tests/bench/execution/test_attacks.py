@@ -176,7 +176,7 @@ def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
     honest = [{"name": "hill-climber"}, {"name": f"{tmp_path}/other.py:mine", "label": "other"}]
     for optimizers in (honest, [{"name": f"{tmp_path}/forger.py:mine", "label": "forger"}, *honest]):
         made = {"name": "s", "problems": [{"name": "signature-12"}], "optimizers": optimizers}
-        found.append(check(Task(Study.from_dict(made))))
+        found.append(check(Task.of(Study.from_dict(made))))
     (alone, beside) = (each.fingerprints for each in found)
     assert beside.data == alone.data
     assert beside.code == alone.code | {"forger": fingerprint(f"{tmp_path}/forger.py:mine")}

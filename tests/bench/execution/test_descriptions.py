@@ -50,7 +50,7 @@ def file(tmp_path):
 def described(*names, **options):
     optimizers = [{"name": name, "label": str(number), **options} for number, name in enumerate(names)]
     study = Study.from_dict({"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": optimizers})
-    return [*check(Task(study)).descriptions.values()]
+    return [*check(Task.of(study)).descriptions.values()]
 
 
 def cited(*names):

@@ -85,7 +85,7 @@ def test_a_plug_in_of_a_stranger_without_such_options_is_described(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("def mine(objective, rng, step=0.1):\n    objective(objective.initial(1))\n")
     own = study({"name": f"{path}:mine", "label": "mine", "step": 0.5}, {"name": "gwo"})
-    differing, changed = sentences(own, check(Task(own)).descriptions).limits
+    differing, changed = sentences(own, check(Task.of(own)).descriptions).limits
     assert "handling is no option for mine and repair for gwo" in differing
     assert "step = 0.5 for mine" in changed
 

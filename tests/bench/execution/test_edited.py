@@ -1,0 +1,66 @@
+"""Files that are edited while a study runs: no two versions of code or data stand under one hash."""
+
+import numpy as np
+import pytest
+
+from bench import BenchError, Study, load_results, run
+from bench.execution.verify import verify
+
+OPTIMIZER = (
+    "def mine(objective, rng):\n    objective(objective.lower + {share} * (objective.upper - objective.lower))\n"
+)
+OTHER = (
+    "from bench import FunctionProblem\n"
+    "def other():\n    return FunctionProblem(lambda x: ((x - {share}) ** 2).sum(axis=1), [0], [1], name='other')\n"
+)
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study whose plug-ins' files are loaded again for the second problem, which is of another family."""
+    (tmp_path / "mine.py").write_text(OPTIMIZER.format(share=0.25))
+    (tmp_path / "other.py").write_text(OTHER.format(share=0.5))
+    return Study.from_dict(
+        {"name": "s", "trials": 2, "budget": 60,
+         "problems": [{"name": "sphere-2"}, {"name": f"{tmp_path / 'other.py'}:other"}],
+         "optimizers": [{"name": f"{tmp_path / 'mine.py'}:mine"}]}
+    )  # fmt: skip
+
+
+def test_an_edited_file_changes_no_trial_of_the_run_and_is_named(study, tmp_path):
+    def edit(trial, row):
+        (tmp_path / "mine.py").write_text(OPTIMIZER.format(share=0.75))
+        (tmp_path / "other.py").write_text(OTHER.format(share=0.75))
+
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=edit)
+    assert sorted(outcome.edited) == [str(tmp_path / "mine.py"), str(tmp_path / "other.py")]
+    assert load_results(tmp_path / "out").groupby("problem")["fun"].unique().map(list).to_dict() == {
+        "other": [0.0625], "sphere-2": [12.5]
+    }  # fmt: skip
+    for again in (lambda: run(study.override(trials=3), tmp_path / "out"), lambda: verify(tmp_path / "out")):
+        with pytest.raises(BenchError, match="changed since"):
+            again()
+
+
+def test_a_file_that_is_removed_during_the_run_costs_no_trial(study, tmp_path):
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: (tmp_path / "mine.py").unlink(missing_ok=True))
+    assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(tmp_path / "mine.py")])
+
+
+def test_data_that_change_before_a_process_loads_them_fail_its_trials(tmp_path):
+    def record(frequency):
+        t = np.arange(1000) * 0.002
+        np.savetxt(tmp_path / "a.csv", np.column_stack([t, 100 + np.sin(frequency * t)]), delimiter=",")
+
+    record(5.0)
+    study = Study.from_dict(
+        {"name": "s", "trials": 2, "budget": 60, "optimizers": [{"name": "scatter"}],
+         "problems": [{"name": f"recording:{tmp_path / 'a.csv'}", "label": "recorded"}, {"name": "sphere-2"}]}
+    )  # fmt: skip
+    seeds = (study.override(seed=seed) for seed in range(100))
+    chosen = next(each for each in seeds if next(each.plan()).problem == "sphere-2")
+    outcome = run(chosen, tmp_path / "out", n_jobs=1, on_trial=lambda *_: record(7.0))
+    frame = load_results(tmp_path / "out").set_index("problem")
+    assert (outcome.made, outcome.failed) == (4, 2)
+    assert frame.loc["recorded", "error"].str.contains("the data of problem 'recorded' changed while the study").all()
+    assert frame.loc["sphere-2", "status"].eq("ok").all()
