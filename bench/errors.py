@@ -1,4 +1,4 @@
-"""The one exception for bad input, and helpers for its messages."""
+"""The exception for bad input and that for a problem whose own code fails, and helpers for their messages."""
 
 import re
 from collections.abc import Iterable
@@ -12,6 +12,25 @@ class BenchError(ValueError):
 
     The command line prints it without a traceback and exits with code 2.
     """
+
+
+class ProblemError(RuntimeError):
+    """The problem's own code raised, which is no fault of the optimizer.
+
+    Args:
+        raised: what it raised, which the message describes.
+    """
+
+    def __init__(self, raised: BaseException) -> None:
+        super().__init__(raised)
+        self.raised = raised
+
+    def __str__(self) -> str:
+        return f"{type(self.raised).__name__}: {self.raised}"
+
+
+PROBLEM_FAILED = f"{ProblemError.__name__}: "
+"""With which the stored error of a trial begins that was lost by its problem."""
 
 
 def require(module: str, extra: str, needed: str) -> Any:

@@ -65,6 +65,8 @@ class Objective:
         lower: (d,) the lower end of the box.
         upper: (d,) its upper end.
         integer: (d,) bool, the variables that are whole numbers. The harness rounds them; an optimizer may use it.
+        raised: the first exception that the problem raised at points in the box, None without. It loses the trial, even
+            if the optimizer catches it.
 
     Args:
         problem: what is minimised.
@@ -88,6 +90,7 @@ class Objective:
         self._budget = budget
         self._evaluations = 0
         self._stop_reason: str | None = None
+        self.raised: BaseException | None = None  # by the problem's own code, at points in the box
         self._problem = problem
         self._rng = rng
         self._improved_at: list[int] = []
@@ -179,6 +182,9 @@ class Objective:
                         value = np.inf
                     self._evaluations += 1
                     return value
+                except (Exception, SystemExit) as error:
+                    self._note(error, self._box[2])
+                    raise
                 finally:
                     self._lock.release()
         points = floats(x, "points")
@@ -190,13 +196,22 @@ class Objective:
             )
         with self._lock:
             allowed = min(len(rows), self.remaining)
-            values = self._evaluate(rows[:allowed])
+            try:
+                values = self._evaluate(rows[:allowed])
+            except (Exception, SystemExit) as error:
+                self._note(error, rows[:allowed])
+                raise
         if allowed < len(rows):
             self._refusals += 1
             if self._on_refusal is not None:
                 self._on_refusal(self._refusals)
             raise BudgetExhausted
         return float(values[0]) if single else values
+
+    def _note(self, error: BaseException, points: Floats) -> None:
+        """Note the first exception of the problem's code; one at a point outside the box is the optimizer's fault."""
+        if self.raised is None and bool(((points >= self.lower) & (points <= self.upper)).all()):
+            self.raised = error
 
     def _evaluate(self, rows: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points, recorded and counted."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bench import scoring
+from bench.errors import ProblemError
 from bench.helpers.text import html_table, listed
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
@@ -110,13 +111,19 @@ def search(
     See :class:`bench.objective.Objective` for ``on_refusal``.
 
     Raises:
+        ProblemError: when the problem raises at a point in the box.
         RuntimeError: when the optimizer returns without an evaluation.
-        BaseException: whatever the optimizer or the problem raises.
+        BaseException: whatever the optimizer raises.
     """
     start_stream, search_stream = streams(seed)
     objective = scoring.objective(problem, budget, start_stream, on_refusal)
     wall, cpu = perf_counter(), process_time()
-    returned = run(optimizer, objective, search_stream)
+    try:
+        returned = run(optimizer, objective, search_stream)
+    except (Exception, SystemExit):
+        if objective.raised is None:
+            raise
+        returned = None
     wall, cpu = perf_counter() - wall, process_time() - cpu
     return result(objective, problem, seed, wall, cpu, returned)
 
@@ -135,12 +142,19 @@ def result(
     """Return the result of a search that has ended, from its objective and its wall and processor seconds.
 
     Raises:
+        ProblemError: when the problem raised, or cannot describe the best point.
         RuntimeError: without an evaluation; what the optimizer ``returned`` may explain it.
     """
+    if objective.raised is not None:
+        raise ProblemError(objective.raised) from objective.raised
     if objective.best_point is None:
         lazy = inspect.isgenerator(returned) or inspect.isawaitable(returned) or inspect.isasyncgen(returned)
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
+    try:
+        metrics = problem.describe(objective.best_point.copy())
+    except Exception as error:
+        raise ProblemError(error) from error
     stop = "budget" if objective.remaining == 0 else objective.stop_reason
     return Result(
         x=objective.best_point,
@@ -152,7 +166,7 @@ def result(
         objective_time=objective.seconds,
         stop="undeclared" if stop is None else stop,
         outside_box=objective.outside_box,
-        metrics=problem.describe(objective.best_point.copy()),
+        metrics=metrics,
         seed=seed,
     )
 

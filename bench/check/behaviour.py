@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.analysis.similarity import behaviour
 from bench.check.problems import FUNCTIONS, RecordingProblem, classic
-from bench.errors import BenchError
+from bench.errors import BenchError, ProblemError
 from bench.helpers.console import OnStep
 from bench.optimizer import Optimizer
 from bench.problem import Problem
@@ -74,6 +74,8 @@ def _run(name: str, optimizer: Optimizer, problem: RecordingProblem, budget: int
     """Return the points of one trial, as shares of the box, and their values."""
     try:
         search(problem, optimizer, budget, seed)
+    except ProblemError as error:
+        raise BenchError(f"{problem.name} failed: {error}") from error
     except Exception as error:  # a plug-in may raise anything
         raise BenchError(f"{name} failed on {problem.name}: {type(error).__name__}: {error}") from error
     points = problem.points[:budget]

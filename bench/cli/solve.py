@@ -12,7 +12,7 @@ from rich.text import Text
 
 from bench.cli import completion
 from bench.cli.console import Constraints, Parameters, ProblemParameters
-from bench.errors import BenchError
+from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
 
 
@@ -33,6 +33,9 @@ def command(
     option: Parameters = None,
     problem_option: ProblemParameters = None,
     constraints: Constraints = None,
+    on_error: Annotated[
+        str, typer.Option(metavar="fail|worst", help="With worst, a point at which the problem raises is worth +inf.")
+    ] = "fail",
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
     from bench.execution.solve import solve
@@ -45,9 +48,12 @@ def command(
     spent = evaluations(checked(budget, "--budget"), loaded.dimension)
     chosen.check_budget(spent, optimizer)
     try:
-        result = solve(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT)
+        result = solve(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT, on_error=on_error)
     except BenchError:
         raise
+    except ProblemError as error:
+        print_error(f"{problem} failed: {error}")
+        sys.exit(1)
     except Exception as error:  # a plug-in may raise anything
         print_error(f"{optimizer} failed on {problem}: {type(error).__name__}: {error}")
         sys.exit(1)

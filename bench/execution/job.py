@@ -17,7 +17,7 @@ from __future__ import annotations
 import socket
 from collections import OrderedDict
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from itertools import count
@@ -25,6 +25,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from bench.errors import PROBLEM_FAILED
 from bench.execution import strict, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.helpers.text import printable
@@ -161,9 +162,14 @@ class Job:
             answer = process.finish(**self._limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
             process.close()  # before the server is asked, as a thread may go on
-            if not isinstance(answer, dict) or "error" in answer:
-                return answer, took
-            kept = server.finish(seconds=LOADING + took, memory=self._task.memory)
+            lost = not isinstance(answer, dict) or "error" in answer
+            kept = None
+            with suppress(*FAILURES) if lost else nullcontext():  # it knows alone whether the problem has failed
+                kept = server.finish(seconds=LOADING + took, memory=self._task.memory)
+            if isinstance(kept, dict) and "error" in kept:
+                return kept, took
+            if lost:
+                return _not_blaming_problem(answer), took
             if isinstance(kept, dict):
                 kept["cpu_s"] = answer.get("cpu_s")
                 if kept.get("stop") != "budget":
@@ -218,6 +224,13 @@ class Job:
             server.ensure(strict.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
+
+
+def _not_blaming_problem(answer: Any) -> Any:
+    """Return the answer of an optimizer's process without its claim, which its problem denies, that this has failed."""
+    if isinstance(answer, dict) and isinstance(answer.get("error"), str):
+        return answer | {"error": answer["error"].removeprefix(PROBLEM_FAILED)}
+    return answer
 
 
 @dataclass

@@ -20,6 +20,7 @@ def solve(
     budget: int,
     seed: int = 0,
     constraints: str = handlings.DEFAULT,
+    on_error: str = "fail",
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -32,16 +33,18 @@ def solve(
         budget: evaluations it may spend; it may be less than one generation.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
         constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.scoring.constraints`).
+        on_error: "fail", or "worst" to go on with +inf as the value of a point at which the problem raises.
 
     Raises:
-        BenchError: for an unknown name, a budget below 1, or a handling of constraints that cannot be.
+        BenchError: for an unknown name, a budget below 1, or a handling of constraints or errors that cannot be.
+        ProblemError: where the problem raises; its ``raised`` is what the problem raised.
     """
     problem = loading.load_problem(problem) if isinstance(problem, str) else problem
     optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_seed("the seed", seed)
-    problem = scored(problem, handlings.checked(constraints))
+    problem = scored(problem, handlings.checked(constraints), on_error)
     return make_run(problem, optimizer, budget=budget, seed=seed)
 
 

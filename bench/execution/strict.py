@@ -79,15 +79,13 @@ class RemoteProblem(Problem):
 def serve(objective: Objective, file: int) -> float:
     """Answer a :class:`RemoteProblem` until it is closed or its process ends; return the seconds since it began.
 
-    Args:
-        objective: of the problem that it stands for; it counts and records all evaluations.
-        file: the file number of the socket.
+    What the problem raises, the optimizer is given.
 
-    Raises:
-        Exception: what the problem raises, after the optimizer has been given it.
+    Args:
+        objective: of the problem that it stands for; it counts and records all evaluations, and notes such exceptions.
+        file: the file number of the socket.
     """
     began = 0.0
-    raised = None
     with Connection(file) as end, suppress(EOFError, OSError):
         while True:
             message = end.recv_bytes(1 + _LONGEST)
@@ -100,11 +98,8 @@ def serve(objective: Objective, file: int) -> float:
             except BudgetExhausted:
                 kind = _EXHAUSTED
             except Exception as error:
-                raised = raised or error
                 answer, kind = describe_error(error).encode(), _RAISED
             end.send_bytes(kind + answer)
-    if raised is not None:
-        raise raised
     return perf_counter() - began if began else 0.0
 
 

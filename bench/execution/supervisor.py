@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bench.errors import BenchError
+from bench.errors import PROBLEM_FAILED, BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.descriptions import Description, Descriptions, accepting, read
@@ -185,8 +185,10 @@ class Supervisor:
                 row = failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
             except RefusedError as error:
                 row = failed(f"its answer is refused: {error}")
-            except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
+            except RemoteError as error:
                 row = failed(f"{error} {self._doing}".strip())
+            except ValueError as error:  # metrics or variables that are no columns
+                row = failed(f"{PROBLEM_FAILED}{error}")
             if not (lost or self._killed):
                 return row
             self.close()  # what killed one process may have killed or stopped others

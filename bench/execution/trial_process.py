@@ -20,7 +20,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench import scoring
-from bench.errors import BenchError
+from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.execution import strict
 from bench.execution.answers import Box
 from bench.helpers.text import option, printable
@@ -110,7 +110,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
             "integer": integer_flags(problem).tolist(),
         }
     except BaseException as error:  # only its own trials fail
-        return _failure(error)
+        return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
         passes(_study().evaluations(problem.dimension), problem.dimension)
         if (kind := (type(problem.unscored), "")) not in _warm:
@@ -183,23 +183,31 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
 def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     """Keep the problem, the budget and the trace of a strict trial until its optimizer has ended.
 
-    Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point.
+    Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point; or the error of the
+    problem.
     """
     _stay_on(core)
     problem = _problem(trial.problem)
     objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
-    kept = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
+    seconds = strict.serve(objective, end)
+    try:
+        kept = result(objective, problem, trial.seed, seconds, 0.0)
+    except ProblemError as error:
+        return {"error": _failure(error)}
     return as_answer(kept) | {"metrics": numbers(kept.metrics)}
 
 
 def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
     """Return the value and the metrics of a point of a problem, and by how much the value differs in ``batches``."""
     problem, point = _problem(label), np.array(x, dtype=np.float64)
-    value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
-    metrics = numbers(problem.describe(point.copy()))
-    spread = 0.0
-    for size in _BATCHES if batches else ():
-        spread = max(spread, float(np.ptp([value, *problem.evaluate(np.tile(point, (size, 1)))])))
+    try:
+        value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
+        metrics = numbers(problem.describe(point.copy()))
+        spread = 0.0
+        for size in _BATCHES if batches else ():
+            spread = max(spread, float(np.ptp([value, *problem.evaluate(np.tile(point, (size, 1)))])))
+    except Exception as error:
+        raise ProblemError(error) from error
     return {"fun": value, "metrics": metrics, "spread": spread}
 
 

@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
@@ -78,7 +79,8 @@ def facts(findings: Findings) -> dict[str, Any]:
         "known": trials.known,  # facts of the problems, by label
         "suites": problem_words.suites(trials.known),
         "empty": int((trials.coverage["stored"] == 0).sum()),
-        "failed": int(trials.coverage["failed"].sum()),
+        "failed": int(np.isinf(analysis.scores(trials.comparable.working)).sum()),
+        "not_compared": trials.comparable,
         "environments": results.environments,
         "tests": len(final.pairs) if final.levels.problems else 0,  # of which one can be significant
         "pairs": len(final.pairs),

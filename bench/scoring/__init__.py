@@ -1,5 +1,5 @@
-"""What is recorded where an optimizer sees something else: constraints, noise and integer variables."""
+"""What is recorded where an optimizer sees something else: constraints, noise, integer variables and failures."""
 
-from bench.scoring.problem import Scored, objective, scored
+from bench.scoring.problem import Scored, objective, require_on_error, scored
 
-__all__ = ["Scored", "objective", "scored"]
+__all__ = ["Scored", "objective", "require_on_error", "scored"]

@@ -1,4 +1,4 @@
-"""Record the true values of problems whose optimizers see others: constraints, noise and integer variables.
+"""Record the true values of problems whose optimizers see others: constraints, noise, integer variables, failures.
 
 **The recorded values are those that count**: the objective without noise, at feasible points, with whole numbers in
 place of integer variables (:meth:`Scored.evaluate`). Any other point is recorded as +inf. So trace, best value and its
@@ -8,6 +8,7 @@ INRIA RR-6869). What an optimizer sees instead:
 
 - of an infeasible point, what the study's handling of constraints shows (:mod:`bench.scoring.constraints`);
 - of a noisy problem, values with noise from a stream of the trial's own;
+- of a point whose evaluation raises, +inf, where the study says ``on_error = "worst"``; it is recorded as such, too;
 - of integer variables, the value of the point whose integer variables are rounded. It need not know of them; one that
   does finds them in ``objective.integer``.
 """
@@ -27,6 +28,9 @@ from bench.problem import Problem, with_own_box
 from bench.scoring import constraints
 from bench.typing import Flags, Floats
 
+ON_ERROR = ("fail", "worst")
+"""What becomes of a point at which a problem raises: the trial fails, or the point counts and its value is +inf."""
+
 
 class Assessment(NamedTuple):
     """What n points are worth.
@@ -45,17 +49,18 @@ class Assessment(NamedTuple):
 
 
 class Scored(Problem):
-    """A problem with constraints, noise or integer variables, whose ``evaluate`` returns the recorded values.
+    """A problem with constraints, noise, integer variables or points that fail; it returns the recorded values.
 
     The domain metrics of a constrained problem have the ``violation`` of the point.
 
     Attributes:
         problem: the problem itself.
         handling: one of :data:`bench.scoring.constraints.HANDLINGS`; "" without constraints.
+        on_error: one of :data:`ON_ERROR`.
     """
 
-    def __init__(self, problem: Problem, handling: str) -> None:
-        self.problem, self.handling = problem, handling
+    def __init__(self, problem: Problem, handling: str, on_error: str = "fail") -> None:
+        self.problem, self.handling, self.on_error = problem, handling, on_error
         self.name, self.variables = problem.name, problem.variables
         self.lower, self.upper = problem.lower, problem.upper
         self.optimum, self.expected, self.features = problem.optimum, dict(problem.expected), dict(problem.features)
@@ -115,11 +120,22 @@ class Scored(Problem):
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""
-        return as_values(self.problem, self.problem.noiseless(x.copy()), len(x)).copy()  # it may reuse its array
+        return as_values(self.problem, self._computed(self.problem.noiseless, x), len(x)).copy()  # it may reuse it
+
+    def _computed(self, values: Callable[[Floats], Floats], x: Floats) -> Floats:
+        """Return what a function of the problem returns for the (n, d) points, +inf where it may fail and raises."""
+        try:
+            return values(x.copy())
+        except Exception:  # a plug-in may raise anything
+            if self.on_error == "fail":
+                raise
+        if len(x) == 1:
+            return np.full(1, np.inf)
+        return np.concatenate([self._computed(values, row[np.newaxis]) for row in x])
 
     def _observed(self, x: Floats, rng: np.random.Generator) -> Floats:
         """Return the (n,) values of the (n, d) points with noise."""
-        values = self.problem.evaluate(x.copy(), rng)  # type: ignore[call-arg]
+        values = self._computed(lambda points: self.problem.evaluate(points, rng), x)  # type: ignore[call-arg]
         observed = as_values(self.problem, values, len(x))
         if (observed == -np.inf).any():
             raise minus_infinity(self.problem)
@@ -184,17 +200,20 @@ class ScoredObjective(Objective):
         return np.where(inside, assessment.shown, np.inf)
 
 
-def scored(problem: Problem, handling: str) -> Problem:
+def scored(problem: Problem, handling: str, on_error: str = "fail") -> Problem:
     """Return a problem with constraints, noise or integer variables as scored, and any other problem as it is.
 
     Args:
         problem: any problem.
         handling: what an optimizer sees of infeasible points.
+        on_error: one of :data:`ON_ERROR`; with "worst", any problem is scored.
 
     Raises:
-        BenchError: for bounds that are no box, for ``repair`` of a problem whose repair does not satisfy its
-            constraints, for a problem whose violations cannot be computed, and for integer variables that cannot be.
+        BenchError: for another ``on_error``, for bounds that are no box, for ``repair`` of a problem whose repair does
+            not satisfy its constraints, for a problem whose violations cannot be computed, and for integer variables
+            that cannot be.
     """
+    require_on_error(on_error)
     if isinstance(problem, Scored):
         return problem
     with_own_box(problem)
@@ -206,9 +225,16 @@ def scored(problem: Problem, handling: str) -> Problem:
         )
     if problem.integer is not None:
         _check_integer(problem, problem.integer)
-    if constrained or problem.noisy or problem.integer is not None:
-        return Scored(problem, constraints.checked(handling) if constrained else "")
+    if constrained or problem.noisy or problem.integer is not None or on_error == "worst":
+        return Scored(problem, constraints.checked(handling) if constrained else "", on_error)
     return problem
+
+
+def require_on_error(value: Any, what: str = "'on_error'") -> str:
+    """Return one of :data:`ON_ERROR`; raises BenchError for anything else, naming it ``what``."""
+    if value not in ON_ERROR:
+        raise BenchError(f'{what} must be "fail" or "worst", not {value!r}')
+    return str(value)
 
 
 def _constrained(problem: Problem) -> bool:

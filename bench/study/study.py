@@ -25,7 +25,7 @@ from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
 from bench.problem import Problem
 from bench.scoring import constraints as handlings
-from bench.scoring import scored
+from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
 from bench.study import budget as budgets
 from bench.study import entries, tuned
@@ -71,6 +71,8 @@ class Study:
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
         constraints: what optimizers see of infeasible points, one of :data:`bench.scoring.constraints.HANDLINGS`.
+        on_error: what becomes of a point at which a problem raises: "fail", the trial fails and reports do not compare
+            the problem; "worst", the point counts, its value is +inf and the trial goes on.
         targets: what a report counts as reached (:func:`bench.study.targets.checked`); None: the usual ones of the
             problems. They decide no trial's result.
         rope: the difference of medians below which two optimizers count as equal (:func:`bench.study.rope.checked`);
@@ -91,6 +93,7 @@ class Study:
     seed: int = 0
     title: str = ""
     constraints: str = handlings.DEFAULT
+    on_error: str = "fail"
     targets: Targets | None = None
     rope: Rope | None = None
     tuning: Tuning | None = None
@@ -218,7 +221,7 @@ class Study:
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
         entry = self._named("problem", self.problems, label)
-        return scored(loading.load_problem(entry.name, **deepcopy(entry.options)), self.constraints)
+        return scored(loading.load_problem(entry.name, **deepcopy(entry.options)), self.constraints, self.on_error)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
@@ -327,12 +330,13 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, rope, tuning and the default handling of constraints are no part of it: older studies do not name them.
+        Targets, rope, tuning and the default handlings of constraints and failures are no part of it: older studies do
+        not name them.
         Neither are controls, which change no other trial and may be added to a folder. Looks are, where there are any:
         they decide which trials are made, and must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
-        left_out = ("constraints", "targets", "rope", "tuning", "looks", "controls")
+        left_out = ("constraints", "on_error", "targets", "rope", "tuning", "looks", "controls")
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks
@@ -343,7 +347,9 @@ class Study:
 
         A phrase describes the other study, such as ``"its budget is 2000, not 3000"``.
         """
-        words = {"name": "name", "budget": "budget", "seed": "seed", "constraints": "handling of constraints"}
+        words = {key: key for key in ("name", "budget", "seed", "on_error")} | {
+            "constraints": "handling of constraints"
+        }
         phrases = []
         for key, word in words.items():
             this, that = getattr(self, key), getattr(other, key)
@@ -357,8 +363,12 @@ class Study:
         return phrases
 
     def _handling(self) -> dict[str, str]:
-        """Return the handling of constraints where it is not the default, which older studies do not name."""
-        return {} if self.constraints == handlings.DEFAULT else {"constraints": self.constraints}
+        """Return the handlings of constraints and of failures where they are not the default ones.
+
+        Older studies do not name them.
+        """
+        usual = {"constraints": handlings.DEFAULT, "on_error": "fail"}
+        return {key: getattr(self, key) for key, default in usual.items() if getattr(self, key) != default}
 
 
 def _whole(value: Any, what: str, *, least: int, most: int) -> int:
@@ -368,8 +378,8 @@ def _whole(value: Any, what: str, *, least: int, most: int) -> int:
 
 _READERS: dict[str, Callable[[Any, str], Any]] = {
     "seed": partial(_whole, least=0, most=LARGEST_SEED), "trials": partial(_whole, least=1, most=MOST_TRIALS),
-    "budget": budgets.checked, "constraints": handlings.checked, "targets": target_kinds.checked,
-    "rope": ropes.checked, "tuning": tuned.checked, "looks": declared.checked,
+    "budget": budgets.checked, "constraints": handlings.checked, "on_error": require_on_error,
+    "targets": target_kinds.checked, "rope": ropes.checked, "tuning": tuned.checked, "looks": declared.checked,
 }  # fmt: skip
 """By key, what returns a value as a study holds it and raises BenchError for what cannot be one."""
 

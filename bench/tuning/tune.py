@@ -21,7 +21,7 @@ from filelock import FileLock, Timeout
 
 from bench.analysis.cells import NO_TRACE
 from bench.analysis.target_sets import aocc
-from bench.errors import BenchError, require
+from bench.errors import PROBLEM_FAILED, BenchError, require
 from bench.helpers.console import OnStep
 from bench.helpers.text import option, printable
 from bench.objective import Trace
@@ -243,6 +243,11 @@ class _Search:
             seconds += sum(run.seconds for run in outcomes)
             errors = [run.error for run in outcomes if run.error]
             failed += len(errors)
+            if blamed := next((error for error in errors if PROBLEM_FAILED in error), ""):
+                raise BenchError(
+                    f"the training problem {problem} failed, which judges no configuration: "
+                    f"{blamed.partition(PROBLEM_FAILED)[2]}; mend it, or leave it out"
+                )
             if errors:
                 trial.set_user_attr("error", errors[0])
             scores.append(score(outcomes, self.setting.objective, self.optima[problem], self.budgets[problem]))

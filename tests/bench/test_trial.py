@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem, Optimizer
+from bench.errors import ProblemError
 from bench.trial import Trial, as_row, search
 
 
@@ -103,3 +104,58 @@ def test_what_makes_no_columns_is_refused(variables, figures, sentence):
 
 def test_a_trial_is_known_by_its_cell_and_number():
     assert Trial("sphere", "gwo", 3, seed=99).key == ("sphere", "gwo", 3)
+
+
+def raises_beyond(limit):
+    """Return a problem in a box of [-1, 1]^2 that cannot be evaluated where its first variable exceeds a limit."""
+
+    def fun(x):
+        if not (x[:, 0] <= limit).all():
+            raise ValueError("no convergence")
+        return (x**2).sum(axis=1)
+
+    return FunctionProblem(fun, [-1, -1], [1, 1])
+
+
+@dataclass(frozen=True)
+class At(Optimizer):
+    """Evaluates one point, may catch what is raised there, and goes on at 0."""
+
+    x: float
+    catches: bool = False
+    batch: bool = False
+
+    def minimize(self, objective, rng):
+        point = np.array([self.x, 0.0])
+        try:
+            objective(point[np.newaxis] if self.batch else point)
+        except ValueError:
+            if not self.catches:
+                raise KeyError("another one") from None
+        objective(np.zeros(2))
+
+
+@pytest.mark.parametrize("catches", [False, True])
+@pytest.mark.parametrize("batch", [False, True])
+def test_what_a_problem_raises_in_its_box_is_the_problems_fault_whatever_the_optimizer_does(catches, batch):
+    with pytest.raises(ProblemError, match=r"^ValueError: no convergence$") as caught:
+        search(raises_beyond(0.5), At(0.75, catches, batch), 10, seed=1)
+    assert isinstance(caught.value.raised, ValueError)
+
+
+@pytest.mark.parametrize("batch", [False, True])
+def test_what_a_problem_raises_outside_its_box_or_at_no_number_is_the_optimizers(batch):
+    for x in (1.5, np.nan):
+        assert search(raises_beyond(1.0), At(x, catches=True, batch=batch), 10, seed=1).fun == 0
+        with pytest.raises(KeyError):
+            search(raises_beyond(1.0), At(x, batch=batch), 10, seed=1)
+
+
+def test_a_best_point_that_cannot_be_described_is_the_problems_fault():
+    class Undescribed(FunctionProblem):
+        def describe(self, x):
+            raise KeyError("units")
+
+    problem = Undescribed(lambda x: (x**2).sum(axis=1), [-1, -1], [1, 1])
+    with pytest.raises(ProblemError, match="KeyError: 'units'"):
+        search(problem, Drawing(points=2), 10, seed=1)

@@ -9,7 +9,7 @@ from itertools import product
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.common_budget import at_budget, common_budgets
+from bench.analysis.comparable import Comparable, comparable
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.report.conditions import repairing
 from bench.report.problem_words import sweeps
@@ -80,14 +80,19 @@ class Trials:
         return analysis.in_study_order(self.pooled.frame, self.study)
 
     @cached_property
+    def comparable(self) -> Comparable:
+        """The trials that are compared, and what is left out."""
+        return comparable(self.whole, self.traces, self.allowed)
+
+    @property
     def common(self) -> dict[str, int]:
         """The largest budget of each problem that all optimizers had, where budgets differ; else none."""
-        return common_budgets(self.whole, self.allowed)
+        return self.comparable.common
 
-    @cached_property
+    @property
     def frame(self) -> pd.DataFrame:
-        """The frame whose values are ranked and tested: the whole one, or that at the common budgets."""
-        return at_budget(self.whole, self.traces, self.common) if self.common else self.whole
+        """The frame whose values are ranked and tested: the whole one, or what of it can be compared."""
+        return self.comparable.frame
 
     @property
     def common_words(self) -> str:
@@ -98,12 +103,6 @@ class Trials:
         if low == high:
             return f"at {low:,} evaluations, the largest budget that all had"
         return f"at the largest budget of each problem that all had ({low:,} to {high:,} evaluations)"
-
-    @cached_property
-    def incomparable(self) -> dict[str, int]:
-        """How many trials of an optimizer are not compared: they spent more, and what they had before is unknown."""
-        lost = self.whole[~self.whole.index.isin(self.frame.index)]
-        return {str(label): int(number) for label, number in lost["optimizer"].value_counts().items() if number}
 
     @cached_property
     def shifts(self) -> Shifts:
@@ -120,8 +119,8 @@ class Trials:
 
     @cached_property
     def measured(self) -> pd.DataFrame:
-        """The whole frame with values that count from the optimum that each optimizer can reach."""
-        return shifted(self.whole, self.shifts)
+        """The trials on problems that work, with values that count from the optimum that each optimizer can reach."""
+        return shifted(self.comparable.working, self.shifts)
 
     @cached_property
     def measured_final(self) -> pd.DataFrame:
@@ -224,8 +223,8 @@ class Trials:
         if all(budget == self.results.study.budget for budget in budgets.values()):
             return self.budgets
         return {
-            (label, optimizer): evaluations(budget, self.dimensions[label])
-            if label in self.dimensions
+            (label, optimizer): evaluations(budget, self.dimensions.get(label, 0))
+            if label in self.dimensions or isinstance(budget, int)
             else self.budgets[label]
             for label in self.problems
             for optimizer, budget in budgets.items()

@@ -6,6 +6,7 @@ import pandas as pd
 
 from bench.analysis.integrity import TRAITS
 from bench.report.findings import Findings, Trials
+from bench.report.left_out import left_out
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 
@@ -57,11 +58,11 @@ def warnings(findings: Findings) -> tuple[str, ...]:
             f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
             f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."
         )
-    return tuple(sentences)
+    return (*left_out(findings.trials.comparable), *sentences)
 
 
 def _incomplete(trials: Trials) -> list[Table]:
-    coverage, frame = trials.coverage, trials.frame
+    coverage, frame = trials.coverage, trials.whole
     short = coverage[(coverage["missing"] > 0) | (coverage["failed"] > 0)]
     lost = short[["failed"]] > 0
     tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short, lost=lost)] if len(short) else []

@@ -13,7 +13,7 @@ TITLE = "Methods"
 
 def section(findings: Findings) -> Section:
     """Return paragraphs that are true of this run, with the BibTeX of the works they cite."""
-    if findings.trials.frame.empty:
+    if findings.trials.whole.empty:
         return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
     texts = methods(findings)
     tables = (

@@ -35,14 +35,14 @@ TOO_FEW = "; with so few trials beside so many tests, nothing is tested on singl
 
 def section(findings: Findings) -> Section:
     """Return the verdict, or a section that states why there is nothing to compare."""
-    if findings.trials.frame.empty:
+    if findings.trials.whole.empty:
         return Section(TITLE, warnings=("The study has no trial yet, so there is no verdict.",))
-    lost, warnings = unfinished_trials(findings.trials.frame), integrity.warnings(findings)
+    lost, warnings = unfinished_trials(findings.trials.comparable.working), integrity.warnings(findings)
     nothing = ""
     if len(findings.final.ranking) < 2:
         nothing = f"There is nothing to compare: {findings.trials.optimizers[0]} is the only optimizer."
     elif not len(findings.final.medians):
-        nothing = "There is nothing to compare yet: no problem has trials of every optimizer."
+        nothing = "There is nothing to compare: no problem has trials of every optimizer that can be compared."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
     conditions, grounds = sentences(findings.study, findings.descriptions), verdict(standing(findings))
@@ -243,11 +243,9 @@ def _limits(findings: Findings) -> tuple[str, ...]:
 
 def unequal_budgets(trials: Trials) -> str:
     """Return at which budget values are compared where the optimizers had different ones."""
-    left_out = [f"{count(number, 'trial')} of {label}" for label, number in trials.incomparable.items()]
     return (
         f"The optimizers had different budgets: ranks, medians and tests compare values {trials.common_words}, and "
         "running times to targets count all evaluations."
-        + (f" Left out, as it is unknown what they had found by then: {listing(left_out)}." if left_out else "")
     )
 
 

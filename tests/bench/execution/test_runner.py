@@ -206,6 +206,7 @@ def test_each_problem_that_breaks_the_contract_costs_its_own_cell(tmp_path):
     assert frame["status"].to_dict() == dict.fromkeys(ODD, "failed") | {"sphere-2": "ok"}
     for problem, said in ODD.items():
         assert said in frame.loc[problem, "error"]
+        assert frame.loc[problem, "error"].startswith("ProblemError: ")
 
 
 def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):

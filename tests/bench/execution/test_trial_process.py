@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem
+from bench.errors import ProblemError
 from bench.execution import trial_process
 
 
@@ -41,3 +42,12 @@ def test_a_problem_that_writes_into_its_points_moves_none(problem):
 
     problem(write)
     assert trial_process.evaluate("any", [0.5, 0.25], True) == {"fun": 0.75, "metrics": {}, "spread": 0.0}
+
+
+def test_what_the_problem_raises_at_a_best_point_is_its_own_error(problem):
+    def fail(x):
+        raise ZeroDivisionError("no mass")
+
+    problem(fail)
+    with pytest.raises(ProblemError, match="ZeroDivisionError: no mass"):
+        trial_process.evaluate("any", [0.5, 0.25], False)

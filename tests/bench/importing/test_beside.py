@@ -92,7 +92,7 @@ class TestUnited:
             assert compared.loc[place, "fun"] == value
         assert (compared["fun"] > whole["fun"]).any()
         assert compared.drop(columns="fun").equals(whole.drop(columns="fun"))
-        assert both.trials.incomparable == {}
+        assert both.trials.comparable.unknown == {}
         assert both.anytime.hits["spent"].max() > 120  # targets count all evaluations
         assert Findings(Results(mine)).trials.common_words == ""
 

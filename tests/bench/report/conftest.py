@@ -195,14 +195,16 @@ def finished(fun, rng):
 
 
 FAILED = {"status": "failed", "error": "ValueError: <b>boom</b> & more\nTraceback …"}
+RAISED = {"status": "failed", "error": "ProblemError: ValueError: no convergence\nTraceback …"}
 
 
 @pytest.fixture(scope="session")
 def make():
     """Return a function that writes a study whose optimizers differ by 1 a place.
 
-    ``skip`` and ``fail`` hold cells (problem, optimizer) or trials (problem, optimizer, number); ``changes`` holds
-    what is otherwise in the rows of an optimizer's finished trials, by optimizer; ``options`` its options, likewise.
+    ``skip``, ``fail`` and ``raised`` hold cells (problem, optimizer) or trials (problem, optimizer, number), of which
+    the problem loses those that are ``raised``; ``changes`` holds what is otherwise in the rows of an optimizer's
+    finished trials, by optimizer; ``options`` its options, likewise.
     """
 
     def write_study(
@@ -213,6 +215,7 @@ def make():
         *,
         skip=(),
         fail=(),
+        raised=(),
         changes=None,
         options=None,
     ):
@@ -232,8 +235,8 @@ def make():
             for trial in sorted(study.plan(), key=place_of):
                 matches = {(trial.problem, trial.optimizer), trial.key}
                 value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
-                if matches & set(fail):
-                    writer.add(trial, FAILED)
+                if matches & {*fail, *raised}:
+                    writer.add(trial, RAISED if matches & set(raised) else FAILED)
                 elif not matches & set(skip):
                     writer.add(trial, finished(value, rng) | (changes or {}).get(trial.optimizer, {}))
         return folder

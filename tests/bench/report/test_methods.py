@@ -5,11 +5,13 @@ import shutil
 import subprocess
 from dataclasses import fields, replace
 
+import pandas as pd
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bench.analysis import Levels
+from bench.analysis.comparable import Comparable
 from bench.execution.descriptions import Description
 from bench.helpers.bibtex import parse
 from bench.plugins import registry
@@ -54,7 +56,8 @@ def described(*names):
 
 
 NOTHING = {
-    "study": study(), "descriptions": {}, "replications": ONE, "known": {}, "empty": 0, "failed": 0, "environments": [],
+    "study": study(), "descriptions": {}, "replications": ONE, "known": {}, "empty": 0, "failed": 0,
+    "not_compared": Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {}), "environments": [],
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": target_words("relative"), "aocc": 0, "early": {}, "checks": {},
     "rope": None, "landscapes": 0, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,

@@ -201,3 +201,36 @@ def test_an_honest_trial_without_a_point_in_the_box_is_kept(tmp_path):
     run(study, tmp_path / "odd", n_jobs=1)
     (row,) = load_results(tmp_path / "odd").to_dict("records")
     assert (row["status"], row["fun"], row["error"]) == ("ok", np.inf, None)
+
+
+class TestPointsThatFail:
+    @staticmethod
+    def fun(x, rng=None):
+        if (x[:, 0] > 2).any():
+            raise RuntimeError("no convergence")
+        return (x**2).sum(axis=1)
+
+    @pytest.mark.parametrize("kind", [mixed, noisy])
+    def test_each_counts_and_is_worth_infinity_where_the_study_says_worst(self, kind):
+        noiseless = {"noiseless": self.fun} if kind is noisy else {}
+        problem = scored(kind(fun=self.fun, **noiseless), "death", "worst")
+        f = objective(problem, 10, np.random.default_rng(0))
+        assert np.isinf(f(POINTS)).tolist() == [False, True, False]
+        assert f(POINTS[1]) == np.inf
+        assert (f.evaluations, f.raised, np.isfinite(f.best_value)) == (4, None, True)
+
+    def test_else_it_is_raised_and_noted(self):
+        f = objective(scored(mixed(fun=self.fun), "death"), 10, np.random.default_rng(0))
+        with pytest.raises(RuntimeError, match="no convergence"):
+            f(POINTS)
+        assert str(f.raised) == "no convergence"
+
+    def test_a_problem_that_never_fails_gives_the_same_bits(self):
+        problem = FunctionProblem(lambda x: (x**2).sum(axis=1), [-3.0] * 2, [4.0] * 2)
+        one, other = (solve(problem, "cma-es", budget=300, on_error=how) for how in ("fail", "worst"))
+        assert (one.fun, one.x.tolist(), one.nfev) == (other.fun, other.x.tolist(), other.nfev)
+        assert one.trace.values.tolist() == other.trace.values.tolist()
+
+    def test_another_word_is_refused(self):
+        with pytest.raises(BenchError, match="'on_error' must be \"fail\" or \"worst\", not 'inf'"):
+            solve(mixed(), "random-search", budget=3, on_error="inf")

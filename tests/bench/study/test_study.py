@@ -72,7 +72,8 @@ def test_identity_is_what_decides_a_result():
     same += [study(rope=0.5), study(rope="1%")]
     assert len({each.identity() for each in same}) == 1
     other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
-    assert len({each.identity() for each in [study(), *other]}) == 4
+    other += [study(on_error="worst")]
+    assert len({each.identity() for each in [study(), study(on_error="fail"), *other]}) == 5
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,80 @@
+"""What is not compared, in one sentence each, and what a page then says."""
+
+import pandas as pd
+import pytest
+
+from bench import Results
+from bench.analysis.comparable import Comparable
+from bench.report.findings import Findings
+from bench.report.left_out import left_out
+from bench.report.methods import methods
+from bench.report.sections import verdict
+
+NONE = Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {})
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({}, None),
+        (
+            {"failed": {"prob.py:raises": (15, 16)}},
+            (
+                "The problem that failed is not compared, as its own code raised, not an optimizer’s: "
+                "prob.py:raises (in 15 of 16 trials)."
+            ),
+        ),
+        (
+            {"failed": {"p": (1, 1), "q": (2, 9)}},
+            (
+                "The 2 problems that failed are not compared, as their own code raised, not an optimizer’s: p "
+                "(in 1 of 1 trial) and q (in 2 of 9 trials)."
+            ),
+        ),
+        (
+            {"instances": {"f": (2, 4)}},
+            (
+                "Final values are compared on the instances that all optimizers share (2 of 4 on f); running "
+                "times to targets count all instances."
+            ),
+        ),
+        ({"instances": {"f": (0, 4)}}, "The optimizers share no instance of f, so they are not compared there."),
+        (
+            {"unknown": {("p", "a"): 3, ("q", "a"): 1}},
+            (
+                "a spent more evaluations than others had on p and q, and what was found by then is not known, "
+                "so it is not compared there."
+            ),
+        ),
+        (
+            {"unknown": {("p", "a"): 3, ("p", "b"): 1}},
+            (
+                "a and b spent more evaluations than others had on p, and what was found by then is not known, "
+                "so they are not compared there."
+            ),
+        ),
+    ],
+)
+def test_each_reason_has_its_sentence(changes, sentence):
+    assert left_out(NONE._replace(**changes)) == (() if sentence is None else (sentence,))
+
+
+def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
+    """One trial of a survived: it was best on the problem, before."""
+    raised = [("q", label, number) for label in "abc" for number in range(8) if (label, number) != ("a", 0)]
+    found = Findings(Results(make(tmp_path / "s", raised=raised)))
+    assert list(found.final.medians.index) == ["p"]
+    section = verdict.section(found)
+    assert section.warnings[0].startswith("The problem that failed is not compared")
+    assert "q (in 23 of 24 trials)" in section.warnings[0]
+    assert section.lost == ""  # no optimizer lost a trial
+    text = " ".join(methods(found).text)
+    assert "failed or found no finite value" not in text
+    assert "q is not compared, as its own code raised in a trial." in text
+
+
+def test_where_every_problem_failed_there_is_nothing_to_compare(make, tmp_path):
+    found = Findings(Results(make(tmp_path / "s", problems=("p",), raised=[("p", "a", 0)])))
+    section = verdict.section(found)
+    assert section.text[0].startswith("There is nothing to compare: no problem")
+    assert "p (in 1 of 24 trials)" in section.warnings[0]
