@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.numbers import is_finite, require_positive, require_whole
@@ -261,8 +260,9 @@ def simulate(
     if sweep is None:
         peak = float(np.max(fine.speed[fine.time > fine.time[-1] - joint.turn])) - joint.nominal_speed
     else:
-        deviation = np.abs(fine.speed - fine.reference)[_steady(path[lead:, 1], step)]
-        peak = float(deviation.max()) if len(deviation) else 0.0
+        since = (skip * step + fine.time) % (stroke + ramp)  # s, since the motion began in its present direction
+        steady = (since > ramp + DIES_AWAY) & (since < stroke)
+        peak = float(np.max(np.abs(fine.speed - fine.reference), where=steady, initial=0.0))
     return Simulation(np.arange(samples) / rate, speed, position, fine.current[::stride].copy(), peak, fine)
 
 
@@ -308,14 +308,6 @@ def _stroke(omega_l: float, sweep: float | None, ramp: float) -> float:
             f"of {sweep:g} rad; take a sweep of at least {omega_l * ramp:.3g} rad or a shorter ramp."
         )
     return sweep / omega_l
-
-
-def _steady(shape: Floats, step: float) -> NDArray[np.bool_]:
-    """Return where in a reference motion (m,) its speed has been the full one for ``DIES_AWAY``."""
-    number = np.arange(len(shape))
-    changed = np.maximum.accumulate(np.where(np.abs(shape) < 1, number, -1))
-    steady: NDArray[np.bool_] = number - changed > DIES_AWAY / step
-    return steady
 
 
 def _trajectory(

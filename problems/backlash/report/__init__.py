@@ -1,9 +1,9 @@
-"""The thesis's own views of a study: Figs. 7.3 to 7.5, Tables 7.2 and 7.3, fits, the best fit there is, and memory."""
+"""The thesis's views of a study: Figs. 7.3 to 7.5, its tables of chapters 7 and 8, fits, the best fit, and memory."""
 
 from bench import Results
 from bench.analysis import in_study_order
 from bench.report import Section
-from problems.backlash.report import amplitudes, fits, fitting_errors, levels, noise, reference, resources
+from problems.backlash.report import amplitudes, fits, fitting_errors, levels, noise, reference, resources, wrist
 from problems.backlash.report.accuracy import expected_values
 
 
@@ -20,5 +20,6 @@ def sections(results: Results) -> list[Section]:
         *reference.sections(results, frame),
         *amplitudes.sections(frame, truths, results.study),
         *noise.sections(results, frame, truths),
+        *wrist.sections(results, frame, truths),
         *resources.sections(frame, results.study),
     ]

@@ -1,9 +1,9 @@
-"""The problem families ``signature-01`` … ``signature-20``, ``noisy-00`` … ``noisy-20`` and ``recording:<path>``."""
+"""The problem families ``signature-01`` …, ``noisy-00`` …, ``wrist-1-healthy`` … and ``recording:<path>``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError, nearest
@@ -28,12 +28,14 @@ class Family:
         read: returns the recording of a problem's name.
         options: the options that ``read`` takes, besides those of the fit.
         sweep: what its problems are steps of; "" where each stands for itself.
+        fit: options of the fit that differ from the usual ones where a study gives none.
     """
 
     listed: tuple[str, ...]
     read: Callable[..., Recording]
     options: tuple[str, ...] = ()
     sweep: str = ""
+    fit: Mapping[str, Any] = field(default_factory=dict)
 
     def names(self) -> list[str]:
         """Return the names of the problems that can be listed."""
@@ -48,15 +50,19 @@ class Family:
         recording = self.read(name, **{option: options.pop(option) for option in self.options if option in options})
         from problems.backlash.signature.problem import SignatureFit
 
-        problem = SignatureFit(name, recording, **options)
+        problem = SignatureFit(name, recording, **{**self.fit, **options})
         problem.features = {"sweep": self.sweep} if self.sweep else {}
         return problem
 
     def level(self, name: str) -> int:
         """Return the number at the end of a listed name."""
+        return int(self.known(name).rpartition("-")[2])
+
+    def known(self, name: str) -> str:
+        """Return a listed name; raises BenchError for another one."""
         if name not in self.listed:
             raise BenchError(f"unknown problem {name!r}{nearest(name, self.listed)}")
-        return int(name.rpartition("-")[2])
+        return name
 
 
 def _dataset(name: str) -> Recording:
@@ -73,6 +79,13 @@ def _noisy(name: str, **options: Any) -> Recording:
     return datasets.noisy(level, **options)
 
 
+def _wrist(name: str) -> Recording:
+    wrist.known(name)
+    from problems.backlash.signature.wrist import recorded
+
+    return recorded(name)
+
+
 def _recorded(name: str) -> Recording:
     path = name.partition(":")[2]
     if not path:
@@ -84,4 +97,8 @@ def _recorded(name: str) -> Recording:
 
 signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset, sweep=SWEEP)
 noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"), SWEEP)
+wrist = Family(
+    tuple(f"wrist-{joint}-{state}" for joint in (1, 4, 5, 6) for state in ("healthy", "tampered")), _wrist,
+    fit={"single": True, "period": 2.0},
+)  # fmt: skip
 recording = Family((), _recorded)

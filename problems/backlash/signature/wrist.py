@@ -1,0 +1,70 @@
+"""Simulate the wrist of thesis section 8.3: joints 4, 5 and 6 of a robot before and after tampering, and joint 1.
+
+The thesis prints neither gear ratios, loads, speeds and noise of the robot's joints nor their gaps, so these are
+choices: loads and ratios near the bench's, half a load turn a second, and the gaps whose disturbance has the amplitude
+that the thesis expected.
+Joint 1, whose axis is vertical, has a gap like joint 6's and friction of 2% of the bench's gravity torque.
+"""
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from problems.backlash.joint import Joint, load_joint, simulate, with_noise
+from problems.backlash.recordings import Recording
+from problems.backlash.signature.datasets import RATE
+
+SWEEP, RAMP = 1.4 * pi, 0.3  # rad and s, of each movement
+BEFORE, LENGTH = 0.6, 0.8  # s from rest to the recording, and of the recording: at full speed, gravity's zero within
+STATES = ("healthy", "tampered")
+
+
+class Axis(NamedTuple):
+    """A joint of the robot: its half-gaps healthy and tampered, rad, and the noise, rps peak to peak."""
+
+    joint: Joint
+    half_gaps: tuple[float, float]
+    noise: float
+
+
+class Printed(NamedTuple):
+    """A row of the tables in Figs. 8.3 to 8.5, in rps: A as expected, and over 30 runs of CMA-ES."""
+
+    expected: float
+    mean: float
+    stdev: float
+
+
+AXES = {
+    1: Axis(load_joint(speed_rps=20.0, gravity_angle_deg=0.0, coulomb_friction=0.3), (0.000128, 0.002074), 0.1),
+    4: Axis(load_joint(gear_ratio=80.0, speed_rps=40.0, payload_kg=8.0, lever_m=0.3), (0.000089, 0.000308), 0.1),
+    5: Axis(load_joint(gear_ratio=60.0, speed_rps=30.0, payload_kg=8.0, lever_m=0.25), (0.000049, 0.00012), 0.1),
+    6: Axis(load_joint(speed_rps=20.0), (0.000128, 0.002074), 0.1),
+}
+PRINTED = {
+    (4, "healthy"): Printed(0.07, 0.101, 0.025),
+    (4, "tampered"): Printed(0.17, 0.209, 0.030),
+    (5, "healthy"): Printed(0.05, 0.063, 0.026),
+    (5, "tampered"): Printed(0.1, 0.101, 0.020),
+    (6, "healthy"): Printed(0.1, 0.095, 0.026),
+    (6, "tampered"): Printed(0.7, 0.520, 0.028),
+}
+
+
+def parts(name: str) -> tuple[int, str]:
+    """Return the number of the joint and its state from a problem's name, such as "wrist-4-healthy"."""
+    _, number, state = name.split("-")
+    return int(number), state
+
+
+def recorded(name: str) -> Recording:
+    """Return the recording of a joint at full speed, once through gravity's lowest point, with its noise."""
+    number, state = parts(name)
+    axis = AXES[number]
+    made = simulate(
+        axis.joint, half_gap=axis.half_gaps[STATES.index(state)], sweep=SWEEP, ramp=RAMP, settle=BEFORE,
+        start_angle=-pi / 4, duration=LENGTH, rate=RATE,
+    )  # fmt: skip
+    rng = np.random.default_rng([number, STATES.index(state)])
+    return Recording(0.0, 1 / RATE, with_noise(made.speed, axis.noise, rng), peak=made.peak)

@@ -1,0 +1,30 @@
+"""The simulated wrist of section 8.3: what its recordings hold."""
+
+import numpy as np
+import pytest
+
+from bench import BenchError, load_problem
+from problems.backlash.signature import families, wrist
+
+
+def test_each_joint_has_the_amplitude_that_the_thesis_expected():
+    for (number, state), printed in wrist.PRINTED.items():
+        assert wrist.recorded(f"wrist-{number}-{state}").peak == pytest.approx(printed.expected, rel=0.01)
+
+
+def test_the_names_are_those_of_the_joints():
+    assert list(families.wrist.listed) == [f"wrist-{number}-{state}" for number in wrist.AXES for state in wrist.STATES]
+    with pytest.raises(BenchError, match="unknown problem 'wrist-2-healthy'"):
+        load_problem("wrist-2-healthy")
+
+
+def test_one_oscillation_is_fitted_and_a_tampered_joint_has_the_larger_one():
+    healthy, tampered = (load_problem(f"wrist-4-{state}") for state in wrist.STATES)
+    assert healthy.replicas == tampered.replicas == 1
+    assert abs(tampered.reference().x[0]) > 1.5 * abs(healthy.reference().x[0])
+
+
+def test_joint_1_is_the_noise_alone_at_any_gap():
+    for state in wrist.STATES:
+        assert wrist.recorded(f"wrist-1-{state}").peak < 0.005
+    assert np.ptp(wrist.recorded("wrist-1-tampered").speed) < 0.11
