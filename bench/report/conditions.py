@@ -69,15 +69,49 @@ class Conditions(NamedTuple):
     others: tuple[str, ...]
 
 
-def sentences(study: Study, descriptions: Mapping[str, Description]) -> Conditions:
+def sentences(study: Study, descriptions: Mapping[str, Description], leader: str) -> Conditions:
     """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
     apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
     tuned = "how some of them were tuned, on other problems, is stated below"
     source = tuned if apart else "whether they were tuned on these problems is not recorded"
-    limits, alike = _differences(table)
+    clause = differing(study, descriptions, leader)
+    limits = clause and (
+        f"The optimizers differ in more than their algorithms: {clause}. A difference in rank may come from this."
+    )
     changed, usual = _changes(table, source)
-    return Conditions(tuple(filter(None, (limits, changed))), tuple(filter(None, (alike, usual))))
+    return Conditions(
+        tuple(filter(None, (limits, changed))), tuple(filter(None, ("" if limits else _alike(table), usual)))
+    )
+
+
+def differing(study: Study, descriptions: Mapping[str, Description], leader: str) -> str:
+    """Return which conditions may favour the leader over a rival, as a clause; "" where none is known to.
+
+    Such as ``"handling and start are box, midpoint for cma-es and repair, random for the 4 others"``. None is one that
+    an algorithm takes of its own accord (the population, where the study sets none), that the leader has no option for,
+    or that a sweep varies: there it is the question.
+    """
+    table = conditions(study, descriptions)
+    set_here = {name for entry in study.optimizers for name in entry.options}
+    together: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
+    for name in CONDITIONS:
+        if table.at[leader, name] is None or (name == "agents" and name not in set_here):
+            continue
+        varied = {
+            label
+            for sweep in study.sweeps
+            if name in sweep.factors and leader in sweep.labels.values()
+            for label in sweep.labels.values()
+        }
+        groups = by_value(table[name].dropna().drop(list(varied - {leader})))
+        if len(groups) > 1:
+            together.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
+    clauses = []
+    for owners, values in together.items():
+        joint = {", ".join(of_one): [*labels] for *of_one, labels in zip(*values.values(), owners, strict=True)}
+        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {grouped(joint)}")
+    return ", ".join(clauses)
 
 
 def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:
@@ -88,23 +122,12 @@ def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:
     return groups
 
 
-def _differences(table: pd.DataFrame) -> tuple[str, str]:
-    """Return the sentence on what differs, and that on what is the same where nothing differs."""
-    apart, alike = [], []
-    for name in CONDITIONS:
-        groups = by_value(table[name])
-        if len(groups) > 1:
-            apart.append(f"{name} is {grouped(groups)}")
-        elif groups and None not in table[name].tolist():
-            alike.append(f"{name} ({next(iter(groups))})")
-    if apart:
-        text = (
-            f"The optimizers differ in more than their algorithms: {'; '.join(apart)}. A difference in rank may "
-            "come from this."
-        )
-        return text, ""
+def _alike(table: pd.DataFrame) -> str:
+    """Return the sentence on the conditions that all optimizers have and that are known to be the same."""
+    groups = {name: by_value(table[name]) for name in CONDITIONS if None not in table[name].tolist()}
+    alike = [f"{name} ({next(iter(values))})" for name, values in groups.items() if len(values) == 1]
     partly = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
-    return "", f"The optimizers have the same {partly}{listing(alike)}." if alike else ""
+    return f"The optimizers have the same {partly}{listing(alike)}." if alike else ""
 
 
 def _said(value: object) -> str:

@@ -1,40 +1,47 @@
-"""State what differs between the optimizers of a study besides their algorithms, as a clause."""
+"""State what differs between the leader and its rivals besides their algorithms, as a clause."""
 
 from __future__ import annotations
 
-from bench.optimizer import CONDITIONS
-from bench.report.conditions import MOST_LABELS, by_value, conditions, grouped
-from bench.report.findings import Findings
-from bench.report.wording import listing
+import pandas as pd
 
-UNUSED = 0.01  # of the budget, on average, that an optimizer may leave as others do
+from bench import analysis
+from bench.report import conditions
+from bench.report.findings import Findings
+from bench.report.wording import listing, percent
+
+UNUSED = 0.01  # of the budget, on average, by which a rival may use less than the leader
 
 
 def differing(findings: Findings) -> str:
-    """Return what differs between the optimizers besides their algorithms as a clause; "" where nothing is known to.
+    """Return what may favour the leader besides its algorithm as a clause; "" where nothing is known to.
 
-    That is :func:`options_differing`, and the share of the budget that an optimizer used. Such as ``"handling and start
-    are box, midpoint for cma-es and repair, random for the 4 others, cma-es stopped after 72% of the budget"``. An
-    optimizer without an option, such as a search without a population, does not differ in it.
+    That is :func:`options_differing`, and the share of the budget that a rival used, where the leader used more, such
+    as ``"handling is box for cma-es and repair for the 4 others, gwo stopped after 72% of the budget"``.
     """
-    spent = 1 - findings.anytime.unused.set_index("optimizer")["unused"].astype(float)
-    early = [f"{label} stopped after {share:.0%}" for label, share in spent[spent < 1 - UNUSED].sort_values().items()]
-    stopped = f"{listing(early, at_most=MOST_LABELS)} of the budget" if early else ""
+    leader, spent = findings.final.ranked[0], _used(findings)
+    less = spent["needed"][spent["needed"] < min(float(spent["used"][leader]), 1.0) - UNUSED].drop(
+        leader, errors="ignore"
+    )
+    early = [f"{label} stopped after {percent(share)}" for label, share in less.sort_values().items()]
+    stopped = f"{listing(early, at_most=conditions.MOST_LABELS)} of the budget" if early else ""
     return ", ".join(filter(None, (options_differing(findings), stopped)))
 
 
 def options_differing(findings: Findings) -> str:
-    """Return which conditions differ by the options of the optimizers as a clause; "" where none is known to."""
-    table = conditions(findings.study, findings.descriptions)
-    alike: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
-    set_here = {name for entry in findings.study.optimizers for name in entry.options}
-    for name in CONDITIONS:
-        groups = by_value(table[name].dropna())
-        # The population that an algorithm takes of its own accord is a part of it.
-        if len(groups) > 1 and (name != "agents" or name in set_here):
-            alike.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
-    clauses = []
-    for owners, values in alike.items():
-        together = {", ".join(of_one): [*labels] for *of_one, labels in zip(*values.values(), owners, strict=True)}
-        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {grouped(together)}")
-    return ", ".join(clauses)
+    """Return which options may favour the leader as a clause; "" where none is known to."""
+    return conditions.differing(findings.study, findings.descriptions, findings.final.ranked[0])
+
+
+def _used(findings: Findings) -> pd.DataFrame:
+    """Return by optimizer the share of the budget ``used``, and that ``needed``, of which the optimum needs all."""
+    trials = findings.trials
+    frame, budget = trials.measured, trials.common or trials.allowed
+    optimum = frame["problem"].astype(object).map(trials.unbeaten).astype(float)
+    solved = analysis.scores(frame) <= optimum + analysis.SOLVED
+    spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float)
+    kinds = {"used": spent, "needed": spent.mask(solved, analysis.budgets(frame, budget))}
+    shares = {
+        kind: 1 - analysis.unused_budget(frame.assign(nfev=nfev), budget).set_index("optimizer")["unused"].astype(float)
+        for kind, nfev in kinds.items()
+    }
+    return pd.DataFrame(shares)

@@ -45,7 +45,10 @@ def section(findings: Findings) -> Section:
         nothing = "There is nothing to compare: no problem has trials of every optimizer that can be compared."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
-    conditions, grounds = sentences(findings.study, findings.descriptions), verdict(standing(findings))
+    conditions, grounds = (
+        sentences(findings.study, findings.descriptions, findings.final.ranked[0]),
+        verdict(standing(findings)),
+    )
     texts = (grounds.headline, *(text for _, text in grounds.lines))
     lines = (*grounds.lines, SEPARABLY) if any("separably" in text for text in texts) else grounds.lines
     cards = (

@@ -21,7 +21,7 @@ LEVELS = {"cma-es": 0.0, "gwo": 2.5, "random-search": 40.0, "gwo (box)": 3.5, "c
 def made(tmp_path):
     """Return a function that writes a study whose trials end at a level and their number, and returns its findings."""
 
-    def make(controls=CONTROLS, optimizers=(), name="s", nfev=100, trials=5):
+    def make(controls=CONTROLS, optimizers=(), name="s", nfev=None, trials=5):
         study = Study.from_dict({
             "name": name, "trials": trials, "budget": 100,
             "problems": [{"names": ["classical-sphere-d2-i1", "classical-ackley-d3-i1"]}],
@@ -37,7 +37,7 @@ def made(tmp_path):
             number = writer.environment({"jobs": 2})
             for trial in study.plan():
                 value = LEVELS[trial.optimizer] + trial.number + 10 * ("ackley" in trial.problem)
-                used = nfev if trial.optimizer == "cma-es" else 100
+                used = (nfev or {}).get(trial.optimizer, 100)
                 dimension = 3 if "ackley" in trial.problem else 2
                 row = {
                     "status": "ok", "fun": value, "nfev": used, "wall_s": 3.0, "cpu_s": 1.0, "objective_s": 0.5,
@@ -140,9 +140,17 @@ def test_populations_of_one_algorithm_are_conditions_that_need_no_control(made, 
     assert differing(findings) == ("agents is 5 for gwo 5 and random-search 5 and 9 for the 2 others")
 
 
-def test_a_budget_that_is_not_spent_differs(made):
-    assert differing(made(nfev=72)).endswith("for the 2 others, cma-es stopped after 72% of the budget")
-    assert "stopped" not in differing(made(name="t", nfev=99))
+def test_a_budget_that_a_rival_did_not_spend_differs(made):
+    stopped = made(nfev={"gwo": 72})
+    assert differing(stopped).endswith("for the 2 others, gwo stopped after 72% of the budget")
+    assert "stopped" not in differing(made(name="t", nfev={"gwo": 99}))
+
+
+def test_less_budget_is_not_held_against_the_leader_nor_against_who_needs_no_more(made, monkeypatch):
+    assert "stopped" not in differing(made(nfev={"cma-es": 21}))
+    assert "stopped" not in differing(made(name="t", nfev={"cma-es": 21, "gwo": 21}))
+    monkeypatch.setitem(LEVELS, "gwo", 1e-9)  # at the optimum of one of two problems, where it needs no more
+    assert differing(made(name="u", nfev={"gwo": 20}, trials=1)).endswith("gwo stopped after 60% of the budget")
 
 
 @pytest.mark.slow
