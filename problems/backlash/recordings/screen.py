@@ -18,6 +18,7 @@ from problems.backlash.recordings.tables import UNITS
 FASTEST = 1000.0  # rps; no joint's motor turns at 60,000 rpm
 STEADY = 0.2  # the largest deviation of a steady speed, as a part of the mean; the disturbance is a few percent of it
 FAR = 1.25  # the factor by which the mean speed may differ from the nominal one
+GUARD = 0.05  # s; a ramp takes about as long to pass through the range of the disturbance
 SAMPLES_A_TURN = 20  # the fewest samples in one load turn: the disturbance rings several times a turn
 RUN = 3  # the fewest successive samples at the extreme that may be a clipped peak
 # Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
@@ -68,7 +69,8 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
     """Return the ends (s) of the longest part in which the speed is steady, without a transient at its ends, or None.
 
     A speed is steady that stays within 20% of its level. The ends are cut back to where the speed does not leave the
-    range of the part's middle half by more than that range itself.
+    range of the part's middle half by more than a tenth of that range, and by ``GUARD`` further, so that a ramp or a
+    transient is left out.
     """
     speed = _running_median(recording.speed)
     first = end = 0
@@ -82,10 +84,12 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
     if len(middle) < 2:
         return None
     low, high = middle.min(), middle.max()
-    margin = max(high - low, 0.01 * abs(high))
+    margin = max(0.1 * (high - low), 1e-6 * abs(high))
     ok = (speed[first:end] >= low - margin) & (speed[first:end] <= high + margin)
     before, after = (np.flatnonzero(~side[: quarter + 1]) for side in (ok, ok[::-1]))
-    first, end = first + before.max(initial=-1) + 1, end - after.max(initial=-1) - 1
+    first, end = first + int(before.max(initial=-1)) + 1, end - int(after.max(initial=-1)) - 1
+    guard = min(round(GUARD / recording.dt), (end - first) // 10)
+    first, end = first + guard * (first > 0), end - guard * (end < len(speed))
     time = recording.time
     return float(time[first]), float(time[end - 1])
 

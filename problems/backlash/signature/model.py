@@ -33,15 +33,18 @@ def signature(t: Floats, x: Floats, *, period: float, replicas: int) -> Floats:
     alternating sign.
 
     Args:
-        t: (N,) times in s.
+        t: (N,) ascending times in s.
         x: (7,) the variables A, t0, tau, omega, v_t, T1, T2; A and v_t in the unit of the speed, the rest in s, 1/s
             and rad/s.
         period: T_f in s, the time of one load turn; T_d is half of it.
         replicas: the number of oscillations: 2 n for n load turns, 1 for a single one.
     """
     h = np.full_like(t, x[V_T])
-    for k in range(replicas):
-        h += (-1.0) ** k * oscillation(t - x[T0] - k * period / 2, x)
+    begins = x[T0] + period / 2 * np.arange(replicas)
+    # with a margin for rounding; elsewhere an oscillation is 0
+    firsts, ends = np.searchsorted(t, (begins + x[T1] - 2 * EDGE, begins + x[T2] + 2 * EDGE))
+    for k, (first, end) in enumerate(zip(firsts, ends, strict=True)):
+        h[first:end] += (-1.0) ** k * oscillation(t[first:end] - x[T0] - k * period / 2, x)
     return h
 
 

@@ -11,7 +11,7 @@ from scipy.ndimage import median_filter
 from bench import BenchError
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
-from problems.backlash.recordings.screen import _running_median, screen, warnings
+from problems.backlash.recordings.screen import _running_median, screen, steady_window, warnings
 from problems.backlash.signature.datasets import dataset
 
 RNG = np.random.default_rng(0)
@@ -190,3 +190,13 @@ def test_what_is_not_an_error_is_a_warning(made, message):
 def test_the_running_median_is_that_of_scipy(samples, size):
     values = np.random.default_rng(samples).integers(0, 9, samples) / 7
     np.testing.assert_array_equal(_running_median(values, size), median_filter(values, size=size, mode="nearest"))
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.4])
+def test_the_window_that_is_advised_leaves_out_the_ramps(noise):
+    steady = dataset(12).speed
+    ramp = steady[0] * np.arange(500) / 500
+    whole = np.concatenate((ramp, steady, ramp[::-1]))
+    begin, end = steady_window(Recording(0.0, 0.002, whole + noise * RNG.uniform(-0.5, 0.5, len(whole))))
+    assert 1.0 < begin < 1.2
+    assert 5.6 < end < 5.8
