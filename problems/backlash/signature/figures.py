@@ -1,4 +1,4 @@
-"""Draw the thesis's Figs. 4.7, 4.8 and 7.3, of backlash and disturbance, for any joint."""
+"""Draw the thesis's Figs. 4.5 to 4.8 and 7.3, of the transmission, the signals and the disturbance, for any joint."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from bench.helpers import replacing
 from bench.plots import style
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint.simulator import variable_stiffness
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
 from problems.backlash.signature.datasets import DEFAULT, simulated
 
-DELTA, AMPLITUDE = "half-gap δ in 1e-6 rad", "amplitude A in rpm"
+DELTA, SHORT, AMPLITUDE = "half-gap δ in 1e-6 rad", "δ in 1e-6 rad", "amplitude A in rpm"
 
 
 def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[Path]:
-    """Write the three figures as svg into a folder, created if missing, and return their paths.
+    """Write the five figures as svg into a folder, created if missing, and return their paths.
 
     Raises:
         BenchError: for files that cannot be written.
@@ -31,6 +32,8 @@ def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[P
     paths = []
     with style.context():
         for name, figure in (
+            ("stiffness", stiffness(joint, calibration.half_gap.tolist())),
+            ("signals", signals(joint, float(calibration.half_gap[-1]))),
             ("disturbances", disturbances(joint, calibration.half_gap.tolist())),
             ("calibration", calibration_curve(calibration, thesis=joint == DEFAULT)),
             ("levels", levels(joint)),
@@ -41,6 +44,39 @@ def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[P
                 FigureCanvasSVG(figure).print_svg(temporary, metadata={"Date": None})  # type: ignore[no-untyped-call]
             paths.append(path)
     return paths
+
+
+def stiffness(joint: Joint, half_gaps: Sequence[float]) -> Figure:
+    """Return Fig. 4.5: the stiffness of eq. 4.5 across the smallest and the largest gap of some half-gaps in rad."""
+    figure = Figure(figsize=(style.COLUMN, 2.2), layout="constrained")
+    ax = figure.subplots()
+    twist = np.linspace(-1.5 * half_gaps[-1], 1.5 * half_gaps[-1], 2001)
+    for gap, color in zip((half_gaps[0], half_gaps[-1]), style.PALETTE[:2], strict=True):
+        found = variable_stiffness(twist, gap, joint.stiffness, joint.sharpness)
+        ax.plot(1e6 * twist, found, color=color, linewidth=1.0, label=f"{1e6 * gap:.0f}")
+    ax.set_xlabel("angle across the transmission in 1e-6 rad")
+    ax.set_ylabel("stiffness in N m/rad")
+    ax.legend(title=SHORT, title_fontsize="small")
+    return figure
+
+
+def signals(joint: Joint, gap: float) -> Figure:
+    """Return Fig. 4.6, simulated: position, speed and current of the motor over one load turn, without and with a gap.
+
+    The position is drawn less the reference speed's, of which a disturbance is a small part.
+    """
+    figure = Figure(figsize=(style.TEXT, 3.6), layout="constrained")
+    axes = figure.subplots(3, sharex=True)
+    for half_gap_rad, color in ((0.0, style.REFERENCE), (gap, style.PALETTE[0])):
+        motion = simulate(joint, half_gap=half_gap_rad, duration=joint.turn).fine
+        position = motion.position - joint.omega_ref * motion.time
+        for ax, values in zip(axes, (position, motion.speed, motion.current), strict=True):
+            ax.plot(motion.time, values, color=color, linewidth=0.8, label=f"{1e6 * half_gap_rad:.0f}")
+    for ax, label in zip(axes, ("position less\nreference in rad", "speed in rps", "current in A"), strict=True):
+        ax.set_ylabel(label)
+    axes[-1].set_xlabel("time in s, over one load turn")
+    axes[0].legend(title=SHORT, title_fontsize="small")
+    return figure
 
 
 def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
@@ -58,7 +94,7 @@ def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
     ax.set_xlabel("time in s, over one load turn")
     ax.set_ylabel("speed less reference in rps")
     if len(half_gaps) <= style.MANY_NAMES:
-        figure.legend(loc="outside right upper", title="δ in 1e-6 rad", title_fontsize="small", reverse=True)
+        figure.legend(loc="outside right upper", title=SHORT, title_fontsize="small", reverse=True)
     return figure
 
 

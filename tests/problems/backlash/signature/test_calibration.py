@@ -215,10 +215,18 @@ def test_each_joint_has_its_own_signals_in_the_cache(tmp_path, monkeypatch):
 
 def test_the_figures_show_the_pairs_the_thesis_s_cubic_and_every_level(tmp_path, cubic):
     paths = figures.save_figures(tmp_path / "new", Joint(), cubic)
-    assert [path.name for path in paths] == ["disturbances.svg", "calibration.svg", "levels.svg"]
+    assert [path.stem for path in paths] == ["stiffness", "signals", "disturbances", "calibration", "levels"]
     assert all("<svg" in path.read_text()[:500] for path in paths)
     first = [path.read_bytes() for path in paths]
     assert [path.read_bytes() for path in figures.save_figures(tmp_path / "new", Joint(), cubic)] == first
+
+    speed = figures.signals(Joint(), 0.001).axes[1]
+    assert [np.ptp(line.get_ydata()) > 1 for line in speed.lines] == [False, True]
+    inside, outside = (
+        np.interp(at, *figures.stiffness(Joint(), [0.001]).axes[0].lines[0].get_data()) for at in (0, 1200)
+    )
+    assert inside < 250
+    assert outside == pytest.approx(Joint().stiffness, rel=0.01)
 
     curve = figures.calibration_curve(cubic, thesis=True).axes[0]
     assert [line.get_label() for line in curve.lines] == ["eq. 4.7 of the thesis", "cubic", "simulated"]
