@@ -1,10 +1,10 @@
-"""What isolation costs: a trial beside its search, a call of a strict trial, and the memory of a job.
+"""What isolation costs: a trial beside its search, a call where the problem is apart, and the memory of a job.
 
 One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
-default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), strictly,
-and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is
-measured against the default, and the memory of the job's processes: the pages that they share are counted once
-(proportional set size).
+default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), with the
+problem in another process (as a verification makes them), and, where bubblewrap can be used, as code that nobody
+trusts. Then the cost of a call of the objective whose problem is in another process is measured against the default,
+and the memory of the job's processes: the pages that they share are counted once (proportional set size).
 """
 
 import shutil
@@ -25,9 +25,8 @@ from bench.execution.supervisor import Supervisor
 
 DEFAULT = job.WORTH
 WAYS = (
-    ("several trials a process", DEFAULT, False, None), ("a fork for each", 0.0, False, None),
-    ("strictly", 0.0, True, None), ("in bubblewrap", 0.0, False, "bwrap"),
-    ("strictly in bubblewrap", 0.0, True, "bwrap"),
+    ("several trials a process", DEFAULT, {}), ("a fork for each", 0.0, {}),
+    ("the problem in another process", 0.0, {"apart": True}), ("untrusted", 0.0, {"untrusted": True}),
 )  # fmt: skip
 SMALL = {"name": "small", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
          "optimizers": [{"name": "random-search", "agents": 10}]}  # fmt: skip
@@ -44,21 +43,23 @@ def measure(quick: bool) -> Rows:
             replace(thesis.override(budget=300), problems=thesis.problems[:2]),
         ),
     ):
-        ways = [way for way in WAYS if way[3] is None or shutil.which(way[3])]
+        ways = [way for way in WAYS if "untrusted" not in way[2] or shutil.which("bwrap")]
         found = [overhead(study.override(trials=trials), *way[1:]) for way in ways]
         for (how, *_), (ms, memory) in zip(ways, found, strict=True):
             value = f"{short(ms)} ms, {times(ms / found[0][0])} the first way; {memory:.0f} MB a job"
             rows.append((f"a trial beside its search, {what}: {how}", value))
     for optimizer, agents, what in (("random-search", 1, "one point"), ("random-search", 300, "300 points")):
         us = call_cost(optimizer, agents, calls)
-        rows.append((f"a call of the objective with {what}: more in a strict trial", f"{short(us)} us"))
+        rows.append(
+            (f"a call of the objective with {what}: more where the problem is in another process", f"{short(us)} us")
+        )
     return rows
 
 
-def overhead(study: Study, worth: float, strict: bool, sandbox: str | None) -> tuple[float, float]:
+def overhead(study: Study, worth: float, mode: dict[str, bool]) -> tuple[float, float]:
     """Return the mean milliseconds of a trial beside its search, and the job's memory in MB."""
     job.WORTH = worth
-    supervisor, plan = Supervisor(Task(study, strict=strict, sandbox=sandbox)), study.plan()
+    supervisor, plan = Supervisor(Task(study, **mode)), study.plan()
     try:
         for trial in islice(plan, len(study.problems) * len(study.optimizers)):
             supervisor.make(trial)  # warm
@@ -80,17 +81,17 @@ def memory() -> float:
 
 
 def call_cost(optimizer: str, agents: int, calls: int) -> float:
-    """Return the microseconds by which a call of the objective takes longer in a strict trial."""
+    """Return the microseconds by which a call of the objective takes longer where the problem is in another process."""
     study = Study.from_dict(
         {"name": "calls", "trials": 6, "budget": calls * agents, "problems": [{"name": "signature-12"}],
          "optimizers": [{"name": optimizer, "agents": agents, "handling": "box"}]}
     )  # fmt: skip
-    plain, strict = (Supervisor(Task(study, strict=each)) for each in (False, True))
+    plain, apart = (Supervisor(Task(study, apart=each)) for each in (False, True))
     try:
-        pairs = [[each.make(trial)["wall_s"] for each in (plain, strict)] for trial in study.plan()]
+        pairs = [[each.make(trial)["wall_s"] for each in (plain, apart)] for trial in study.plan()]
     finally:
         plain.close()
-        strict.close()
+        apart.close()
     return 1e6 * median(two - one for one, two in pairs[1:]) / calls
 
 

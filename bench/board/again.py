@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,25 +12,10 @@ from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.execution.verify import HASH_SEED, difference
 from bench.helpers.text import printable
-from bench.sandbox import bubblewrap
 from bench.seeds import trial_seed
 from bench.storage.folder import Folder
 from bench.study import Study
 from bench.trial import Trial
-
-SANDBOX = "bwrap"
-TIMEOUT = 600.0  # wall seconds of a trial
-MEMORY = 4_000_000_000  # bytes of a trial's process
-
-
-def require_sandbox() -> None:
-    """Raise BenchError where no sandbox can be used here."""
-    if shutil.which("bwrap") is None:
-        raise BenchError(
-            "--verify makes trials in a sandbox and needs bubblewrap, which is not installed here; install it (on "
-            "Debian: apt install bubblewrap), or leave out --verify"
-        )
-    bubblewrap.find(SANDBOX)
 
 
 def make_again(path: Path, trials: int, choice: str) -> tuple[Again, ...]:
@@ -61,8 +45,8 @@ def _again(folder: Folder, study: Study, trial: Trial) -> Again:
         looks=(),
     )
     try:
-        checked = prepare(alone, folder, SANDBOX)
-        task = replace(checked.task, timeout=TIMEOUT, memory=MEMORY, hash_seed=HASH_SEED)
+        checked = prepare(alone, folder, untrusted=True)
+        task = replace(checked.task, hash_seed=HASH_SEED)
         with open_pool("local", 1, None) as pool:
             rows = [row for _, row, _ in pool.answers(task, checked.machine, lambda: [trial])]
     except BenchError as error:

@@ -10,13 +10,14 @@ from pathlib import Path
 import pandas as pd
 
 from bench.board import pages
-from bench.board.again import make_again, require_sandbox
+from bench.board.again import make_again
 from bench.board.archive import Archive, read, refuse_twins
 from bench.board.ranks import Standing, standings
 from bench.errors import BenchError
 from bench.helpers.atomic import names_in, replacing
 from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
+from bench.sandbox import bubblewrap
 
 PAGE, TABLE, STUDIES = "index.html", "board.csv", "studies"
 
@@ -55,7 +56,7 @@ def write_board(
     """
     _refuse_others(output)
     if verify:
-        require_sandbox()
+        bubblewrap.find()  # before any archive is read
     read_archives: list[Archive] = []
     refused = []
     for place, source in enumerate(sorted(sources, key=lambda path: (path.name, str(path)))):

@@ -18,10 +18,15 @@ NO_RECORD = "the optimizer's process gave an answer that is no record of a run"
 
 
 def submit(
-    pool: Pool, group: Hashable, function: Callable[..., Any], *arguments: Any, seconds: float | None = None
+    pool: Pool,
+    group: Hashable,
+    function: Callable[..., Any],
+    *arguments: Any,
+    seconds: float | None = None,
+    memory: int | None = None,
 ) -> Future[Any]:
-    """Have a function called in a process of the group, which may take ``seconds`` and print ``PRINTED`` bytes."""
-    return pool.submit(group, function, *arguments, seconds=seconds, printed=PRINTED)
+    """Have a function called in a process of the group, within limits; it may print ``PRINTED`` bytes."""
+    return pool.submit(group, function, *arguments, seconds=seconds, memory=memory, printed=PRINTED)
 
 
 def answers(begun: Sequence[Future[Any]]) -> Iterator[Any]:

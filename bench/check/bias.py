@@ -11,11 +11,13 @@ from scipy import stats
 
 from bench.analysis import holm
 from bench.analysis.finished_trials import CLAMPED
+from bench.check.conformance.subject import Subject
 from bench.check.problems import SHIFT
 from bench.check.runs import Runs, make_runs, on_bound
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
+from bench.sandbox.bubblewrap import Sandbox
 from bench.typing import Floats
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
@@ -28,7 +30,14 @@ PUBLISHED = "in a published algorithm, report the bias and offer a corrected ver
 
 
 def diagnose(
-    optimizer: Optimizer, *, dimension: int = 7, runs: int = 10, noise_runs: int = 100, n_jobs: int = -1, seed: int = 0
+    optimizer: Optimizer | Subject,
+    *,
+    dimension: int = 7,
+    runs: int = 10,
+    noise_runs: int = 100,
+    n_jobs: int = -1,
+    seed: int = 0,
+    sandbox: Sandbox | None = None,
 ) -> list[Verdict]:
     """Return verdicts on an optimizer's centre bias, structural bias, boundary clamping, and starts and seeds.
 
@@ -42,29 +51,31 @@ def diagnose(
         noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
         n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         seed: repeats every number.
+        sandbox: in which all runs are made.
 
     Raises:
         BenchError: when the optimizer fails on one of the functions, ends its process or prints without end.
     """
     sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
-    (verdicts,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, **sizes)
+    (verdicts,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, sandbox=sandbox, **sizes)
     if isinstance(verdicts, BenchError):
         raise verdicts
     return verdicts
 
 
 def diagnose_all(
-    optimizers: Sequence[Optimizer],
+    optimizers: Sequence[Optimizer | Subject],
     *,
     dimension: int = 7,
     runs: int = 10,
     noise_runs: int = 100,
     n_jobs: int = -1,
     seed: int = 0,
+    sandbox: Sandbox | None = None,
 ) -> Iterator[list[Verdict] | BenchError]:
     """Yield the verdicts on each optimizer as soon as they are known, or why there are none; see :func:`diagnose`."""
     sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
-    for made in make_runs(optimizers, n_jobs=n_jobs, seed=seed, **sizes):
+    for made in make_runs(optimizers, n_jobs=n_jobs, seed=seed, sandbox=sandbox, **sizes):
         yield made if isinstance(made, BenchError) else [check(made) for check in CHECKS]
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from typing import Any
 
 from bench.check.conformance.recording import LOST, explain_lost_process
-from bench.check.conformance.rules import RULES, STRICT, Rule, failed, find_rule, judge
+from bench.check.conformance.rules import APART, RULES, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, make_subject, pack, unpack
-from bench.check.verdict import Checkup, Verdict
+from bench.check.verdict import LONGEST, Checkup, Verdict
+from bench.errors import BenchError
+from bench.execution.job import MEMORY, sandbox
+from bench.helpers.text import printable
 from bench.optimizer import Optimizer
+from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process, RemoteError
 
@@ -22,7 +26,7 @@ def check_optimizer(
     /,
     *,
     bias: bool = True,
-    strict: bool = False,
+    untrusted: bool = False,
     n_jobs: int = -1,
     seed: int = 0,
     on_check: Callable[[Verdict], None] | None = None,
@@ -39,8 +43,9 @@ def check_optimizer(
     Args:
         optimizer: a name (``"gwo"``, ``"mealpy:OriginalGWO"``, ``"path/file.py:Class"``), a class or an instance.
         bias: whether to look for biases too; they are only looked for where ordinary runs keep the contract.
-        strict: whether to compare a run with one whose problem is in another process (Linux), which finds an optimizer
-            that spends more evaluations than it is given or gets values by another way than the objective.
+        untrusted: whether to run the optimizer, given by name, in a sandbox of bubblewrap alone (Linux), and to compare
+            a run with one whose problem is in another process, which finds an optimizer that spends more evaluations
+            than it is given or gets values by another way than the objective.
         n_jobs: processes that look for biases, -1 for one a core.
         seed: of the runs; the same one gives the same verdicts.
         on_check: called with every verdict as soon as it is known.
@@ -49,9 +54,13 @@ def check_optimizer(
     Raises:
         BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
     """
-    subject = make_subject(optimizer, options, seed)
+    if untrusted and not isinstance(optimizer, str):
+        raise BenchError("code that nobody trusts is checked by its name, such as path/to/file.py:Class")
+    apart = sandbox([optimizer]) if untrusted and isinstance(optimizer, str) else None
+    prepare = Subject if apart else make_subject  # which constructs it here
+    subject = prepare(optimizer, options, seed)
     verdicts: list[Verdict] = []
-    for verdict in _verdicts(subject, bias, strict, n_jobs):
+    for verdict in _verdicts(subject, bias, n_jobs, apart):
         verdicts.append(verdict)
         if on_check is not None:
             on_check(verdict)
@@ -59,11 +68,11 @@ def check_optimizer(
     return Checkup(subject.label, tuple(verdicts), tuple(rule.name for rule in RULES if rule.name not in made))
 
 
-def _verdicts(subject: Subject, bias: bool, strict: bool, n_jobs: int) -> Iterator[Verdict]:
+def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
-    with closing(Checker(subject)) as checker:
+    with closing(Checker(subject, apart)) as checker:
         kept = set()
-        for verdict in filter(None, map(checker.verdict, (*RULES, STRICT) if strict else RULES)):
+        for verdict in filter(None, map(checker.verdict, (*RULES, APART) if apart else RULES)):
             yield verdict
             if verdict.passed:
                 kept.add(verdict.check)
@@ -72,7 +81,7 @@ def _verdicts(subject: Subject, bias: bool, strict: bool, n_jobs: int) -> Iterat
     from bench.check.bias import diagnose  # not at the top: it imports scipy.stats and joblib
 
     try:
-        yield from diagnose(subject.fresh(), n_jobs=n_jobs, seed=subject.seed)
+        yield from diagnose(subject if apart else subject.fresh(), n_jobs=n_jobs, seed=subject.seed, sandbox=apart)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
         finding = f"it could not be examined: {describe_error(error)}"
         yield Verdict("bias", "bias", False, finding, "fix what raises on ordinary functions of seven variables")
@@ -81,15 +90,17 @@ def _verdicts(subject: Subject, bias: bool, strict: bool, n_jobs: int) -> Iterat
 class Checker:
     """Check an optimizer against rules, each at most once, and none before the rules that it needs.
 
-    A process starts with the first verdict, and a new one after the optimizer has hung, ended or upset it.
+    A process starts with the first verdict, and a new one after the optimizer has hung, ended or upset it. In a sandbox
+    the optimizer is constructed there alone, and BenchError is raised where that is refused.
 
     Attributes:
         unloadable: why no other process can load the optimizer, so that no rule can be checked; "" where one can.
     """
 
-    def __init__(self, subject: Subject) -> None:
+    def __init__(self, subject: Subject, apart: Sandbox | None = None) -> None:
         self.unloadable = ""
-        self._subject = subject
+        self._subject, self._sandbox = subject, apart
+        self._memory = MEMORY if apart else None
         self._verdicts: dict[str, Verdict | None] = {}
         self._packed = b""
         self._process: Process | None = None
@@ -124,7 +135,8 @@ class Checker:
         if process is None:
             return None
         try:
-            answer = process.call(_judge, self._packed, rule.name, seconds=rule.seconds, printed=PRINTED)
+            limits: dict[str, Any] = {"seconds": rule.seconds, "memory": self._memory, "printed": PRINTED}
+            answer = process.call(_judge, self._packed, rule.name, **limits)
             return None if answer is None else _read(rule, answer)
         except ValueError:
             verdict = failed(rule, "its process gave an answer that is no verdict", "leave the harness's objects alone")
@@ -143,17 +155,28 @@ class Checker:
             except Exception as error:  # the parameters of a plug-in may raise anything
                 self.unloadable = f"it cannot be sent to another process: {describe_error(error)}"
         if not self.unloadable:
-            self._process = Process(hash_seed=0)
+            self._process = Process(hash_seed=0, sandbox=self._sandbox)
             try:
-                self._process.call(_load, self._packed, seconds=START_SECONDS, printed=PRINTED)
+                limits: dict[str, Any] = {"seconds": START_SECONDS, "memory": self._memory, "printed": PRINTED}
+                refused = self._process.call(_load, self._packed, self._sandbox is not None, **limits)
+                if isinstance(refused, str):
+                    raise BenchError(printable(refused, LONGEST))
             except (RemoteError, *LOST) as error:
                 self.close()
                 self.unloadable = f"another process cannot load it: {error}"
         return self._process
 
 
-def _load(packed: bytes) -> None:
-    unpack(packed)
+def _load(packed: bytes, construct: bool) -> str | None:
+    """Load the optimizer; where it was not constructed before, return why it cannot be, None where it can."""
+    subject = unpack(packed)
+    with suppress(Exception):  # the rule of the parameters reports it
+        try:
+            if construct:
+                subject.fresh()
+        except BenchError as error:
+            return str(error)
+    return None
 
 
 def _judge(packed: bytes, name: str) -> dict[str, Any] | None:

@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from bench.check import bias
+from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
+from bench.execution.job import sandbox
 from bench.optimizer import Optimizer
 from bench.storage import provenance
 from bench.storage.folder import CHECKS, Folder
@@ -39,18 +41,25 @@ class Diagnosis:
     kept: bool = False
 
 
-def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> Iterator[Diagnosis]:
+def diagnose_folder(
+    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False
+) -> Iterator[Diagnosis]:
     """Yield a diagnosis of every optimizer of a study, with its own options; each is noted in the folder for reports.
 
     Args:
         folder: the folder of a study.
         n_jobs: runs made at a time, -1 for one a core.
         anew: whether to diagnose again what has not changed since it was diagnosed.
+        untrusted: whether to load and run all of them in a sandbox alone; they are then diagnosed anew each time.
     """
     study, noted = folder.study(), folder.checks()
     noted = {entry.label: noted[entry.label] for entry in study.optimizers if entry.label in noted}
-    changed: dict[str, tuple[Optimizer, str]] = {}  # with the key of its verdicts
+    changed: dict[str, tuple[Optimizer | Subject, str]] = {}  # with the key of its verdicts
+    apart = sandbox(entry.name for entry in study.optimizers) if untrusted else None
     for entry in study.optimizers:
+        if apart:
+            changed[entry.label] = Subject(entry.name, entry.options), ""
+            continue
         try:
             optimizer = study.optimizer(entry.label)
         except BenchError as error:  # the other optimizers get their verdicts all the same
@@ -63,7 +72,7 @@ def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> 
             yield Diagnosis(entry.label, kept, kept=True)
         else:
             changed[entry.label] = optimizer, code
-    verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
+    verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs, sandbox=apart)
     for (label, (_, code)), outcome in zip(changed.items(), verdicts, strict=True):
         if isinstance(outcome, BenchError):
             noted.pop(label, None)

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bench.check.answers import NO_RECORD, answers, submit
-from bench.check.conformance.subject import make_subject, pack, unpack
+from bench.check.conformance.subject import Subject, make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
+from bench.execution.job import MEMORY, TIMEOUT
 from bench.objective import passes
 from bench.optimizer import Optimizer
+from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
 from bench.sandbox.pool import Pool
 from bench.sandbox.server import end_if_stuck
@@ -82,7 +84,14 @@ class CheckRun:
 
 
 def make_runs(
-    optimizers: Sequence[Optimizer], *, dimension: int, runs: int, noise_runs: int, n_jobs: int = -1, seed: int = 0
+    optimizers: Sequence[Optimizer | Subject],
+    *,
+    dimension: int,
+    runs: int,
+    noise_runs: int,
+    n_jobs: int = -1,
+    seed: int = 0,
+    sandbox: Sandbox | None = None,
 ) -> Iterator[Runs | BenchError]:
     """Yield the runs of each optimizer, or why it failed; see :func:`bench.check.bias.diagnose`.
 
@@ -95,18 +104,21 @@ def make_runs(
         for run in range(runs)
     ]
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
-    with Pool(n_jobs, ready) as pool:
-        begun = [_begin(pool, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
+    limits: dict[str, Any] = {"seconds": TIMEOUT, "memory": MEMORY} if sandbox else {}
+    with Pool(n_jobs, ready, sandbox) as pool:
+        begun = [_begin(pool, number, optimizer, tasks, limits) for number, optimizer in enumerate(optimizers)]
         for futures in begun:
             yield futures if isinstance(futures, BenchError) else _collect(tasks, futures)
 
 
-def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[CheckRun]) -> list[Future[Any]] | BenchError:
+def _begin(
+    pool: Pool, group: int, optimizer: Optimizer | Subject, tasks: list[CheckRun], limits: dict[str, Any]
+) -> list[Future[Any]] | BenchError:
     try:
-        packed = pack(make_subject(optimizer, {}, 0))
+        packed = pack(optimizer if isinstance(optimizer, Subject) else make_subject(optimizer, {}, 0))
     except Exception as error:  # pickling runs a plug-in's code
         return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
-    return [submit(pool, group, make_run, packed, task) for task in tasks]
+    return [submit(pool, group, make_run, packed, task, **limits) for task in tasks]
 
 
 def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchError:

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Jobs, Parameters
+from bench.cli.console import Jobs, Parameters, Untrusted
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error, print_line
 from bench.plugins import registry
@@ -29,10 +29,7 @@ def command(
     ],
     option: Parameters = None,
     bias: Annotated[bool, typer.Option(help="Also test for biases, which takes longer.")] = True,
-    strict: Annotated[
-        bool,
-        typer.Option("--strict", help="Also compare a run with one whose problem and budget are in another process."),
-    ] = False,
+    untrusted: Untrusted = False,
     jobs: Jobs = -1,
     anew: Annotated[
         bool, typer.Option("--anew", help="Check a folder's optimizers again that have not changed since their check.")
@@ -51,12 +48,12 @@ def command(
     if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
             raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
-        sys.exit(0 if check_folder(Path(name), console, jobs, anew) else 1)
+        sys.exit(0 if check_folder(Path(name), console, jobs, anew, untrusted) else 1)
     with console.status(f"checking {name}"):
         checkup = check_optimizer(
             name,
             bias=bias,
-            strict=strict,
+            untrusted=untrusted,
             n_jobs=jobs,
             on_check=lambda verdict: show_verdict(name, verdict, console),
             **pairs(option),
@@ -66,14 +63,14 @@ def command(
         sys.exit(1)
 
 
-def check_folder(path: Path, console: Console, jobs: int, anew: bool = False) -> bool:
+def check_folder(path: Path, console: Console, jobs: int, anew: bool = False, untrusted: bool = False) -> bool:
     """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
     from bench.check.folder import diagnose_folder
     from bench.storage.folder import Folder
 
     sound, kept = True, []
     with console.status("checking the optimizers for biases"):
-        for diagnosis in diagnose_folder(Folder(path), jobs, anew=anew):
+        for diagnosis in diagnose_folder(Folder(path), jobs, anew=anew, untrusted=untrusted):
             for verdict in diagnosis.verdicts:
                 show_verdict(diagnosis.label, verdict, console, remedy=False)  # 'bench check NAME' prints it
             if diagnosis.failed:

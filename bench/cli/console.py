@@ -34,17 +34,14 @@ Against = Annotated[
     ),
 ]
 Open = Annotated[bool, typer.Option("--open", rich_help_panel=REPORT, help="Open the report's page in a browser.")]
-Strict = Annotated[
+Untrusted = Annotated[
     bool,
     typer.Option(
-        "--strict",
+        "--untrusted",
         rich_help_panel=PROTECTION,
-        help="Keep problem, budget and trace in another process than the optimizer.",
+        help="For code that you do not trust: a sandbox of bubblewrap (Linux), problem and budget in another process, "
+        "limits of time and memory.",
     ),
-]
-Sandbox = Annotated[
-    str | None,
-    typer.Option(metavar="bwrap", rich_help_panel=PROTECTION, help="Run plug-ins in a sandbox of bubblewrap (Linux)."),
 ]
 Constraints = Annotated[
     str | None,

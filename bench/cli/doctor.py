@@ -246,7 +246,7 @@ def _sandbox() -> Iterator[Diagnosis]:
     if program := shutil.which("bwrap"):
         yield Diagnosis("sandbox", "bubblewrap", program)
     else:
-        yield Diagnosis("sandbox", "bubblewrap", "not installed", "note", "--sandbox needs it (Linux only)")
+        yield Diagnosis("sandbox", "bubblewrap", "not installed", "note", "--untrusted needs it (Linux only)")
 
 
 def _store(folder: Path) -> Iterator[Diagnosis]:

@@ -23,9 +23,8 @@ from bench.cli.console import (
     Jobs,
     Open,
     Rope,
-    Sandbox,
-    Strict,
     Targets,
+    Untrusted,
 )  # fmt: skip
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
@@ -97,8 +96,7 @@ def command(
         float | None,
         _protection(metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."),
     ] = None,
-    strict: Strict = False,
-    sandbox: Sandbox = None,
+    untrusted: Untrusted = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
     check: Annotated[
         bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
@@ -126,8 +124,6 @@ def command(
             "name a study: 'bench run quick' runs a small one, 'bench list studies' lists all that are installed, and "
             "'bench new study mine' writes one to begin with"
         )
-    if check and sandbox:
-        raise BenchError("--check runs optimizers outside the sandbox; leave out --check or --sandbox")
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
     settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
@@ -135,7 +131,7 @@ def command(
     if matched:
         from bench.execution.matched import with_controls
 
-        chosen = with_controls(chosen, sandbox)
+        chosen = with_controls(chosen, untrusted)
         if not chosen.controls:
             print_line(
                 "no control is missing: no optimizer can run under a condition of another one that it does not have",
@@ -147,13 +143,13 @@ def command(
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
-        _show_estimate(plan(chosen, output, shard=shard, sandbox=sandbox), jobs, console, sandbox)
+        _show_estimate(plan(chosen, output, shard=shard, untrusted=untrusted), jobs, console, untrusted)
         return
     try:
         with Display(console) as display:
             outcome = run(
                 chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
-                scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, strict=strict, sandbox=sandbox,
+                scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
                 on_plan=display.plan, on_trial=display.trial, on_look=display.look,
             )  # fmt: skip
     except KeyboardInterrupt:
@@ -164,10 +160,10 @@ def command(
     except WorkerDiedError as error:
         print_error(str(error))
         sys.exit(1)
-    unsound = check and not check_folder(outcome.folder, console, jobs)
+    unsound = check and not check_folder(outcome.folder, console, jobs, untrusted=untrusted)
     if verify:
         try:
-            unsound |= not verify_folder(outcome.folder, console, trials=verify, strict=strict, sandbox=sandbox)
+            unsound |= not verify_folder(outcome.folder, console, trials=verify, untrusted=untrusted)
         except BenchError as error:  # as where every trial failed; the report says more
             print_error(f"no trial could be made again: {error}")
             unsound = True
@@ -189,7 +185,7 @@ def command(
         sys.exit(1)
 
 
-def _show_estimate(plan: Plan, jobs: int, console: Console, sandbox: str | None) -> None:
+def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> None:
     """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials or a few short ones."""
     from joblib import cpu_count
 
@@ -206,7 +202,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, sandbox: str | None)
     if seconds is None:
         source = "short trials on some of the problems"
         with console.status(source):
-            seconds = calibrated_seconds(plan, jobs, sandbox)
+            seconds = calibrated_seconds(plan, jobs, untrusted)
     if seconds is None:
         estimate = "no duration can be estimated: the short trials for it failed"
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -11,9 +11,15 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Constraints, Parameters, ProblemParameters
+from bench.cli.console import Constraints, Parameters, ProblemParameters, Untrusted
 from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
+
+if TYPE_CHECKING:
+    from bench.study.budget import Budget
+    from bench.trial import Row
+
+Named = tuple[str, dict[str, Any]]  # a plug-in's name and its options
 
 
 def command(
@@ -36,34 +42,57 @@ def command(
     on_error: Annotated[
         str, typer.Option(metavar="fail|worst", help="With worst, a point at which the problem raises is worth +inf.")
     ] = "fail",
+    untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
+    from bench.scoring.constraints import DEFAULT
+    from bench.study.budget import checked
+
+    make = _row_apart if untrusted else _row
+    row = make(
+        (problem, pairs(problem_option)), (optimizer, pairs(option)), checked(budget, "--budget"), seed=seed,
+        constraints=constraints or DEFAULT, on_error=on_error,
+    )  # fmt: skip
+    if row["status"] != "ok":
+        print_error(row["error"] if row.get("problem") else f"{optimizer} failed on {problem}: {row['error']}")
+        sys.exit(1)
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_row("best value, without noise" if row.get("noisy") else "best value", repr(row["fun"]))
+    for name, value in row["x"].items():
+        table.add_row(Text(f"  {name}"), f"{value:.10g}")
+    for name, value in row["metrics"].items():
+        table.add_row(Text(name), f"{value:.6g}")
+    table.add_row("evaluations", f"{row['nfev']} (stopped by: {row['stop']})")
+    objective = row["objective_s"]
+    table.add_row("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer")
+    Console().print(table)
+
+
+def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:
+    """Return the row of a run in this process, and whether the problem is ``noisy``."""
     from bench.execution.solve import solve
     from bench.plugins import loading
-    from bench.scoring.constraints import DEFAULT
-    from bench.study.budget import checked, evaluations
+    from bench.study.budget import evaluations
+    from bench.trial import as_row
 
-    loaded = loading.load_problem(problem, **pairs(problem_option))
-    chosen = loading.load_optimizer(optimizer, **pairs(option))
-    spent = evaluations(checked(budget, "--budget"), loaded.dimension)
-    chosen.check_budget(spent, optimizer)
+    loaded = loading.load_problem(problem[0], **problem[1])
+    chosen = loading.load_optimizer(optimizer[0], **optimizer[1])
+    spent = evaluations(budget, loaded.dimension)
+    chosen.check_budget(spent, optimizer[0])
     try:
-        result = solve(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT, on_error=on_error)
+        found = solve(loaded, chosen, budget=spent, **settings)
+        return as_row(found, tuple(loaded.variables)) | {"noisy": loaded.noisy}
     except BenchError:
         raise
     except ProblemError as error:
-        print_error(f"{problem} failed: {error}")
-        sys.exit(1)
+        return {"status": "failed", "problem": True, "error": f"{problem[0]} failed: {error}"}
     except Exception as error:  # a plug-in may raise anything
-        print_error(f"{optimizer} failed on {problem}: {type(error).__name__}: {error}")
-        sys.exit(1)
-    table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_row("best value, without noise" if loaded.noisy else "best value", repr(result.fun))
-    for name, value in zip(loaded.variables, result.x, strict=True):
-        table.add_row(Text(f"  {name}"), f"{value:.10g}")
-    for name, value in result.metrics.items():
-        table.add_row(Text(name), f"{value:.6g}")
-    table.add_row("evaluations", f"{result.nfev} (stopped by: {result.stop})")
-    times = f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
-    table.add_row("time", times)
-    Console().print(table)
+        return {"status": "failed", "error": f"{type(error).__name__}: {error}"}
+
+
+def _row_apart(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:
+    """Return the row of a run of code that nobody trusts."""
+    from bench.execution.solve import solve_untrusted
+
+    entries = ({"name": name, **options} for name, options in (problem, optimizer))
+    return solve_untrusted(*entries, budget=budget, **settings)

@@ -16,7 +16,7 @@ SHARE = 20  # of the budget that a short trial has, as 1 / SHARE
 LEAST = 1_000  # evaluations of a short trial, where the budget has as many
 
 
-def calibrated_seconds(plan: Plan, jobs: int, sandbox: str | None = None) -> float | None:
+def calibrated_seconds(plan: Plan, jobs: int, untrusted: bool = False) -> float | None:
     """Return the seconds on one processor that a plan's trials will take; None where no short trial succeeds.
 
     Each optimizer makes one trial with a twentieth of the budget on up to three problems, at equal steps. The time of a
@@ -28,7 +28,7 @@ def calibrated_seconds(plan: Plan, jobs: int, sandbox: str | None = None) -> flo
     budget = shortened(study.budget, SHARE, LEAST)
     short = replace(study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, tuning=None)
     with TemporaryDirectory() as place:
-        folder = Folder(run(short, Path(place) / "short", n_jobs=jobs, sandbox=sandbox).folder)
+        folder = Folder(run(short, Path(place) / "short", n_jobs=jobs, untrusted=untrusted).folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:
         return None

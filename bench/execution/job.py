@@ -8,15 +8,16 @@
           └ trial   makes trials of this optimizer until they have taken WORTH times as long as its start
 
 Each is forked from the one before it and shares the memory of what is loaded; where processes do not fork, each is
-started anew and loads all that the one before it holds. In a sandbox, all that hold an optimizer have namespaces of
-their own, and a process makes one trial.
+started anew and loads all that the one before it holds. Where problem, budget and trace are kept apart from the
+optimizer, a process makes one trial, and optimizers' processes come from a root beside which no problem is loaded; of
+code that nobody trusts, they are in a sandbox, with namespaces of their own.
 """
 
 from __future__ import annotations
 
 import socket
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
@@ -26,7 +27,7 @@ from time import monotonic
 from typing import Any
 
 from bench.errors import PROBLEM_FAILED
-from bench.execution import strict, trial_process
+from bench.execution import apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.helpers.text import printable
 from bench.plugins import from_file, loading, registry
@@ -42,6 +43,7 @@ SILENCE = 3.0  # least seconds of a warm-up in which nothing is imported or comp
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
 KEPT = 64  # warmed-up optimizers; more are warmed up again when their turn comes
 WORTH = 50.0  # times the seconds of its start: a process is replaced once its trials have taken longer
+TIMEOUT, MEMORY = 600.0, 4_000_000_000  # wall seconds and bytes of a trial of code that nobody trusts, unless given
 BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least one point: more than its point takes again
 
 _cores = count()
@@ -55,14 +57,14 @@ class Task:
     timeout: float | None = None  # wall seconds that a trial may take
     memory: int | None = None  # bytes that a trial's process may hold
     hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
-    strict: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
-    sandbox: str | None = None  # in which all processes run
+    apart: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
+    untrusted: bool = False  # whether they are, all processes run in a sandbox, and trials have limits by default
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
     files: from_file.Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
     data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
 
     @classmethod
-    def of(cls, study: Study, sandbox: str | None = None) -> Task:
+    def of(cls, study: Study, untrusted: bool = False) -> Task:
         """Return the task of a study with the content of the plug-ins' files as it is now.
 
         Raises:
@@ -70,7 +72,13 @@ class Task:
         """
         optimizers, problems = ([entry.name for entry in every] for every in (study.with_controls, study.problems))
         files = from_file.contents(problems, "problem") | from_file.contents(optimizers)
-        return cls(study, sandbox=sandbox, files=files)
+        return cls(study, untrusted=untrusted, files=files)
+
+    def __post_init__(self) -> None:
+        if self.untrusted:
+            object.__setattr__(self, "apart", True)
+            object.__setattr__(self, "timeout", self.timeout or TIMEOUT)
+            object.__setattr__(self, "memory", self.memory or MEMORY)
 
 
 class Job:
@@ -87,10 +95,9 @@ class Job:
         self._warming = self._loading | {"silence": silence, "printed": PRINTED}
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.with_controls}
-        self._core = next(_cores)  # of strict trials
-        self._root = self._alone = root(task)
-        if task.sandbox and task.strict:  # optimizers' processes come from another one, where no problem can be read
-            self._alone = root(task, apart=True)
+        self._core = next(_cores)  # of trials whose problem is kept apart
+        self._root = root(task)
+        self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
         self._evaluators: dict[ForkServer, Process] = {}
@@ -110,13 +117,13 @@ class Job:
     def prepare(self, trial: Trial) -> _Ready:
         """Load and warm up what a trial needs, by a short trial on this kind of problem, where that is not done yet."""
         problem, optimizer = trial.problem, trial.optimizer
-        problems = self._alone if self._task.strict else self._with_problem(problem)
+        problems = self._alone if self._task.apart else self._with_problem(problem)
         ready = self._ready.pop((problems, optimizer), None)
         if ready is None:
             ready = _Ready(self._with_optimizer(problems, optimizer).branch())
         if problem not in ready.problems:
             ready.problems.add(problem)
-            box = self._boxes[problem] if self._task.strict else None
+            box = self._boxes[problem] if self._task.apart else None
             try:
                 if ready.server.call(trial_process.warm_up, problem, optimizer, box, **self._warming):
                     ready.end_process()  # it must be as warm as others
@@ -132,6 +139,8 @@ class Job:
 
     def make(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made; return what its process answers, which is not to be believed, and the seconds it took."""
+        if self._task.apart:
+            return self._make_apart(trial, ready)
         began = monotonic()
         if ready.process is None or ready.process.closed:
             ready.process = ready.server.process()
@@ -141,11 +150,11 @@ class Job:
         took = monotonic() - began
         ready.left -= took
         sound = isinstance(answer, dict) and answer.get("altered") is False
-        if self._task.sandbox or not sound or ready.left <= 0:
+        if not sound or ready.left <= 0:
             ready.process.close()
         return answer, took
 
-    def make_strictly(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
+    def _make_apart(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
         Return what the other process answers, with the processor seconds of the optimizer's and the reason to stop that
@@ -220,8 +229,8 @@ class Job:
         server = self._loaded.get((problems, package))
         if server is None:
             server = self._loaded[problems, package] = problems.branch(apart=True)
-        if self._task.strict:
-            server.ensure(strict.hide_problems, **self._loading)
+        if self._task.apart:
+            server.ensure(apart.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
 
@@ -247,14 +256,20 @@ class _Ready:
             self.process.close()
 
 
-def root(task: Task, *, apart: bool = False) -> ForkServer:
-    """Return what starts processes for a task, in a sandbox where it names one; raises BenchError as that does.
+def root(task: Task, *, without_problems: bool = False) -> ForkServer:
+    """Return what starts processes for a task; of code that nobody trusts, in a sandbox, where BenchError is raised.
 
-    With ``apart``, its processes find no installed problem in the sandbox.
+    Processes ``without_problems`` find no installed problem in the sandbox.
     """
-    hidden = strict.problem_files() if task.sandbox and apart else ()
-    sandbox = bubblewrap.find(task.sandbox, shown=_files(task.study), hidden=hidden, kernels=_kernels())
-    return ForkServer(task.hash_seed, sandbox=sandbox)
+    names = [entry.name for entry in (*task.study.with_controls, *task.study.problems)]
+    found = sandbox(names, without_problems=without_problems) if task.untrusted else None
+    return ForkServer(task.hash_seed, sandbox=found)
+
+
+def sandbox(names: Iterable[str], *, without_problems: bool = False) -> bubblewrap.Sandbox:
+    """Return the sandbox for plug-ins of these names; raises BenchError where there is none."""
+    hidden = apart.problem_files() if without_problems else ()
+    return bubblewrap.find(shown=_files(names), hidden=hidden, kernels=_kernels())
 
 
 def _kernels() -> Iterator[Path]:
@@ -266,10 +281,11 @@ def _kernels() -> Iterator[Path]:
             yield from Path(folder).rglob("__pycache__/*.nb[ci]")
 
 
-def _files(study: Study) -> Iterator[Path]:
-    """Yield the files that a study names: those of optimizers and of recordings."""
-    for entry in (*study.with_controls, *study.problems):
-        named = from_file.split(entry.name)
-        path = named[0] if named else Path(entry.name.partition(":")[2])
+def _files(names: Iterable[str]) -> Iterator[Path]:
+    """Yield the files that plug-ins are named by, those of recordings included, and the modules beside them."""
+    for name in names:
+        named = from_file.split(name)
+        path = named[0] if named else Path(name.partition(":")[2])
         if path.is_file():
             yield path.absolute()
+            yield from path.absolute().parent.glob("*.py")

@@ -30,7 +30,7 @@ class Matched:
     apart: dict[str, list[str]]
 
 
-def with_controls(study: Study, sandbox: str | None = None) -> Study:
+def with_controls(study: Study, untrusted: bool = False) -> Study:
     """Return the study with each of its optimizers under the conditions of the others, as controls.
 
     No plug-in is loaded in this process.
@@ -38,7 +38,7 @@ def with_controls(study: Study, sandbox: str | None = None) -> Study:
     Raises:
         BenchError: for a study whose plug-ins cannot be loaded, as :func:`bench.execution.supervisor.check` does.
     """
-    descriptions = check(Task.of(study, sandbox)).descriptions
+    descriptions = check(Task.of(study, untrusted)).descriptions
     return replace(study, controls=(*study.controls, *missing(study, matched(study, descriptions))))
 
 

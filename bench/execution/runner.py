@@ -19,7 +19,7 @@ from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Checked, check
 from bench.numbers import require_jobs, require_positive
-from bench.plugins import from_file
+from bench.plugins import from_file, loading
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path
@@ -62,8 +62,7 @@ def run(
     timeout: float | None = None,
     memory: float | None = None,
     shard: str | None = None,
-    strict: bool = False,
-    sandbox: str | None = None,
+    untrusted: bool = False,
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
     on_look: OnLook | None = None,
@@ -85,8 +84,9 @@ def run(
         scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
         timeout: wall seconds that a trial may take before it is stopped.
         memory: gigabytes that a trial's process may hold; by default an equal share of 90% of the machine's memory.
-        strict: keep problem, budget and trace of every trial in another process than its optimizer.
-        sandbox: "bwrap" to run all plug-ins in a sandbox of bubblewrap (Linux).
+        untrusted: keep problem, budget and trace of every trial in another process than its optimizer, run all
+            plug-ins in a sandbox of bubblewrap (Linux), and limit a trial to 10 minutes and 4 GB where no other limits
+            are given.
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
@@ -106,7 +106,7 @@ def run(
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             folder.extended(study)  # refuses another study before anything is loaded, and once more where it is locked
-            checked = prepare(study, folder, sandbox)
+            checked = prepare(study, folder, untrusted)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         under_way = held.enter_context(folder.lock())
         study = folder.claim(study)
@@ -119,19 +119,18 @@ def run(
             display.plan(plan)
         if on_plan is not None:
             on_plan(plan)
+        held_bytes = _bytes(memory, pool.jobs, backend)
+        task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes)
         about = provenance.run(
             study,
             checked.fingerprints,
             pool.jobs,
             backend,
-            timeout=timeout,
+            timeout=task.timeout,
             shard=shard,
-            strict=strict,
-            sandbox=sandbox,
+            untrusted=untrusted,
             extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
         )
-        held_bytes = _bytes(memory, pool.jobs, backend)
-        task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes, strict=strict)
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
 
@@ -152,12 +151,12 @@ def plan(
     output: str | PathLike[str] | None = None,
     *,
     shard: str | None = None,
-    sandbox: str | None = None,
+    untrusted: bool = False,
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
     study = folder.extended(study)
-    prepare(study, folder, sandbox)
+    prepare(study, folder, untrusted)
     stored = folder.store.check()
     plan = _plan(study, folder, part, "" if stored.sound else stored.sentence)
     for key in stored.damaged:
@@ -165,7 +164,7 @@ def plan(
     return plan
 
 
-def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked:
+def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Checked:
     """Load a study's plug-ins and return the fingerprints of its data and code, which must be those of its folder.
 
     Raises:
@@ -176,7 +175,13 @@ def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
             "could make or repeat them"
         )
-    checked = check(Task.of(study, sandbox))
+    foreign = [entry.name for entry in (*study.problems, *study.with_controls) if loading.brings_code(entry.name)]
+    if foreign and folder.untrusted and not untrusted:
+        raise BenchError(
+            f"{folder.path} comes from an archive, or was made with --untrusted, and names {foreign[0]!r}, whose code "
+            "nobody trusts: add --untrusted"
+        )
+    checked = check(Task.of(study, untrusted))
     folder.refuse_changes(checked.fingerprints)
     return checked
 

@@ -1,8 +1,14 @@
-"""Run one optimizer once on one problem, in this process."""
+"""Run one optimizer once on one problem: in this process, or apart from it."""
+
+from __future__ import annotations
+
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
+from bench.execution.job import Task
+from bench.execution.supervisor import Supervisor, check
 from bench.numbers import require_seed
 from bench.optimizer import Optimizer
 from bench.plugins import loading
@@ -10,7 +16,8 @@ from bench.problem import Problem
 from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
-from bench.trial import Result, search
+from bench.study import Study
+from bench.trial import Result, Row, Trial, search
 
 
 def solve(
@@ -46,6 +53,28 @@ def solve(
     require_seed("the seed", seed)
     problem = scored(problem, handlings.checked(constraints), on_error)
     return make_run(problem, optimizer, budget=budget, seed=seed)
+
+
+def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed: int, **settings: Any) -> Row:
+    """Run code that nobody trusts as one trial, and return its row; nothing is loaded in this process.
+
+    Args:
+        problem: its entry in a study: ``name`` and options.
+        optimizer: likewise.
+        seed: repeats the run.
+        settings: ``budget`` and ``constraints``, as in a study.
+
+    Raises:
+        BenchError: for plug-ins that cannot be loaded, settings that cannot be, and without bubblewrap.
+    """
+    require_seed("the seed", seed)
+    lists = {"problems": [problem], "optimizers": [optimizer]}
+    study = Study.from_dict({"name": "solve", "trials": 1} | lists | settings, "of this command")
+    supervisor = Supervisor(check(Task.of(study, untrusted=True)).task)
+    try:
+        return supervisor.make(Trial(study.problems[0].label, study.optimizers[0].label, 0, seed))
+    finally:
+        supervisor.close()
 
 
 def make_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int) -> Result:

@@ -27,7 +27,7 @@ from bench.sandbox.process import (
     RemoteError,
     TimeExceededError,
 )
-from bench.sandbox.server import FORKS, STILL_ASKING, UNANSWERABLE
+from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
 from bench.study import Fingerprints, Study
 from bench.trial import Result, Row, Trial, as_row
@@ -137,8 +137,6 @@ class Supervisor:
     """
 
     def __init__(self, task: Task) -> None:
-        if task.strict and not FORKS:
-            raise BenchError("strict trials need processes that fork, which this system does not offer; use Linux")
         self._task = task
         self._lock, self._killed = threading.Lock(), False
         self._job: Job | None = None
@@ -212,12 +210,11 @@ class Supervisor:
             return failed(box)
         server = job.prepare(trial)
         self._doing = ""
-        make = job.make_strictly if self._task.strict else job.make
-        answer, seconds = make(trial, server)
+        answer, seconds = job.make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
         claimed = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
-        if self._task.strict:  # another process has kept account
+        if self._task.apart:  # another process has kept account
             metrics = answers.metrics(answer)
         else:
             self._doing = "while its best point was evaluated again"

@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from bench import scoring
 from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
-from bench.execution import strict
+from bench.execution import apart
 from bench.execution.answers import Box
 from bench.helpers.text import option, printable
 from bench.objective import integer_flags, passes
@@ -157,9 +157,9 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
 
     Args:
         trial: the trial.
-        core: on which a strict trial runs.
-        box: that of the problem of a strict trial, None for other trials.
-        end: the file number of the socket at whose other end a strict trial's problem is (:func:`serve`).
+        core: on which a trial runs whose problem is kept apart.
+        box: that of a problem that is kept apart, None for other trials.
+        end: the file number of the socket at whose other end that problem is (:func:`serve`).
     """
     effects = SideEffects()
     answer: dict[str, Any] = {}
@@ -170,7 +170,7 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
             problem: AbstractContextManager[Problem] = nullcontext(_problem(trial.problem))
         else:
             _stay_on(core)
-            problem = closing(strict.RemoteProblem(end, box.lower, box.upper, box.integer))
+            problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
         with effects, problem as minimized:
             budget = study.evaluations(minimized.dimension)
             answer = as_answer(search(minimized, optimizer, budget, trial.seed, end_if_stuck))
@@ -181,7 +181,7 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
 
 
 def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
-    """Keep the problem, the budget and the trace of a strict trial until its optimizer has ended.
+    """Keep the problem, the budget and the trace of a trial until its optimizer has ended.
 
     Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point; or the error of the
     problem.
@@ -189,7 +189,7 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     _stay_on(core)
     problem = _problem(trial.problem)
     objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
-    seconds = strict.serve(objective, end)
+    seconds = apart.serve(objective, end)
     try:
         kept = result(objective, problem, trial.seed, seconds, 0.0)
     except ProblemError as error:

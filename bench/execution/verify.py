@@ -14,6 +14,7 @@ from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
+from bench.sandbox.server import FORKS
 from bench.storage import provenance
 from bench.storage.folder import VERIFICATION, Folder
 from bench.storage.reading import StoreCheck
@@ -33,7 +34,6 @@ class Verification:
     jobs: int
     different: dict[Trial, str] = field(default_factory=dict)  # the trials that differ, each with the difference
     notes: tuple[str, ...] = ()  # differences between this environment and the one that made the trials
-    strict: bool = False  # whether problem, budget and trace were kept in another process than the optimizer
     store: StoreCheck = field(default_factory=StoreCheck)  # of all stored trials, made again or not
 
     @property
@@ -43,7 +43,7 @@ class Verification:
         workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
         same_bits = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
         elsewhere = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
-        apart = ", the problem in another process than the optimizer" if self.strict else ""
+        apart = ", the problem in another process than the optimizer" if FORKS else ""
         order = "one of each optimizer made both first and last"
         return f"{same_bits} with {workers} and another PYTHONHASHSEED, {order}{apart}{elsewhere}"
 
@@ -58,15 +58,15 @@ def verify(
     *,
     trials: int = 2,
     n_jobs: int | None = None,
-    strict: bool = False,
-    sandbox: str | None = None,
+    untrusted: bool = False,
     on_progress: OnStep | None = None,
 ) -> Verification:
     """Make some finished trials of every cell again and note in the folder whether they are identical.
 
     One trial of each optimizer is made first and, once more, after all others, so that an optimizer that learns from
-    trial to trial is found out. With ``strict``, so is one that spends more evaluations than it is given, or gets
-    values by another way than the objective.
+    trial to trial is found out. Where processes fork, problem, budget and trace are kept in another process than the
+    optimizer: one that spends more evaluations than it is given, or gets values by another way than the objective, is
+    found out, too.
 
     All stored trials are compared with their digests; damaged ones are not made again here, but by the next run.
 
@@ -74,8 +74,7 @@ def verify(
         path: the folder that ``bench.run`` wrote.
         trials: the number of trials of each cell, chosen at random.
         n_jobs: trials made at a time; None for a number other than the run's.
-        strict: keep problem, budget and trace in another process than the optimizer.
-        sandbox: "bwrap" to run all plug-ins in a sandbox of bubblewrap (Linux).
+        untrusted: run all plug-ins in a sandbox of bubblewrap, with limits (Linux).
         on_progress: called with a title, the trials made and the total.
 
     Raises:
@@ -84,7 +83,7 @@ def verify(
     folder = Folder(path)
     study = folder.study()
     store = folder.check_store()
-    checked = prepare(study, folder, sandbox)
+    checked = prepare(study, folder, untrusted)
     chosen = _chosen(folder, store, trials, study.seed)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
@@ -92,7 +91,7 @@ def verify(
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
-        task = replace(checked.task, hash_seed=HASH_SEED, strict=strict)
+        task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
             if what := difference(folder.store, trial, row):
@@ -102,8 +101,8 @@ def verify(
         jobs = pool.jobs
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
-    outcome = Verification(cells, len(chosen), jobs, different, notes, strict, store)
-    noted = {"strict": strict, "sentence": outcome.sentence, "different": [*outcome.lines()]}
+    outcome = Verification(cells, len(chosen), jobs, different, notes, store)
+    noted = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
     folder.note(VERIFICATION, {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | noted)
     return outcome
 

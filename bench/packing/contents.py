@@ -11,7 +11,7 @@ from bench.helpers.parsing import parse_json
 from bench.storage import folder as notes
 from bench.storage.store import FILE as TRIALS
 
-CRATE = "ro-crate-metadata.json"
+CRATE = notes.CRATE
 SUMS = "SHA256SUMS"
 PAGE, MANIFEST = "report.html", ".report.json"  # as bench.report writes them
 

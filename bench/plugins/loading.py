@@ -21,6 +21,11 @@ def is_imported(name: str) -> bool:
     return name.startswith(f"{IMPORTED}:")
 
 
+def brings_code(name: str) -> bool:
+    """Return whether a name stands for code that is not installed: that of a file, or a program to start."""
+    return from_file.split(name) is not None or name.startswith("command:")
+
+
 def default_label(name: str) -> str:
     """Return the default label of a plug-in name: the class's name for an optimizer in a file, else the name."""
     parts = from_file.split(name)

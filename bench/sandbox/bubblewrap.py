@@ -18,10 +18,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError
 from bench.sandbox import namespaces
-
-SANDBOXES = ("bwrap",)
 
 HIDDEN = ("/tmp", "/var/tmp", "/run")
 """Folders that are empty in a sandbox, but for what processes need to read: programs outside leave sockets there."""
@@ -52,33 +50,26 @@ class Sandbox:
             yield [*self.words, "--seccomp", str(number), "--"], [number]
 
 
-def find(
-    sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Path] = (), kernels: Iterable[Path] = ()
-) -> Sandbox | None:
-    """Return the sandbox of that name, None for None.
+def find(*, shown: Iterable[Path] = (), hidden: Iterable[Path] = (), kernels: Iterable[Path] = ()) -> Sandbox:
+    """Return the sandbox for code that nobody trusts.
 
     Args:
-        sandbox: one of ``SANDBOXES``.
         shown: files and folders that processes need to read, wherever they are.
         hidden: files and folders that they must not read.
         kernels: the files of numba's caches beside the code, which no process need compile once more.
 
     Raises:
-        BenchError: for an unknown sandbox, or one that is not installed or cannot be used here.
+        BenchError: where bubblewrap is not installed or cannot be used.
     """
-    if sandbox is None:
-        return None
-    if sandbox not in SANDBOXES:
-        raise BenchError(f"unknown sandbox {sandbox!r}{nearest(sandbox, SANDBOXES)}")
     program = shutil.which("bwrap")
     if program is None:
         raise BenchError(
-            "--sandbox bwrap needs bubblewrap, which is not installed here; install it (on Debian: apt install "
-            "bubblewrap), or run without a sandbox"
+            "--untrusted needs bubblewrap (Linux), which is not installed here; install it (on Debian and Ubuntu: apt "
+            "install bubblewrap; on Fedora: dnf install bubblewrap)"
         )
     sandboxed = Sandbox((program, *_words([*shown, *_installed()], [*hidden], kernels)))
     if reason := _refusal(sandboxed, "true"):
-        raise BenchError(f"the sandbox cannot be used here: {reason}")
+        raise BenchError(f"--untrusted needs bubblewrap, which cannot be used here: {reason}")
     script = Path(namespaces.__file__).read_text()
     return replace(sandboxed, nests=not _refusal(sandboxed, sys.executable, "-ISc", script))
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from joblib import cpu_count
 
+from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import LostError, Process, RemoteError
 
@@ -28,10 +29,11 @@ class Pool:
     Args:
         jobs: calls made at a time, -1 for one a core.
         ready: a function that takes and returns nothing; every process calls it first, and has then loaded its module.
+        sandbox: in which all processes run; None for none.
     """
 
-    def __init__(self, jobs: int, ready: Callable[[], None]) -> None:
-        self._workers = [_Worker(ready) for _ in range(number(jobs))]
+    def __init__(self, jobs: int, ready: Callable[[], None], sandbox: Sandbox | None = None) -> None:
+        self._workers = [_Worker(ready, sandbox) for _ in range(number(jobs))]
         self._idle: SimpleQueue[_Worker] = SimpleQueue()
         for worker in self._workers:
             self._idle.put(worker)
@@ -49,13 +51,13 @@ class Pool:
         function: Callable[..., Any],
         *arguments: Any,
         seconds: float | None = None,
-        printed: int | None = None,
+        **limits: int | None,
     ) -> Future[Any]:
         """Have a function called when its turn comes, within limits; see :meth:`bench.sandbox.process.Process.call`.
 
         A process calls functions of one group only, and is replaced after any error.
         """
-        return self._threads.submit(self._call, group, function, *arguments, seconds=seconds, printed=printed)
+        return self._threads.submit(self._call, group, function, *arguments, seconds=seconds, **limits)
 
     def close(self) -> None:
         """End all processes; calls that have not begun are cancelled, the others end with an error."""
@@ -75,8 +77,8 @@ class Pool:
 class _Worker:
     """Makes calls one at a time; its fork server runs no plug-in, its process those of one group."""
 
-    def __init__(self, ready: Callable[[], None]) -> None:
-        self.server, self._ready = ForkServer(), ready
+    def __init__(self, ready: Callable[[], None], sandbox: Sandbox | None) -> None:
+        self.server, self._ready = ForkServer(sandbox=sandbox), ready
         self._process: Process | None = None
         self._group: Hashable = None
 

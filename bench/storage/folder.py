@@ -33,6 +33,7 @@ DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
 KILLED = "killed.json"
 ANSWER = "answer.json"  # of the report
+CRATE = "ro-crate-metadata.json"  # of the archive that a folder was unpacked from
 
 _CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
@@ -55,6 +56,11 @@ class Folder:
         if not self._begun:
             raise BenchError(f"{self.path} holds no {STUDY}; give the folder that 'bench run' wrote")
         return Study.load(self.path / STUDY)
+
+    @property
+    def untrusted(self) -> bool:
+        """Whether an archive brought the folder here, or its trials were made of code that nobody trusts."""
+        return (self.path / CRATE).exists() or any(record.get("sandbox") for record in self.environments())
 
     @property
     def _begun(self) -> bool:

@@ -67,8 +67,7 @@ def run(
     *,
     timeout: float | None = None,
     shard: str | None = None,
-    strict: bool = False,
-    sandbox: str | None = None,
+    untrusted: bool = False,
     extends: int | None = None,
 ) -> dict[str, Any]:
     """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20".
@@ -87,8 +86,8 @@ def run(
         "code": fingerprints.code,
         "timeout": timeout,
         "shard": shard,
-        "strict": strict,
-        "sandbox": sandbox,
+        "strict": untrusted,  # two keys, as there were two modes
+        "sandbox": "bwrap" if untrusted else None,
         "trials": study.trials,
         "extends": extends,
     }

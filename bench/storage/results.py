@@ -20,7 +20,7 @@ from bench.families import dimension_in
 from bench.helpers.text import html_table, unique
 from bench.objective import integer_flags
 from bench.plugins import selection
-from bench.plugins.loading import is_imported
+from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
 from bench.scoring import Scored
 from bench.storage.folder import DESCRIPTIONS, VERIFICATION, Folder
@@ -106,7 +106,7 @@ class Results:
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
         self.checks = _by_label(self._sources, Folder.checks)
         self.verifications = [source.folder.noted(VERIFICATION) for source in self._sources]
-        self._problem = cache(self.study.problem)
+        self._problem = cache(self._load)
         self._facts = cache(self._look_up)
 
     def __repr__(self) -> str:
@@ -207,6 +207,12 @@ class Results:
                 if problem in shared and source.shown[optimizer] not in controls
             }
         )
+
+    def _load(self, label: str) -> Problem:
+        name = next((entry.name for entry in self.study.problems if entry.label == label), "")
+        if brings_code(name) and any(source.folder.untrusted for source in self._sources):
+            raise BenchError("its file holds code that nobody trusts, and is loaded in the sandbox of a run alone")
+        return self.study.problem(label)
 
     def problem(self, label: str) -> Problem:
         """Return the problem of that label, loaded once; raises BenchError when it is not the problem that was run.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bench.check.conformance import isolation, parameters, robustness, strictness
+from bench.check.conformance import apartness, isolation, parameters, robustness
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import START_SECONDS, Subject
 from bench.check.verdict import Verdict
@@ -62,13 +62,13 @@ RULES = (
 )
 """All rules, in the order in which they are checked."""
 
-STRICT = Rule("strict", strictness.check_strictly, "get values from objective(x) alone", _REPEATED)
+APART = Rule("problem apart", apartness.check_apart, "get values from objective(x) alone", _REPEATED)
 """The rule that is checked only on request, as it takes processes that can be given sockets."""
 
 
 def find_rule(name: str) -> Rule:
     """Return the rule of that name."""
-    return next(rule for rule in (*RULES, STRICT) if rule.name == name)
+    return next(rule for rule in (*RULES, APART) if rule.name == name)
 
 
 def judge(rule: Rule, subject: Subject) -> Verdict | None:

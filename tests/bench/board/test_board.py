@@ -10,11 +10,11 @@ import pytest
 
 from bench import BenchError, Study, run
 from bench.board import write_board
-from bench.board.again import require_sandbox
 from bench.board.ranks import mean_ranks
 from bench.objective import Trace
 from bench.packing import pack
 from bench.plugins.registry import DISTRIBUTION
+from bench.sandbox import bubblewrap
 from bench.storage.folder import Folder
 from bench.trial import Trial
 
@@ -295,7 +295,7 @@ def test_the_command_leaves_out_what_is_refused_on_request_only(two, bench_here,
 # trials made again
 
 try:
-    require_sandbox()
+    bubblewrap.find()
     REASON = ""
 except BenchError as error:
     REASON = str(error)

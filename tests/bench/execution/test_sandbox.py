@@ -5,15 +5,20 @@ import shutil
 import socket
 import subprocess
 import sys
+from pathlib import Path
 from textwrap import dedent
 
 import pandas as pd
 import pytest
 
-from bench import BenchError, Study, load_results, run
+from bench import BenchError, Results, Study, load_optimizer, load_results, run
+from bench.check.bias import diagnose
+from bench.check.conformance.subject import Subject
+from bench.execution.job import MEMORY, TIMEOUT, Task, sandbox
 from bench.execution.verify import verify
 from bench.sandbox import bubblewrap, namespaces
 from bench.sandbox.process import Process
+from bench.storage.folder import CRATE
 
 TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
 
@@ -21,7 +26,7 @@ TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
 def reason():
     """Why no sandbox can be used here, "" where one can."""
     try:
-        bubblewrap.find("bwrap")
+        bubblewrap.find()
     except BenchError as error:
         return str(error)
     return ""
@@ -164,8 +169,8 @@ EXPECTED = {
 }
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["", "strict"])
-def ran(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
     """A run in the sandbox of all of these beside an honest optimizer of the package, and the same one alone."""
     place = tmp_path_factory.mktemp("sandboxed")
     os.mkfifo(place / "fifo")
@@ -186,8 +191,7 @@ def ran(request, tmp_path_factory):
         attacks = "".join(f'[[optimizers]]\nname = "{place / file}:{name}"\n' for name, file in files.items())
         for name, text in (("alone", head), ("out", head + attacks)):
             (place / f"{name}.toml").write_text(text)
-            limits = {"sandbox": "bwrap", "strict": request.param} if name == "out" else {}
-            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=120, **limits)
+            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=120, untrusted=name == "out")
     os.close(reader)
     return place
 
@@ -215,8 +219,8 @@ def test_the_results_of_others_are_those_of_a_run_without_a_sandbox(ran):
 
 @needed
 @pytest.mark.slow
-def test_stored_trials_are_verified_strictly_in_the_sandbox(ran):
-    found = verify(ran / "alone", trials=1, strict=True, sandbox="bwrap")
+def test_stored_trials_are_verified_in_the_sandbox(ran):
+    found = verify(ran / "alone", trials=1, untrusted=True)
     assert found.different == {}
     assert "the problem in another process than the optimizer" in found.sentence
 
@@ -224,7 +228,7 @@ def test_stored_trials_are_verified_strictly_in_the_sandbox(ran):
 @needed
 def test_the_scratch_folder_is_all_that_can_be_written():
     folders = ("/", "/dev", "/tmp", "/var/tmp", "/run", namespaces.SCRATCH)
-    with Process(sandbox=bubblewrap.find("bwrap")) as process:
+    with Process(sandbox=bubblewrap.find()) as process:
         assert process.call(eval, f"[x for x in {folders} if __import__('os').access(x, 2)]", seconds=60.0) == [
             namespaces.SCRATCH
         ]
@@ -240,7 +244,7 @@ def test_numba_reads_there_what_was_compiled_outside_and_writes_beside_it(tmp_pa
         subprocess.run([sys.executable, "-c", script], env=environment, check=True)
     kernels = [*tmp_path.rglob("__pycache__/*.nb[ci]")]
     assert len(kernels) == 2
-    with Process(sandbox=bubblewrap.find("bwrap", shown=[tmp_path], kernels=kernels)) as process:
+    with Process(sandbox=bubblewrap.find(shown=[tmp_path], kernels=kernels)) as process:
         for argument, hits in (("1", 1), ("1.5", 1)):
             code = f"[m := __import__('mine'), m.twice({argument})] and sum(m.twice.stats.cache_hits.values())"
             assert process.call(eval, code, seconds=60.0) == hits
@@ -249,7 +253,7 @@ def test_numba_reads_there_what_was_compiled_outside_and_writes_beside_it(tmp_pa
 
 @pytest.mark.slow
 @needed
-def test_a_process_that_starts_another_finds_no_problem_in_strict_trials_either(tmp_path):
+def test_a_process_that_starts_another_finds_no_problem_either(tmp_path):
     code = """
         import subprocess, sys
         def mine(objective, rng):
@@ -260,17 +264,18 @@ def test_a_process_that_starts_another_finds_no_problem_in_strict_trials_either(
     (tmp_path / "mine.py").write_text(dedent(code))
     study = {"name": "s", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
              "optimizers": [{"name": f"{tmp_path}/mine.py:mine"}]}  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, strict=True, sandbox="bwrap")
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, untrusted=True)
     (error,) = load_results(tmp_path / "out")["error"]
     assert error.startswith("AssertionError: 1 ModuleNotFoundError: No module named 'problems.")
 
 
-def test_one_that_is_unknown_or_missing_is_one_sentence(monkeypatch):
-    with pytest.raises(BenchError, match=r"^unknown sandbox 'bwarp'; did you mean 'bwrap'\?"):
-        bubblewrap.find("bwarp")
+def test_without_bubblewrap_a_sentence_names_what_to_install(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
-    with pytest.raises(BenchError, match="needs bubblewrap, which is not installed here; install it"):
-        bubblewrap.find("bwrap")
+    with pytest.raises(
+        BenchError,
+        match=r"^--untrusted needs bubblewrap .* install it \(on Debian",
+    ):
+        bubblewrap.find()
 
 
 @pytest.mark.slow
@@ -279,14 +284,110 @@ def test_a_plan_loads_no_optimizer_outside_it(bench_here, tmp_path):
     mark = tmp_path / "mark"
     (tmp_path / "mine.py").write_text(f"open({str(mark)!r}, 'w')\ndef mine(objective, rng): pass\n")
     command = ["run", "quick", "--dry-run", "--output", tmp_path / "out", "--optimizer", f"{tmp_path}/mine.py:mine"]
-    done = bench_here(*command, "--sandbox", "bwrap")
+    done = bench_here(*command, "--untrusted")
     assert "Read-only file system" in done.stderr
     assert not mark.exists()
     assert bench_here(*command).returncode == 0
     assert mark.exists()
 
 
-def test_checks_which_run_outside_are_refused_beside_it(bench_here):
-    done = bench_here("run", "quick", "--check", "--sandbox", "bwrap")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("bench: --check runs optimizers outside the sandbox")
+PEEPS = """
+    import os
+
+    open({mark!r}, "a").write("x")  # refused in the sandbox, so that the file does not load there
+
+    def peeps(objective, rng):
+        objective(objective.initial(4))
+"""
+
+
+@needed
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("solve", "sphere-2", "{file}", "--budget", 40),
+        ("check", "{file}", "--no-bias"),
+        ("run", "quick", "--optimizer", "{file}", "--matched", "--output", "{folder}/out"),
+    ],
+)
+def test_no_command_loads_a_file_outside_it(bench_here, tmp_path, command):
+    mark = tmp_path / "mark"
+    (tmp_path / "mine.py").write_text(dedent(PEEPS).format(mark=str(mark)))
+    words = [str(word).format(file=f"{tmp_path}/mine.py:peeps", folder=tmp_path) for word in command]
+    done = bench_here(*words, "--untrusted")
+    assert done.returncode != 0
+    assert "Read-only file system" in done.stdout + done.stderr
+    assert not mark.exists()
+
+
+@needed
+@pytest.mark.slow
+def test_one_run_there_is_that_of_this_process(bench_here, shadows):
+    command = ("solve", "beside.py:ball", "beside.py:stroll", "--budget", 40, "--seed", 7)
+    here, there = (bench_here(*command, *flags, cwd=shadows).stdout for flags in ((), ("--untrusted",)))
+    assert [*map(str.split, here.splitlines()[:-1])] == [*map(str.split, there.splitlines()[:-1])]  # but for the times
+    assert not [*shadows.glob("*.imported")]
+
+
+@needed
+@pytest.mark.slow
+def test_a_check_there_finds_what_another_does_and_keeps_the_problem_apart(bench_here, shadows):
+    done = bench_here("check", "beside.py:stroll", "--untrusted", "--no-bias", cwd=shadows)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "passed: beside.py:stroll, problem apart: the problem and the budget" in done.stdout
+    assert not [*shadows.glob("*.imported")]
+    wrong = bench_here("check", "beside.py:stroll", "--untrusted", "--set", "stride=1", cwd=shadows)
+    assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
+    assert "stride" in wrong.stderr
+
+
+@needed
+@pytest.mark.slow
+def test_biases_are_looked_for_there_too(shadows):
+    sizes = {"dimension": 2, "runs": 1, "noise_runs": 3, "n_jobs": 1}
+    found = diagnose(Subject("beside.py:stroll"), sandbox=sandbox(["beside.py:stroll"]), **sizes)
+    assert found == diagnose(load_optimizer("beside.py:stroll"), **sizes)
+
+
+@needed
+@pytest.mark.slow
+def test_a_folder_from_an_archive_is_run_verified_and_read_without_loading_its_files(bench_here, shadows):
+    study = {"name": "s", "trials": 1, "budget": 30, "problems": [{"name": "beside.py:ball"}],
+             "optimizers": [{"name": "beside.py:stroll"}]}  # fmt: skip
+    run(Study.from_dict(study), "out", n_jobs=1)
+    assert load_problem_of("out") is not None
+    Path("out", CRATE).touch()  # as 'bench unpack' leaves it
+    for command in (("run", "out/study.toml", "-o", "out"), ("verify", "out")):
+        done = bench_here(*command, cwd=shadows)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "names 'beside.py:ball', whose code nobody trusts: add --untrusted" in " ".join(done.stderr.split())
+    assert bench_here("verify", "out", "--untrusted", "--jobs", 1, cwd=shadows).returncode == 0
+    with pytest.raises(BenchError, match="code that nobody trusts"):
+        load_problem_of("out")
+    assert Results("out").facts("ball").reason
+
+
+def load_problem_of(folder):
+    return Results(folder).problem("ball")
+
+
+@needed
+@pytest.mark.slow
+def test_trials_there_are_limited_without_being_asked(monkeypatch, tmp_path):
+    monkeypatch.setattr("bench.execution.job.TIMEOUT", 1.0)
+    (tmp_path / "mine.py").write_text("def spins(objective, rng):\n    while True:\n        pass\n")
+    study = {"name": "s", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
+             "optimizers": [{"name": f"{tmp_path}/mine.py:spins"}]}  # fmt: skip
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, untrusted=True)
+    (row,) = load_results(tmp_path / "out").to_dict("records")
+    assert row["status"] == "timeout"
+    (record,) = Results(tmp_path / "out").environments
+    assert (record["timeout"], record["strict"], record["sandbox"]) == (1.0, True, "bwrap")
+
+
+def test_limits_given_replace_those_by_default(small_study):
+    assert (Task(small_study).timeout, Task(small_study).memory, Task(small_study).apart) == (None, None, False)
+    bounded = Task(small_study, untrusted=True)
+    assert (bounded.timeout, bounded.memory, bounded.apart) == (TIMEOUT, MEMORY, True)
+    assert Task(small_study, timeout=5.0, memory=10**9, untrusted=True).timeout == 5.0

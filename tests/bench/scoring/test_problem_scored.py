@@ -159,8 +159,7 @@ def test_a_solution_has_whole_numbers():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("strict", [False, True])
-def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path, strict):
+def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path):
     study = Study.from_dict(
         {
             "name": "odd", "trials": 2, "budget": 60, "seed": 3,
@@ -168,11 +167,11 @@ def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path, strict):
             "optimizers": [{"name": "gwo", "agents": 6}],
         }
     )  # fmt: skip
-    run(study, tmp_path / "odd", n_jobs=1, strict=strict)
+    run(study, tmp_path / "odd", n_jobs=1)
     frame = load_results(tmp_path / "odd")
     assert (frame["status"] == "ok").all()
     assert (frame["nfev"] == 60).all()
-    assert not verify(tmp_path / "odd", trials=2, n_jobs=1, strict=strict).different
+    assert not verify(tmp_path / "odd", trials=2, n_jobs=1).different
 
 
 def test_results_know_what_is_noisy_and_which_variables_are_whole_numbers(tmp_path):

@@ -1,4 +1,4 @@
-"""Strict trials: the problem, the budget and the trace are in another process; only points and values cross.
+"""Trials whose problem, budget and trace are in another process than the optimizer; only points and values cross.
 
 There, :func:`serve` holds the :class:`bench.objective.Objective` that counts. The optimizer's process has an objective
 of a :class:`RemoteProblem`, but no problem in its memory, and :func:`hide_problems` refuses to import one. Whatever the
@@ -32,7 +32,7 @@ _LONGEST = 1 << 26  # bytes of the points of a request
 
 
 class RemoteProblem(Problem):
-    """The problem of a strict trial as its optimizer's process has it: each evaluation is one of :func:`serve`.
+    """A problem as the process of an optimizer has it where it is kept apart: :func:`serve` makes each evaluation.
 
     Args:
         end: the file number of the socket whose other end is served.
@@ -43,7 +43,7 @@ class RemoteProblem(Problem):
 
     def __init__(self, end: int, lower: ArrayLike, upper: ArrayLike, integer: ArrayLike) -> None:
         self.lower, self.upper = np.array(lower, np.float64), np.array(upper, np.float64)
-        self.name, self.integer = "the problem of a strict trial", np.array(integer, bool)
+        self.name, self.integer = "a problem in another process", np.array(integer, bool)
         self._end, self._lock = Connection(end), Lock()
         self._ask(_EVALUATE, b"")  # no point, which starts the clock
 
@@ -63,9 +63,8 @@ class RemoteProblem(Problem):
         """Return the numbers of the answer; raises BudgetExhausted where the budget is spent there."""
         if len(content) > _LONGEST:
             point = 8 * self.dimension
-            raise ValueError(
-                f"a strict trial takes {_LONGEST // point:,} points at a time, not {len(content) // point:,}"
-            )
+            most, asked = _LONGEST // point, len(content) // point
+            raise ValueError(f"a problem in another process takes {most:,} points at a time, not {asked:,}")
         with self._lock:
             self._end.send_bytes(request + content)
             answer = self._end.recv_bytes()
@@ -110,7 +109,7 @@ def hide_problems() -> None:
     def refuse(event: str, arguments: tuple[object, ...]) -> None:  # no code in Python can undo it
         name = str(arguments[0]) if event == "import" else ""
         if any(name == module or name.startswith(f"{module}.") for module in hidden):
-            raise ImportError(f"{name} is hidden from the optimizers of strict trials")
+            raise ImportError(f"{name} is hidden from optimizers here")
 
     sys.addaudithook(refuse)
 

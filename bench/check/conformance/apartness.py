@@ -1,4 +1,4 @@
-"""The rule of strict trials: with the problem in another process, the run is the same."""
+"""The rule of a problem that is kept apart: with it in another process, the run is the same."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from bench.check.conformance.recording import (
 )
 from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, ordinary_budget, pack, unpack
 from bench.check.problems import bowl
-from bench.execution import strict
+from bench.execution import apart
 from bench.objective import BudgetExhausted, Objective, integer_flags
 from bench.sandbox.process import Process
 from bench.seeds import streams
 
 
-def check_strictly(subject: Subject) -> str:
+def check_apart(subject: Subject) -> str:
     """Problem, budget and trace in another process change nothing: nothing is evaluated past the objective."""
     remedy = "get values from objective(x) alone, and nothing else of the problem or of the objective's inside"
     budget = ordinary_budget(subject.fresh())
@@ -40,22 +40,22 @@ def check_strictly(subject: Subject) -> str:
             finding, other_mend = explain_lost_process(error, process.note)
             raise ViolationError(f"with the problem in another process, {finding}", other_mend) from error
         process.close()
-        apart = keeper.finish(seconds=START_SECONDS)
-    expect_same(here, apart, "with problem and budget in another process, its run is another", remedy)
+        there = keeper.finish(seconds=START_SECONDS)
+    expect_same(here, there, "with problem and budget in another process, its run is another", remedy)
     return f"the problem and the budget of {budget} evaluations in another process change nothing"
 
 
 def keep(budget: int, seed: int, end: int) -> list[int]:
     """Keep the ordinary problem for a run in another process; return the course of the run."""
     problem = bowl()
-    strict.serve(Objective(problem, budget, streams(seed)[0]), end)
+    apart.serve(Objective(problem, budget, streams(seed)[0]), end)
     return RecordedRun(points=problem.points).course()
 
 
 def run_apart(packed: bytes, budget: int, end: int) -> None:
     """Run the optimizer on the problem at the other end of the socket."""
     subject, problem_here = unpack(packed), bowl()
-    problem = strict.RemoteProblem(end, problem_here.lower, problem_here.upper, integer_flags(problem_here))
+    problem = apart.RemoteProblem(end, problem_here.lower, problem_here.upper, integer_flags(problem_here))
     start_stream, search_stream = streams(subject.seed)
     objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1), seeded_global_states(0), suppress(BudgetExhausted):

@@ -1,18 +1,21 @@
-"""Strict trials: the same bits for the honest; no peeking, no overspending, and no problem to import."""
+"""Problems kept apart: the same bits for the honest; no peeking, no overspending, and no problem to import."""
 
 import sys
+from dataclasses import replace
 from textwrap import dedent
 
 import pytest
 
 from bench import Study, load_results, run
+from bench.execution.job import Task
+from bench.execution.supervisor import Supervisor
 from bench.execution.verify import verify
-from bench.storage.rows import REPEATABLE
+from bench.storage.rows import disagreement, stored
 from bench.storage.store import Store
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(sys.platform != "linux", reason="strict trials need processes that fork, as on Linux"),
+    pytest.mark.skipif(sys.platform != "linux", reason="problems are kept apart where processes fork, as on Linux"),
 ]
 
 CHEATS = """
@@ -104,59 +107,55 @@ def study(*optimizers):
     )  # fmt: skip
 
 
+def made_apart(study):
+    """The rows of a study's trials, made as a verification makes them."""
+    supervisor = Supervisor(replace(Task.of(study), timeout=60, apart=True))
+    try:
+        return {trial: supervisor.make(trial) for trial in study.plan()}
+    finally:
+        supervisor.close()
+
+
 def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
-    stored = []
-    for strict in (False, True):
-        run(study(*HONEST), tmp_path / str(strict), n_jobs=2, strict=strict)
-        found = sorted(Store(tmp_path / str(strict)).rows(), key=lambda row: row["seed"])
-        stored.append([{name: row[name] for name in ("problem", "optimizer", *REPEATABLE)} for row in found])
-    assert stored[0] == stored[1]
-    assert {row["status"] for row in stored[0]} == {"ok"}
-    assert len(stored[0]) == 12
+    run(study(*HONEST), tmp_path / "here", n_jobs=2)
+    here, apart = Store(tmp_path / "here"), made_apart(study(*HONEST))
+    assert len(apart) == 12
+    assert [row["status"] for row in apart.values()] == ["ok"] * 12
+    assert [trial for trial, row in apart.items() if disagreement(here.find(*trial.key), stored(trial, row))] == []
 
 
-def test_who_peeks_overspends_or_learns_is_named_by_a_verification(cheats, tmp_path):
+def test_who_peeks_overspends_learns_or_imports_is_named_by_a_verification(cheats, tmp_path):
     ways = "attribute", "method", "collector", "frames"
     cheating = [{"name": f"{cheats}:peeks", "label": way, "way": way} for way in ways]
-    cheating += [{"name": f"{cheats}:{name}"} for name in ("overspends", "learns")]
+    cheating += [{"name": f"{cheats}:{name}"} for name in ("overspends", "learns", "imports")]
     run(study(*cheating, {"name": "hill-climber"}), tmp_path / "out", n_jobs=2)
     frame = load_results(tmp_path / "out")
     assert frame["status"].eq("ok").all()  # what is stored by default is not proof against them
-    found = verify(tmp_path / "out", trials=2, strict=True)
-    assert {trial.optimizer for trial in found.different} == {*ways, "overspends", "learns"}
-    assert {trial.optimizer for trial in verify(tmp_path / "out", trials=2).different} == {"learns"}
+    found = verify(tmp_path / "out", trials=2)
+    assert {trial.optimizer for trial in found.different} == {*ways, "overspends", "learns", "imports"}
+    hidden = [said for trial, said in found.different.items() if trial.optimizer == "imports"]
+    assert all("hidden from optimizers here" in said for said in hidden)
 
 
-def test_installed_problems_are_hidden(cheats, tmp_path):
-    run(study({"name": f"{cheats}:imports"}), tmp_path / "out", n_jobs=1, strict=True)
-    frame = load_results(tmp_path / "out")
-    assert frame["status"].eq("failed").all()
-    assert frame["error"].str.contains("hidden from the optimizers of strict trials").all(), list(frame["error"])
+def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats):
+    rows = made_apart(study({"name": f"{cheats}:swallows"}, {"name": f"{cheats}:overspends"})).values()
+    assert [(row["status"], row["nfev"], row["stop"]) for row in rows] == [("ok", 200, "budget")] * 8
 
 
-def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats, tmp_path):
-    run(
-        study({"name": f"{cheats}:swallows"}, {"name": f"{cheats}:overspends"}), tmp_path / "out", n_jobs=1, strict=True
-    )
-    frame = load_results(tmp_path / "out")
-    assert frame["status"].eq("ok").all(), list(frame["error"])
-    assert frame["nfev"].eq(200).all()
-    assert frame["stop"].eq("budget").all()
+def one(optimizer):
+    """The row of the only trial of an optimizer."""
+    head = {"name": "s", "trials": 1, "budget": 200, "problems": [{"name": "sphere-2"}]}
+    (row,) = made_apart(Study.from_dict(head | {"optimizers": [{"name": optimizer}]})).values()
+    return row
 
 
-def test_the_process_that_keeps_the_problem_is_not_asked_for_too_much(cheats, tmp_path):
-    one = {"name": "s", "trials": 1, "budget": 200, "problems": [{"name": "sphere-2"}]}
-    made = Study.from_dict(one | {"optimizers": [{"name": f"{cheats}:asks_for_too_much"}]})
-    run(made, tmp_path / "out", n_jobs=1, strict=True, timeout=60)
-    (row,) = load_results(tmp_path / "out").to_dict("records")
+def test_the_process_that_keeps_the_problem_is_not_asked_for_too_much(cheats):
+    row = one(f"{cheats}:asks_for_too_much")
     assert row["status"] == "failed"
-    assert "a strict trial takes 4,194,304 points at a time, not 5,000,000" in row["error"]
+    assert "a problem in another process takes 4,194,304 points at a time, not 5,000,000" in row["error"]
 
 
-def test_the_clock_begins_once_and_a_declared_reason_arrives(cheats, tmp_path):
-    one = {"name": "s", "trials": 1, "budget": 200, "problems": [{"name": "sphere-2"}]}
-    made = Study.from_dict(one | {"optimizers": [{"name": f"{cheats}:asks_for_nothing"}]})
-    run(made, tmp_path / "out", n_jobs=1, strict=True, timeout=60)
-    (row,) = load_results(tmp_path / "out").to_dict("records")
+def test_the_clock_begins_once_and_a_declared_reason_arrives(cheats):
+    row = one(f"{cheats}:asks_for_nothing")
     assert (row["status"], row["stop"], row["nfev"]) == ("ok", "rest", 5)
     assert row["wall_s"] >= 0.2
