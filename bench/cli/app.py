@@ -30,8 +30,8 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 for _name in (
-    "list", "run", "plan", "status", "report", "export", "import_", "check", "solve", "verify", "merge", "rm", "pack",
-    "unpack", "site", "gate", "describe", "similar", "atlas", "recommend", "tune", "doctor", "new",
+    "list", "run", "plan", "status", "report", "export", "import_", "check", "audit", "solve", "verify", "merge", "rm",
+    "pack", "unpack", "site", "gate", "describe", "similar", "atlas", "recommend", "tune", "doctor", "new",
 ):  # fmt: skip
     app.command(_name.rstrip("_"))(import_module(f"bench.cli.{_name}").command)
 app.add_typer(archive.archive, name="archive")

@@ -22,7 +22,7 @@ def little_work(monkeypatch):
 class InThisProcess:
     """Stands in for a pool: makes every call at once, and passes its answer on as JSON."""
 
-    def __init__(self, jobs, ready):
+    def __init__(self, jobs, ready, sandbox=None):
         ready()
 
     def __enter__(self):
@@ -31,7 +31,7 @@ class InThisProcess:
     def __exit__(self, *_):
         pass
 
-    def submit(self, group, function, *arguments, seconds=None, printed=None):
+    def submit(self, group, function, *arguments, seconds=None, printed=None, memory=None):
         future = Future()
         try:
             future.set_result(json.loads(json.dumps(function(*arguments))))
