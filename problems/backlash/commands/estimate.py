@@ -4,16 +4,13 @@ import json
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from bench.errors import BenchError
 from bench.helpers import pairs, print_error, print_line, replacing
 from problems.backlash import EARLY_RAD
-
-if TYPE_CHECKING:
-    from problems.backlash.recordings import Recording
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
@@ -40,9 +37,17 @@ def estimate(
     counts_per_rev: Annotated[
         float | None, _recording(metavar="N", help="Counts of the encoder a motor turn, of a position in counts.")
     ] = None,
-    time_unit: Annotated[str | None, _recording(help="s, ms or us.")] = None,
+    time_unit: Annotated[str | None, _recording(help="s, ms, us or ns.")] = None,
     rate: Annotated[
         float | None, _recording(metavar="HZ", help="The sampling rate, instead of a column of time.")
+    ] = None,
+    joint_column: Annotated[
+        str | None,
+        _recording(
+            metavar="COLUMN",
+            help="Of files with several joints: the column that tells the joint of each line, or, with a *, the "
+            "columns of a joint each, as 'speed_*', where * is the joint's name.",
+        ),
     ] = None,
     window: Annotated[
         str | None, _recording(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
@@ -106,7 +111,7 @@ def estimate(
     """
     from rich.console import Console
 
-    from problems.backlash.recordings import parse_window
+    from problems.backlash.recordings import parse_window, read_joints
     from problems.backlash.sensor import formatting, recording_files
     from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
     from problems.backlash.sensor.estimate import Settings
@@ -131,25 +136,29 @@ def estimate(
 
         plots.check_output(plot)
 
-    columns = {
+    columns: dict[str, Any] = {
         "time": time, "speed": speed, "position": position, "unit": unit, "time_unit": time_unit, "rate": rate,
-        "counts_per_rev": counts_per_rev,
+        "counts_per_rev": counts_per_rev, "window": part, "joint_column": joint_column,
     }  # fmt: skip
     for remark in remarks:
         print_line(remark, console=stderr)
-    several, names = len(paths) > 1, recording_files.short_names(paths)
-    made = estimate_files(paths, partial(_read, window=part, columns=columns), settings, asked, jobs=jobs)
+    made = estimate_files(paths, partial(read_joints, **columns), settings, asked, jobs=jobs)
     if sys.stderr.isatty():
         from rich.progress import track
 
         made = iter(track(made, "estimating", len(paths), console=stderr, transient=True))
-    outcomes = list(made)
-    if several:  # after the bar, whose line they would be glued to
-        for outcome in outcomes:
-            if isinstance(outcome, Failed):
-                print_error(outcome.error)
+    outcomes = [outcome for outcomes in made for outcome in outcomes]
+    stray = [one for one in outcomes if isinstance(one, Failed) and one.stray and str(one.path) not in recordings]
+    for outcome in stray:  # of a folder
+        print_line(f"{outcome.error}; it was left out", console=stderr)
+    outcomes = [outcome for outcome in outcomes if outcome not in stray]
+    several = len(paths) > 1 or len(outcomes) > 1
+    names = recording_files.display_names([one.path for one in outcomes], [one.joint for one in outcomes])
     good = [outcome for outcome in outcomes if isinstance(outcome, Estimated)]
     failed = [outcome for outcome in outcomes if isinstance(outcome, Failed)]
+    if several:  # after the bar, whose line they would be glued to
+        for outcome in failed:
+            print_error(outcome.error)
     joints = trends(good, settings)
     if as_json:
         print(json.dumps([formatting.json_object(outcome) for outcome in outcomes], indent=1, ensure_ascii=False))
@@ -174,15 +183,8 @@ def estimate(
         nothing = "no joint has two recordings, so there is no trend to draw; give --plot a folder for each one's fit"
         print_line(line if pictures else nothing, console=Console(stderr=as_json))
     if not good:
-        raise BenchError(f"none of the {len(paths)} recordings could be estimated" if several else failed[0].error)
+        alone = failed[0].error if failed else "there is no recording in the folder"
+        raise BenchError(f"none of the {len(outcomes)} recordings could be estimated" if len(failed) > 1 else alone)
     if failed:
-        print_error(f"{len(failed)} of the {len(paths)} recordings could not be estimated")
+        print_error(f"{len(failed)} of the {len(outcomes)} recordings could not be estimated")
         raise typer.Exit(1)
-
-
-def _read(path: Path, *, window: tuple[float | None, float | None] | None, columns: dict[str, Any]) -> "Recording":
-    """Return the part of a recording to use, whose columns are found by these options of the reader."""
-    from problems.backlash.recordings import read
-
-    recording = read(path, **columns)
-    return recording.window(*window) if window else recording

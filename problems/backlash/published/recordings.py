@@ -13,7 +13,7 @@ import numpy as np
 from problems.backlash.joint import half_gap
 from problems.backlash.published.download import require
 from problems.backlash.recordings import Recording
-from problems.backlash.recordings.tables import xlsx_rows
+from problems.backlash.recordings.tables import first_sheet
 
 
 class Row(NamedTuple):
@@ -60,7 +60,7 @@ def read(file: str, member: str, level: int) -> Recording:
     """
     path = require(file)
     content = path.read_bytes() if not member else ZipFile(path).read(member)
-    time, speed = np.array(xlsx_rows(content)[1:], dtype=np.float64).T
+    time, speed = first_sheet(content).iloc[1:].to_numpy(dtype=np.float64).T
     start, dt = float(time[0]), float(time[-1] - time[0]) / (len(time) - 1)
     peak = table_7_3()[level].theoretical if level in table_7_3() else None
     return Recording(start, dt, np.ascontiguousarray(speed), peak=peak, half_gap=half_gap(level))

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.typing import Floats
+from problems.backlash.recordings.headings import UNITS
 from problems.backlash.recordings.recording import Recording, spell
-from problems.backlash.recordings.tables import UNITS
 
 FASTEST = 1000.0  # rps; no joint's motor turns at 60,000 rpm
 STEADY = 0.2  # the largest deviation of a steady speed, as a part of the mean; the disturbance is a few percent of it
@@ -41,7 +41,7 @@ def screen(recording: Recording, *, nominal_rps: float | None = None, period: fl
     screen_values(recording)
     _screen_unit(recording, nominal_rps)
     _screen_steadiness(recording)
-    _screen_clipping(recording)
+    screen_clipping(recording)
     if period is not None:
         screen_length(recording, period)
         screen_sampling(recording, period)
@@ -151,7 +151,8 @@ def _screen_steadiness(recording: Recording) -> None:
     raise BenchError(f"the motor {what} (its speed is {speed.min():.4g} to {speed.max():.4g} rps); {advice}")
 
 
-def _screen_clipping(recording: Recording) -> None:
+def screen_clipping(recording: Recording) -> None:
+    """Raise BenchError for a speed that stays at its highest or lowest value, as a sensor at its limit gives."""
     for name, side in (("highest", 1.0), ("lowest", -1.0)):
         clipped = _clipped(side * recording.speed)
         if clipped is not None:

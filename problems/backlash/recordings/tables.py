@@ -1,92 +1,37 @@
-"""Read the columns of a csv or other text file, a spreadsheet (xlsx) or a parquet file, and their units."""
+"""Read the table in a csv or other text file, a spreadsheet (xlsx) or a parquet file, by pandas."""
 
 from __future__ import annotations
 
+import csv
 import re
-import tomllib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
-from io import BytesIO, StringIO
-from itertools import takewhile
-from math import isfinite, nan, pi
+from io import BytesIO
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from bench.errors import BenchError, require
 from bench.typing import Floats
+from problems.backlash.recordings.headings import is_unit
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# pandas is imported only for csv and parquet: its import takes longer than reading a spreadsheet without it.
+# pandas is imported only where a file is read: its import would make every command wait.
 
-HEAD = 20  # the rows of a spreadsheet among which its headings are looked for
+HEAD = 1 << 16  # bytes of a text file, of which its form is inferred
+HEAD_ROWS = 100  # the rows of a spreadsheet among which its headings are looked for
 OLD = bytes.fromhex("d0cf11e0a1b11ae1")  # the start of an .xls file and of an encrypted .xlsx file
 
-UNITS = {
-    "time": {"s": 1.0, "ms": 1e3, "us": 1e6},
-    "speed": {"rps": 1.0, "rpm": 60.0, "rad/s": 2 * pi, "deg/s": 360.0},
-    "position": {"rev": 1.0, "rad": 2 * pi, "deg": 360.0, "counts": nan},
-}
-"""By the role of a column, the number of each unit in one second, one turn per second, and one turn.
-
-How many counts an encoder has a turn is known to its user alone.
-"""
-
-WORDS = tomllib.loads(Path(__file__).with_name("headings.toml").read_text(encoding="utf-8"))
-_UNITS = {spelling: unit for unit, spellings in WORDS["units"].items() for spelling in (unit, *spellings)}
-_SUFFIX = re.compile(r"(?:^|[\s_/,])(" + "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True))) + r")\)?$")
-_BRACKET = re.compile(r"([\[(])([^\[\]()]*)[\])]$")
-
-
-class Heading(NamedTuple):
-    """The role and the unit of a column according to its heading.
-
-    Attributes:
-        role: "time", "speed", "position", or "" for any other column.
-        rank: among several columns of a role, the one with the lowest rank is likeliest to be the motor's.
-        plain: the heading without its unit, in lower case.
-        unit: the unit that it names, or None.
-        unknown: a unit in square brackets that is not in ``UNITS``, or "".
-    """
-
-    role: str
-    rank: tuple[bool, bool, int]
-    plain: str
-    unit: str | None
-    unknown: str
-
-
-def is_unit(text: str) -> bool:
-    """Return whether the text is a unit and nothing else, in brackets or not."""
-    return _spelled(text).strip("[]() ") in _UNITS
-
-
-def parse_heading(name: str) -> Heading:
-    """Return the role and unit of a heading such as ``speed_rpm``, ``Drehzahl [1/min]`` or ``v (rad/s)``."""
-    text, unit, unknown = _spelled(name), None, ""
-    bracket = _BRACKET.search(text)
-    if bracket and bracket[2].strip() in _UNITS:
-        text, unit = text[: bracket.start()], _UNITS[bracket[2].strip()]
-    elif bracket and bracket[1] == "[":  # round brackets hold remarks as well
-        text, unknown = text[: bracket.start()], bracket[2].strip("- ")
-    elif suffix := _SUFFIX.search(text):
-        text, unit = text[: suffix.start()], _UNITS[suffix[1]]
-    words = re.findall(r"[^\W\d_]+", text)
-    role = next((role for role, spellings in WORDS["roles"].items() if {*spellings} & {*words}), "")
-    if not words and unit is not None:  # a column called "rpm"
-        role = next(role for role, units in UNITS.items() if unit in units)
-    motor, not_motor = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
-    rank = (not_motor, not motor, len(words))
-    return Heading(role, rank, text.strip(" _/,"), unit, unknown)
-
-
-def _spelled(text: str) -> str:
-    return text.strip().lower().replace("µ", "u").replace("μ", "u").replace("°", "deg")
+CLOCK = r"\d{1,2}:\d\d(:\d\d([.,]\d+)?)?"
+DATE = re.compile(rf"(\d{{4}}-?\d\d?-?\d\d?|\d\d?[./-]\d\d?[./-]\d{{4}})([T ,]+\d|$)|{CLOCK}$")
+DAY_FIRST = r"^(\d\d?)[./-](\d\d?)[./-](\d{4})"
+ZONE = r"\s*(?:UTC|GMT|[A-Z]{3,4})$"  # of all stamps; their differences do not depend on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,13 +40,52 @@ class Table:
 
     Attributes:
         names: the columns' headings; a column without one is called by its number, from "1".
-        lines: the number in the file of each row's line.
-        numbers: maps a column's index to its values, one a row, NaN where there is no number.
+        frame: a row a line with a sample, whose index is the number of the line in the file.
     """
 
     names: tuple[str, ...]
-    lines: Sequence[int]
-    numbers: Callable[[int], Floats]
+    frame: pd.DataFrame
+
+    def numbers(self, column: int) -> Floats:
+        """Return the values of a column by its index, NaN where there is no number."""
+        import pandas as pd
+
+        cells = self.frame.iloc[:, column]
+        if pd.api.types.is_numeric_dtype(cells):
+            return cells.to_numpy(dtype=float, na_value=np.nan)
+        numbers = pd.to_numeric(cells, errors="coerce").astype(float)
+        missed = numbers.isna() & cells.notna()
+        return np.asarray(numbers.where(~missed, cells[missed].map(_number)), dtype=np.float64)
+
+    def stamps(self, column: int) -> tuple[Floats, str] | None:
+        """Return the seconds since the first date or time of a column, NaN where there is none, and that first one.
+
+        ISO 8601 is read, and days, months and years in this order. Return None for a column of something else.
+        """
+        import pandas as pd
+
+        cells = self.frame.iloc[:, column]
+        filled = cells.dropna()
+        if pd.api.types.is_numeric_dtype(cells) or not len(filled):
+            return None
+        if not pd.api.types.is_datetime64_any_dtype(cells):
+            if not DATE.match(_plain(str(filled.iloc[0]))):
+                return None
+            text = cells.astype(str).str.strip(" '\"\t").str.replace(",", ".").str.replace(ZONE, "", regex=True)
+            if re.fullmatch(CLOCK, text[filled.index[0]]):
+                cells = pd.to_timedelta(text, errors="coerce")
+            else:
+                text = text.str.replace(r"\.? +(?=\d)", "T", n=1, regex=True).str.replace(DAY_FIRST, _iso, regex=True)
+                cells = pd.to_datetime(text, format="ISO8601", utc=True, errors="coerce")
+            filled = cells.dropna()
+            if not len(filled):
+                return None
+        return (cells - filled.iloc[0]).dt.total_seconds().to_numpy(), str(self.frame.loc[filled.index[0]].iloc[column])
+
+    def by(self, column: int) -> dict[str, Table]:
+        """Return the table of each value of a column, in the order of their first rows."""
+        groups = self.frame.groupby(self.frame.columns[column], sort=False)
+        return {_plain(str(value)): replace(self, frame=rows) for value, rows in groups}
 
 
 def load(path: Path) -> Table:
@@ -128,39 +112,51 @@ def load(path: Path) -> Table:
 
 def _text(path: Path) -> Table:
     """Read text separated by semicolons, tabs, commas or blanks, with points or commas for decimals."""
-    raw = path.read_bytes()
-    encoding = "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    import pandas as pd
+
+    with path.open("rb") as file:
+        raw = file.read(HEAD)
+    encoding = _encoding(raw)
     lines = raw.decode(encoding, errors="replace").splitlines()
+    if len(raw) == HEAD and len(lines) > 1:
+        lines.pop()  # it may be cut
     filled = [line for line in lines if line and not line.isspace()]
     if not filled:
         raise BenchError("it is empty; export it again, with a line for each sample")
     middle = filled[len(filled) // 2]  # neither a heading nor a closing remark
     separator = next((mark for mark in (";", "\t", ",") if mark in middle), None)
+    if separator == "," and len(middle.split()) > 1 and all(map(_is_number, middle.split())):
+        separator = None  # a comma for decimals, between blanks
 
     def split(line: str) -> list[str]:
-        return [_plain(cell) for cell in line.lstrip("#% ").split(separator)]
+        text = line.lstrip("#% ")
+        cells = text.split() if separator is None else next(csv.reader([text], delimiter=separator), [])
+        return [_plain(cell) for cell in cells]
 
-    def is_heading(line: str) -> bool:
-        return line.startswith(("#", "%")) or not any(map(_is_number, split(line)))
+    above, names = _head((line.startswith(("#", "%")) for line in lines), map(split, lines), split(middle))
+    width = max(len(names), *(len(line.split(separator)) for line in lines[above:])) if lines[above:] else len(names)
+    frame = pd.DataFrame(columns=range(width))
+    if lines[above:]:
+        try:
+            frame = pd.read_csv(
+                path, sep=separator or r"\s+", decimal="," if separator != "," and "," in middle else ".",
+                header=None, names=range(width), index_col=False, skiprows=above, skip_blank_lines=False,
+                skipinitialspace=True, encoding=encoding, encoding_errors="replace", low_memory=False, **_exact(),
+            )  # fmt: skip
+        except pd.errors.ParserError as error:
+            raise BenchError(f"{str(error).strip()}; mend or cut that line") from error
+    return _table(names, frame.set_axis(range(above + 1, above + 1 + len(frame))).dropna(how="all"))
 
-    above = sum(1 for _ in takewhile(is_heading, lines))
-    body = lines[above:]
-    width = max((len(line.split(separator)) for line in body), default=len(split(middle)))
-    import pandas as pd
 
-    cells = pd.read_csv(
-        StringIO("\n".join(body) or "\n"),
-        sep=separator or r"\s+",
-        decimal="," if separator != "," and "," in middle else ".",
-        header=None,
-        names=range(width),
-        skip_blank_lines=False,
-        skipinitialspace=True,
-        **_exact(),
-    )
-    cells.index = pd.RangeIndex(above + 1, above + 1 + len(cells))
-    blank = [line for line in cells.index[cells.isna().all(axis=1)] if not "".join(lines[line - 1 : line]).strip()]
-    return _frame_table(_names(map(split, lines[:above]), width), cells.drop(index=blank))
+def _encoding(raw: bytes) -> str:
+    """Return the encoding of a text by its beginning: UTF-16 and UTF-8, else that of Windows in Western Europe."""
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "utf-16"
+    try:
+        raw[: len(raw) - 3].decode("utf-8-sig")  # the last letter may be cut
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"
 
 
 @cache
@@ -171,84 +167,82 @@ def _exact() -> dict[str, Any]:
 
 
 def _xlsx(path: Path) -> Table:
-    rows = xlsx_rows(path.read_bytes())
-    head = [[_plain(str(cell)) for cell in row] for row in rows[:HEAD]]
-    above = sum(1 for _ in takewhile(lambda row: not any(map(_is_number, row)), head))
-    width = len(rows[0]) if rows else 0
-    return Table(
-        _names(head[:above], width),
-        range(above + 1, len(rows) + 1),
-        lambda column: np.array([_number(_plain(row[column])) for row in rows[above:]]),
+    cells = first_sheet(path.read_bytes())
+    *rows, middle = (
+        [
+            ["" if cell != cell else _plain(str(cell)) for cell in row]
+            for row in cells.iloc[[*range(min(len(cells), HEAD_ROWS)), len(cells) // 2]].to_numpy(dtype=object)
+        ]
+        if len(cells)
+        else [[]]
     )
+    above, names = _head([False] * len(rows), rows, middle)
+    return _table(names, cells.set_axis(range(1, len(cells) + 1)).iloc[above:].dropna(how="all"))
 
 
-def xlsx_rows(content: bytes) -> list[list[Any]]:
-    """Return the rows of a workbook's first sheet, all of one length, without the empty ones at its end.
-
-    A cell is a number (float), a text, a truth value, or a date or time; "" where it is empty or an error.
+def first_sheet(content: bytes) -> pd.DataFrame:
+    """Return the cells of a workbook's first sheet, without headings; NaN where one is empty or an error.
 
     Raises:
         BenchError: for a file that is no xlsx workbook, is damaged, or needs a password.
     """
-    from python_calamine import CalamineWorkbook, SheetTypeEnum
+    import pandas as pd
 
     if content.startswith(OLD):
         raise BenchError("it is an old workbook (.xls) or has a password; save it as .xlsx without a password")
     try:
-        book = CalamineWorkbook.from_filelike(BytesIO(content))
-        names = [sheet.name for sheet in book.sheets_metadata if sheet.typ == SheetTypeEnum.WorkSheet]
-        rows: list[list[Any]] = book.get_sheet_by_name(names[0]).to_python(skip_empty_area=False) if names else []
+        with pd.ExcelFile(BytesIO(content), engine="calamine") as book:
+            return pd.read_excel(book, book.sheet_names[0], header=None) if book.sheet_names else pd.DataFrame()
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # the reader's panics are no Exceptions
         raise BenchError(f"it is damaged, or no xlsx workbook ({str(error).partition(chr(10))[0]})") from error
-    while rows and not any(cell != "" for cell in rows[-1]):
-        rows.pop()
-    width = len(rows[0]) if rows else 0
-    while width and all(row[width - 1] == "" for row in rows):
-        width -= 1
-    return [row[:width] for row in rows]
 
 
 def _parquet(path: Path) -> Table:
     import pandas as pd
 
-    cells = pd.read_parquet(path, engine="pyarrow")
-    if cells.index.name is not None:  # a time may be kept there
-        cells = cells.reset_index()
-    cells.index = pd.RangeIndex(1, len(cells) + 1)
-    return _frame_table(tuple(map(str, cells.columns)), cells)
-
-
-def _frame_table(names: tuple[str, ...], frame: pd.DataFrame) -> Table:
-    """Return the table of a frame, whose index holds the numbers of the lines."""
-    import pandas as pd
-
-    def numbers(column: int) -> Floats:
-        cells = frame.iloc[:, column]
-        if not pd.api.types.is_numeric_dtype(cells):
-            cells = pd.to_numeric(cells.astype(str).map(_plain, na_action="ignore"), errors="coerce")
-        return cells.to_numpy(dtype=float, na_value=np.nan)
-
-    return Table(names, frame.index.tolist(), numbers)
+    frame = pd.read_parquet(path, engine="pyarrow")
+    if frame.index.name is not None:  # a time may be kept there
+        frame = frame.reset_index()
+    return _table(tuple(map(str, frame.columns)), frame.set_axis(range(1, len(frame) + 1)))
 
 
 READERS: dict[str, Callable[[Path], Table]] = {".csv": _text, ".txt": _text, ".xlsx": _xlsx, ".parquet": _parquet}
 
 
-def _names(headings: Any, width: int) -> tuple[str, ...]:
-    """Return the names of the columns by the last full line of headings, and the units where these stand below."""
-    full: list[Sequence[str]] = [row for row in headings if len(row) >= width > 0]
+def _table(names: Sequence[str], frame: pd.DataFrame) -> Table:
+    """Return the table of a frame, whose index holds the numbers of the lines."""
+    width = frame.shape[1]
+    numbered = (str(i + 1) for i in range(len(names), width))
+    return Table((*names[:width], *numbered), frame.set_axis(range(width), axis=1))
+
+
+def _head(remarks: Iterable[bool], rows: Iterable[Sequence[str]], middle: Sequence[str]) -> tuple[int, list[str]]:
+    """Return how many rows stand above the samples, and the names of the columns.
+
+    The samples begin with the first row that has a number or a time where the ``middle`` row has its first one. What
+    stands before it is a preamble; the last row of it that has a cell for each of the middle's is the headings', or,
+    where it has units alone, the one before.
+    """
+    column = next((i for i, cell in enumerate(middle) if _is_value(cell)), len(middle))
+    width = max((i + 1 for i, cell in enumerate(middle) if cell), default=0)
+    full: list[list[str]] = []
+    above = 0
+    for is_remark, row in zip(remarks, rows, strict=True):
+        if not is_remark and len(row) > column and _is_value(row[column]):
+            break
+        above += 1
+        if len(row) >= width > 0:
+            full.append(list(row))
     if len(full) > 1 and all(is_unit(cell) for cell in full[-1] if cell):
         full[-1] = [f"{name} [{unit}]" if unit else name for name, unit in zip(full[-2], full[-1], strict=False)]
     last = full[-1] if full else [""] * width
-    return tuple(last[i] or str(i + 1) for i in range(width))
+    return above, [name or str(i + 1) for i, name in enumerate(last)]
 
 
-def _plain(cell: Any) -> Any:
+def _plain(cell: str) -> str:
     """Return a text without blanks and quotes, its decimal comma a point where it is a number."""
-    if not isinstance(cell, str):
-        return cell
     cell = cell.strip(" '\"\t")
     return cell.replace(",", ".") if re.fullmatch(r"[-+]?\d*,\d*(?:[eE][-+]?\d+)?", cell) else cell
 
@@ -257,9 +251,18 @@ def _is_number(cell: str) -> bool:
     return isfinite(_number(cell))
 
 
+def _is_value(cell: str) -> bool:
+    return _is_number(cell) or DATE.match(cell) is not None
+
+
 def _number(cell: Any) -> float:
     """Return the number in a cell, NaN for any other content."""
     try:
-        return float(cell)
+        return float(_plain(cell) if isinstance(cell, str) else cell)
     except (TypeError, ValueError, OverflowError):
-        return nan
+        return float("nan")
+
+
+def _iso(match: re.Match[str]) -> str:
+    """Return day, month and year in the order of ISO 8601."""
+    return f"{match[3]}-{match[2]:0>2}-{match[1]:0>2}"

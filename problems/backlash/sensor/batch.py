@@ -1,6 +1,8 @@
 """Estimate many recordings, also in worker processes, and by the thesis's seeded runs of an optimizer (section 7.3)."""
 
+import base64
 import os
+import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,15 +18,17 @@ from bench.numbers import LARGEST_BUDGET, MOST_TRIALS, require_jobs, require_who
 from bench.optimizer import Optimizer
 from bench.seeds import trial_seed
 from bench.typing import Floats
-from problems.backlash.recordings import Recording
+from problems.backlash.recordings import NoRecordingError, Recording
 from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infer_gap, infer_peak, signature_problem
-from problems.backlash.sensor.workers import FORKS, in_workers
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
 
-# Plug-ins are imported where an optimizer runs: an estimate without one does not wait for them.
+# Plug-ins are imported where an optimizer runs, and processes where there are many files: others do not wait for them.
 
-FEW = 1 if FORKS else 8  # recordings that are estimated before worker processes would have started
+FEW = 8  # files that are estimated before worker processes would have started
+
+Joints = Sequence[tuple[str, Callable[[], Recording]]]
+"""The joints in a file by name, each with a function that returns its recording or raises BenchError."""
 
 
 @dataclass(frozen=True)
@@ -74,44 +78,88 @@ class RepeatedRuns:
 
 @dataclass(frozen=True, eq=False)
 class Estimated:
-    """The estimate of a file, and what an optimizer's runs found in it, where they were asked for."""
+    """The estimate of a joint's recording, and what an optimizer's runs found in it, where they were asked for.
+
+    Attributes:
+        path: the file.
+        estimate: the estimate.
+        runs: what the runs found.
+        joint: the name of the joint in a file of several, else "".
+    """
 
     path: Path
     estimate: Estimate
     runs: RepeatedRuns | None = None
+    joint: str = ""
 
 
 @dataclass(frozen=True)
 class Failed:
-    """A file that could not be estimated, and why, in one sentence."""
+    """A recording that could not be estimated.
+
+    Attributes:
+        path: the file.
+        error: why, in one sentence.
+        joint: the name of the joint in a file of several, "" for the whole file.
+        stray: whether the file is no recording at all.
+    """
 
     path: Path
     error: str
+    joint: str = ""
+    stray: bool = False
+
+
+Outcome = Estimated | Failed
 
 
 def estimate_files(
     paths: Sequence[Path],
-    read: Callable[[Path], Recording],
+    read: Callable[[Path], Joints],
     settings: Settings,
     runs: RunSettings | None = None,
     *,
     jobs: int = 1,
-) -> Iterator[Estimated | Failed]:
-    """Yield the outcome of each file, in their order.
+) -> Iterator[list[Outcome]]:
+    """Yield the outcomes of each file, one for each joint in it, in the order of the files.
 
     Args:
-        read: returns a file's recording; raises BenchError.
+        paths: the files.
+        read: returns the joints in a file; a function of a module, or a partial of one. It raises BenchError.
+        settings: of every estimate.
         runs: an optimizer to run on each, too.
-        jobs: worker processes; -1 takes every core. The outcomes do not depend on it, but a recording that ends the
-            process costs itself only where there are several.
+        jobs: worker processes for more than ``FEW`` files; -1 takes every core. The outcomes do not depend on it, but
+            a file that ends a worker process costs itself only.
 
     Raises:
         BenchError: for no worker.
     """
     require_jobs("the number of jobs", jobs)
-    work = partial(_estimated, read=read, settings=settings, runs=runs)
     jobs = min(jobs if jobs != -1 else _cores(), len(paths))
-    return map(work, paths) if jobs <= 1 or len(paths) <= FEW else in_workers(work, paths, jobs, _lost)
+    work = partial(_estimated, read=read, settings=settings, runs=runs)
+    return map(work, paths) if jobs <= 1 or len(paths) <= FEW else _in_processes(work, paths, jobs)
+
+
+def _in_processes(work: Callable[[Path], list[Outcome]], paths: Sequence[Path], jobs: int) -> Iterator[list[Outcome]]:
+    from bench.sandbox.pool import Pool
+
+    with Pool(jobs, ready) as pool:
+        calls = [pool.submit("recordings", pickled, work, path) for path in paths]
+        for path, call in zip(paths, calls, strict=True):
+            try:
+                yield pickle.loads(base64.b64decode(call.result()))
+            except RuntimeError as error:  # whatever has ended it
+                yield [Failed(path, f"{path}: the process that estimated it ended ({printable(str(error), 100)}), such "
+                              "as for want of memory; estimate it alone to see why")]  # fmt: skip
+
+
+def ready() -> None:
+    """Be called first in every process, which has then loaded this module."""
+
+
+def pickled(work: Callable[[Path], list[Outcome]], path: Path) -> str:
+    """Return outcomes as text: answers of processes are JSON."""
+    return base64.b64encode(pickle.dumps(work(path))).decode()
 
 
 def _cores() -> int:
@@ -120,25 +168,37 @@ def _cores() -> int:
 
 
 def _estimated(
-    path: Path, *, read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None
-) -> Estimated | Failed:
+    path: Path, *, read: Callable[[Path], Joints], settings: Settings, runs: RunSettings | None
+) -> list[Outcome]:
+    try:
+        joints = read(path)
+    except Exception as error:
+        return [_failed(path, "", error)]
+    return [_estimated_joint(path, joint, recording, settings, runs) for joint, recording in joints]
+
+
+def _estimated_joint(
+    path: Path, joint: str, recording: Callable[[], Recording], settings: Settings, runs: RunSettings | None
+) -> Outcome:
     try:
         with threadpool_limits(limits=1):  # no last digit may depend on how many threads a BLAS finds
-            result = estimate(read(path), settings)
-            return Estimated(path, result, repeat(result, settings, runs) if runs else None)
-    except BenchError as error:
-        sentence = str(error)
-        return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")
-    except Exception as error:  # a fault of this program costs no other recording
-        line, *_ = str(error).splitlines() or ["no message"]
-        reason = printable(f"{type(error).__name__}: {line}", 300)
-        return Failed(path, f"{path}: the estimate failed with {reason}")
+            result = estimate(recording(), settings)
+            return Estimated(path, result, repeat(result, settings, runs) if runs else None, joint)
+    except Exception as error:
+        return _failed(path, joint, error)
 
 
-def _lost(path: Path) -> Failed:
-    return Failed(
-        path, f"{path}: the process that estimated it ended, such as for want of memory; estimate it alone to see why"
-    )
+def _failed(path: Path, joint: str, error: Exception) -> Failed:
+    """Return what is told of an error; a fault of this program costs no other recording."""
+    sentence = str(error)
+    if not isinstance(error, BenchError):
+        line, *_ = sentence.splitlines() or ["no message"]
+        sentence = f"the estimate failed with {printable(f'{type(error).__name__}: {line}', 300)}"
+    if str(path) not in sentence:
+        sentence = f"{path}: {sentence}"
+    if joint:
+        sentence = sentence.replace(str(path), f"{path} ({joint})", 1)
+    return Failed(path, sentence, joint, isinstance(error, NoRecordingError))
 
 
 def repeat(estimate: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:

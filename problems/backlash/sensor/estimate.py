@@ -19,7 +19,8 @@ from bench.typing import Floats
 from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.period import find_period, period_from_gear
-from problems.backlash.recordings.screen import drift, screen, warnings
+from problems.backlash.recordings.sampling import averaged_down
+from problems.backlash.recordings.screen import drift, screen, screen_clipping, screen_values, warnings
 from problems.backlash.sensor.evidence import SIGNIFICANT, detectable, p_value, resampled
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
 from problems.backlash.signature.model import OMEGA, A, strength
@@ -138,11 +139,14 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
         BenchError: for an unfit recording (:func:`problems.backlash.recordings.screen.screen`), in one sentence.
     """
     settings = settings or Settings()
+    screen_values(recording)
+    screen_clipping(recording)  # an average would hide it
+    recording, averaged = averaged_down(recording)
     screen(recording, nominal_rps=settings.nominal_rps)
     period, source = period_of(recording, settings)
     turn = None if settings.single else period
     screen(recording, period=turn)
-    notes = warnings(recording, period=turn)
+    notes = [*filter(None, [averaged]), *warnings(recording, period=turn)]
     recording = part(recording, settings, period)
     problem = signature_problem(recording, settings, period)
     x = problem.reference(constrained=settings.constrained).x

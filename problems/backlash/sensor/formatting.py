@@ -48,7 +48,7 @@ def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = N
     chance = f"p = {estimate.p_value:.1g}" if estimate.p_value >= 1e-6 else "p < 1e-6"
     explained = f"explains {estimate.explained:.1%} of the signal's variance ({chance} for noise alone)"
     turn = f"{estimate.period_s:.6g} s ({SOURCE.get(estimate.period_source, estimate.period_source)})"
-    length = f"{samples.duration:.4g} s, {samples.duration / estimate.period_s:.3g} load turns"
+    length = f"{samples.duration:.4g} s, {samples.duration / estimate.period_s:.4g} load turns"
     rows += [
         ("fit", f"RMSE {estimate.rmse_rps:.4f} rps; {explained}"),
         ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {estimate.mean_rps:.4g} rps"),

@@ -112,17 +112,29 @@ def short_names(paths: Sequence[Path]) -> list[str]:
     return [(parent / path.name).relative_to(shared).as_posix() for parent, path in zip(parents, paths, strict=True)]
 
 
-def series(paths: Sequence[Path]) -> list[Series]:
-    """Return the files joint by joint, in the order in which the joints first appear."""
+def display_names(paths: Sequence[Path], joints: Sequence[str]) -> list[str]:
+    """Return the short names of recordings, with the joint in brackets where the file has several."""
+    return [f"{name} ({joint})" if joint else name for name, joint in zip(short_names(paths), joints, strict=True)]
+
+
+def series(paths: Sequence[Path], joints: Sequence[str] | None = None) -> list[Series]:
+    """Return recordings joint by joint, in the order in which the joints first appear.
+
+    Args:
+        paths: the file of each; one of several joints is there for each of them.
+        joints: the name of each one's joint within its file, "" for a file of one joint; None where all are such.
+    """
+    joints = [""] * len(paths) if joints is None else joints
     names = [_parse(Path(name)) for name in short_names(paths)]
-    groups: dict[tuple[str, str], list[int]] = {}
-    for i, name in enumerate(names):
-        groups.setdefault((name.joint, name.unit), []).append(i)
+    groups: dict[tuple[str, str, str], list[int]] = {}
+    for i, (name, joint) in enumerate(zip(names, joints, strict=True)):
+        groups.setdefault((name.joint, joint, name.unit), []).append(i)
     made = []
-    for (joint, unit), members in groups.items():
+    for (*parts, unit), members in groups.items():
         at = np.array([float(n + 1) if (time := names[i].at) is None else time for n, i in enumerate(members)])
         order = np.argsort(at, kind="stable")
         days = any(names[i].days for i in members)
+        joint = " ".join(filter(None, parts))
         made.append(Series(joint, tuple(members[i] for i in order), at[order], unit, days))
     return made
 

@@ -116,7 +116,11 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
 
 def trends(estimated: Sequence[Estimated], settings: Settings) -> list[Trend]:
     """Return the trend of every joint with two recordings or more, the fastest first."""
-    joints = [joint for joint in series([outcome.path for outcome in estimated]) if len(joint.members) > 1]
+    joints = [
+        joint
+        for joint in series([one.path for one in estimated], [one.joint for one in estimated])
+        if len(joint.members) > 1
+    ]
     options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
     return fastest_first(trend(joint, [estimated[i].estimate for i in joint.members], **options) for joint in joints)
 

@@ -78,6 +78,27 @@ def test_workers_change_nothing_and_a_bad_file_costs_itself_only(stub, series, c
     assert "2024-03.csv: line 3 has no number" in made["1"][2]["error"]
 
 
+def test_a_text_among_the_recordings_of_a_folder_is_a_note(command, stub, series, calibration, refused, capsys):
+    (series / "notes.txt").write_text("Joint 4 was greased on 2024-01-05.\n")
+    app = typer.Typer()
+    app.command()(estimate)
+    assert not app([str(series), "--calibration", str(calibration), "--jobs", "1"], standalone_mode=False)
+    printed = capsys.readouterr()
+    assert "notes.txt" not in printed.out
+    assert printed.err.splitlines()[1].endswith("notes.txt has too few samples for a load turn: 1; it was left out")
+    assert "notes.txt has too few samples" in refused(estimate, series / "notes.txt")
+
+
+def test_joints_of_one_file_have_rows_and_trends_of_their_own(command, stub, series):
+    for month in range(1, 5):
+        rows = [f"{joint},{i},{(month + joint) % 10}.{i}" for joint in (4, 5) for i in range(3)]
+        (series / f"2024-0{month}.csv").write_text("\n".join(["axis,t,v", *rows]))
+    said = command(estimate, series, "--joint-column", "axis", "--jobs", 1)
+    assert "2024-01.csv (joint4)" in said
+    assert "joint4: half-gap 5.000 mrad in 2024-01, 8.000 in 2024-04" in said
+    assert "joint5: half-gap 6.000 mrad in 2024-01, 9.000 in 2024-04" in said
+
+
 def test_a_series_ends_with_its_trend_and_a_picture_of_it(command, stub, series):
     said = command(estimate, series, "--plot", series / "trend.svg", "--limit", 0.0035, "--jobs", 1)
     assert [line.split()[1] for line in said.splitlines()[1:6]] == ["file", *(f"2024-0{i}.csv" for i in range(1, 5))]

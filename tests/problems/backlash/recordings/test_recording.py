@@ -189,11 +189,19 @@ def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
         ("\n \n", {}, "cannot be read: it is empty"),
         ("time,speed\n", {}, "has no line of numbers; it needs one for each sample"),
         ("Dear colleague,\nplease find the recording attached\n", {}, "has no line of numbers"),
-        ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in time or speed"),
-        ("time,speed\n0,1\n0.002,\n0.004,off\n0.006,1\n", {}, "line 3 has no number in time or speed"),
-        ("time,speed\n0,1\n\n0.002,1\n0.004,1\n(end)\n", {}, "line 6 has no number in time or speed"),
-        ("time,speed\n0,1\n0.002,1\n0.002,1\n0.006,1\n", {}, "at sample 3; sort or fix it, or give the sampling rate"),
-        (rows(np.delete(T, 30), V[1:]), {}, "time is not uniform near sample 31, at 0.062 s (steps of 0.002 to 0.004"),
+        ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in column 'speed'; fix or cut it"),
+        ("time,speed\n0,1\n0.002,\n0.004,off\n0.006,1\n", {}, "line 3 has no number in column 'speed'; fix or"),
+        (
+            "time,speed\n0,1\n\n0.002,1\n0.004,1\n(end)\n",
+            {},
+            "line 6 has no number in column 'time' but '(end)'; fix or cut it",
+        ),
+        (
+            "time,speed\n0,1\n0.002,1\n0.002,1\n0.006,1\n",
+            {},
+            "line 4: time stands still or runs backwards in column 'time'; sort",
+        ),
+        (rows(np.delete(T, 30), V[1:]), {}, "line 31: time is not uniform in column '1': steps of 0.002 to 0.004"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_reported_in_one_sentence(tmp_path, text, options, message):
@@ -206,7 +214,7 @@ def test_a_file_that_cannot_be_read_is_reported_in_one_sentence(tmp_path, text, 
 def test_a_spreadsheet_s_line_without_a_number_is_named(tmp_path):
     path = tmp_path / "a.xlsx"
     pd.DataFrame({"time": T, "speed": [*V[:7], "NA", *V[8:]]}).to_excel(path, index=False)
-    with pytest.raises(BenchError, match="line 9 has no number in time or speed"):
+    with pytest.raises(BenchError, match="line 9 has no number in column 'speed'; fix"):
         read(path)
 
 
@@ -253,3 +261,127 @@ def test_a_motor_that_turns_backwards_gives_the_mirrored_signature(tmp_path):
     mirrored = x * [-1, 1, 1, 1, -1, 1, 1]
     np.testing.assert_allclose(backwards.evaluate(mirrored), forwards.evaluate(x), rtol=1e-9)
     assert forwards.describe(x[0])["amplitude_rpm"] == backwards.describe(mirrored[0])["amplitude_rpm"]
+
+
+@pytest.mark.parametrize(
+    ("first", "stamp"),
+    [
+        ("2026-06-01T12:00:00.000Z", "{:%Y-%m-%dT%H:%M:%S.%f}Z"),
+        ("2026-06-01 12:00:00+02:00", "{:%Y-%m-%d %H:%M:%S.%f}+02:00"),
+        ("1.6.2026 12:00:00,000", "{0.day}.{0.month}.{0.year} {0:%H:%M:%S},{0.microsecond:06d}"),
+        ("31.12.2026 23:59:59,950", "{:%d.%m.%Y %H:%M:%S,%f}"),
+        ("13/06/2026 12:00:00.5 CEST", "{:%d/%m/%Y %H:%M:%S.%f} CEST"),
+        ("01-06-2026 12:00:00", "{:%d-%m-%Y %H:%M:%S.%f}"),
+        ("12:00:00,000", "{:%H:%M:%S},{0.microsecond:06d}".replace("{:%H", "{0:%H")),
+    ],
+)
+@pytest.mark.parametrize("kind", ["csv", "xlsx"])
+def test_dates_and_times_count_from_the_first_sample(tmp_path, first, stamp, kind):
+    start = pd.to_datetime(first.removesuffix(" CEST").replace(",", "."), dayfirst="2026-" not in first)
+    at = [stamp.format(start + pd.Timedelta(milliseconds=2 * i)) for i in range(50)]
+    if kind == "csv":
+        speed = [f"{v:.4f}".replace(".", ",") for v in V]
+        text = "Zeit;Drehzahl [1/s]\n" + "\n".join(map(";".join, zip(at, speed, strict=True)))
+        recording = read(write(tmp_path, text))
+    else:
+        pd.DataFrame({"Zeit": at, "Drehzahl [1/s]": V}).to_excel(tmp_path / "a.xlsx", index=False)
+        recording = read(tmp_path / "a.xlsx")
+    assert (recording.start, recording.dt) == (0.0, pytest.approx(0.002, rel=1e-9))
+    np.testing.assert_allclose(recording.speed, V, rtol=1e-12)
+    assert recording.assumed == f"time counts from {at[0]}"
+
+
+def test_times_of_spreadsheets_and_parquet_are_read_as_they_are(tmp_path):
+    table = pd.DataFrame({"time": pd.Timestamp("2026-06-01 12:00") + pd.to_timedelta(T, "s"), "speed_rps": V})
+    table.to_excel(tmp_path / "a.xlsx", index=False)
+    table.to_parquet(tmp_path / "a.parquet")
+    for name in ("a.xlsx", "a.parquet"):
+        recording = read(tmp_path / name)
+        assert (recording.start, recording.dt) == (0.0, pytest.approx(0.002, rel=1e-9))
+
+
+@pytest.mark.parametrize("bits", [16, 20, 24])
+@pytest.mark.parametrize("signed", [False, True])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_counter_that_wraps_goes_on(tmp_path, bits, signed, direction):
+    """It wraps every 16 turns of the motor."""
+    counts = direction * np.round(2.0 ** (bits - 4) * 100 * T) + 2 ** (bits - 1)
+    wrapped = counts % 2**bits - signed * 2 ** (bits - 1)
+    assert np.abs(np.diff(wrapped)).max() > 2 ** (bits - 1)
+    recording = read(write(tmp_path, "time_s,enc_counts\n" + rows(T, wrapped)), counts_per_rev=2 ** (bits - 4))
+    np.testing.assert_allclose(recording.speed, direction * 100, rtol=0.01)
+    assert recording.assumed == f"the counter of {bits} bits wraps, and was continued"
+
+
+@pytest.mark.parametrize(
+    "preamble",
+    [
+        "Scope export;\nSample time;2\nDate;2026-06-01\n\n",
+        "# device: X20\n# 500 Hz\n",
+        "Project;Line 7;robot 3\nOperator: Müller\n",
+        "".join(f"Parameter {i};{i}\n" for i in range(40)),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252"])
+def test_a_preamble_before_the_heading_is_passed_over(tmp_path, preamble, encoding):
+    text = f"{preamble}t [ms];Geschwindigkeit [°/s]\n" + rows(1e3 * T, V, separator=";")
+    recording = read(write(tmp_path, text.encode(encoding)))
+    np.testing.assert_allclose(recording.speed, V / 360, rtol=1e-12)
+    assert (recording.dt, recording.assumed) == (pytest.approx(0.002), "")
+
+
+LONG = 0.002 * np.arange(1000)
+SMOOTH = 100 + 0.5 * np.sin(40 * LONG)
+HEADING = "time_s,speed_rps\n"
+
+
+def test_what_is_damaged_outside_the_window_costs_nothing(tmp_path):
+    speed = SMOOTH.copy()
+    speed[:100] = np.nan
+    path = write(tmp_path, HEADING + rows(np.append(LONG, 9.0), np.append(speed, 7.0)))
+    np.testing.assert_allclose(read(path, window=(0.2, 1.9)).speed, SMOOTH[100:951], atol=1e-6)
+    with pytest.raises(BenchError, match="line 2 has no number in column 'speed_rps'; fix or cut it, or take a part"):
+        read(path)
+    with pytest.raises(BenchError, match=r"window 5:6 holds 0 samples, .* lasts from 0 to 9 s"):
+        read(path, window=(5.0, 6.0))
+
+
+def test_a_window_of_a_position_is_that_of_its_speed(tmp_path):
+    path = write(tmp_path, "time_s,angle_rev\n" + rows(T, 100 * T))
+    whole = read(path)
+    for ends in ((0.02, 0.06), (0.021, 0.061), (0.0205, None), (None, 0.0331)):
+        np.testing.assert_allclose(read(path, window=ends).time, whole.window(*ends).time, atol=1e-12)
+
+
+@pytest.mark.parametrize("lost", [[17], [17, 18, 300, 700], [500]])
+def test_few_missing_samples_are_filled_in_with_a_note(tmp_path, lost):
+    path = write(tmp_path, HEADING + rows(np.delete(LONG, lost), np.delete(SMOOTH, lost)))
+    recording = read(path)
+    np.testing.assert_allclose(recording.speed, SMOOTH, atol=2e-3)
+    assert recording.assumed == f"{len(lost)} of 1000 samples are missing; the recording was resampled to equal steps"
+    cells = [f"{t:.6f},{'' if i in lost else f'{v:.6f}'}" for i, (t, v) in enumerate(zip(LONG, SMOOTH, strict=True))]
+    empty = read(write(tmp_path, HEADING + "\n".join(cells), "empty.csv"))
+    np.testing.assert_allclose(empty.speed, recording.speed, rtol=1e-12)
+
+
+@pytest.mark.parametrize("lost", [range(100, 112), range(0, 1000, 50), range(300, 306)])
+def test_many_missing_samples_or_a_long_gap_are_refused_with_the_line(tmp_path, lost):
+    lost = [i for i in lost if i]
+    path = write(tmp_path, HEADING + rows(np.delete(LONG, lost), np.delete(SMOOTH, lost)))
+    with pytest.raises(BenchError, match=f"line {lost[0] + 2}: time is not uniform in column 'time_s': steps of"):
+        read(path)
+
+
+def test_jitter_is_resampled_with_a_note(tmp_path):
+    stamps = LONG + 0.002 * np.random.default_rng(3).uniform(-0.25, 0.25, len(LONG))
+    recording = read(write(tmp_path, HEADING + rows(stamps, 100 + 0.5 * np.sin(40 * stamps))))
+    assert recording.assumed == "the time steps are unequal; the recording was resampled to equal steps"
+    np.testing.assert_allclose(recording.speed, 100 + 0.5 * np.sin(40 * recording.time), atol=2e-3)
+
+
+def test_a_rate_counts_empty_lines_as_missing_samples(tmp_path):
+    lines = [f"{v:.6f}" for v in SMOOTH]
+    lines[400] = ""
+    np.testing.assert_allclose(
+        read(write(tmp_path, "speed_rps\n" + "\n".join(lines)), rate=500).speed, SMOOTH, atol=1e-3
+    )

@@ -1,7 +1,6 @@
 """Many recordings: a bad one does not stop the others; an optimizer's seeded runs stand beside each estimate."""
 
-import os
-import signal
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +8,11 @@ import pytest
 
 import problems.backlash.sensor.batch as batch
 from bench.errors import BenchError
+from problems.backlash.joint.writing import write_recording
+from problems.backlash.recordings import read_joints
 from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files, repeat
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.workers import FORKS
 from problems.backlash.signature.datasets import noisy
-
-forks = pytest.mark.skipif(not FORKS, reason="a test's functions cannot be sent to a worker that is not forked")
 
 NONE = Settings(calibration=None, resamples=0)
 
@@ -24,19 +22,26 @@ def read(path):
         raise BenchError(f"recording {path} is bad")
     if path.stem == "odd":
         raise BenchError("it is odd")
+    return [("", partial(recording, path))]
+
+
+def recording(path):
     return noisy(int(path.stem)).window(0.0, 0.9)
 
 
-def deadly(path):
-    if path.stem == "bad":
-        os.kill(os.getpid(), signal.SIGKILL)
-    return read(path)
+@pytest.fixture
+def paths(tmp_path):
+    """Files of recordings of two load turns and a bit, of growing backlash."""
+    made = [tmp_path / f"{level}.csv" for level in (3, 6, 9, 12)]
+    for path in made:
+        write_recording(path, (part := recording(path)).time, part.speed)
+    return made
 
 
 def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, make_estimate):
     monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
     paths = [Path("bad.csv"), Path("5.csv"), Path("odd.csv")]
-    bad, good, odd = estimate_files(paths, read, NONE)
+    (bad,), (good,), (odd,) = estimate_files(paths, read, NONE)
     assert (bad, odd) == (Failed(paths[0], "recording bad.csv is bad"), Failed(paths[2], "odd.csv: it is odd"))
     assert isinstance(good, Estimated)
     assert (good.path, good.runs) == (paths[1], None)
@@ -53,7 +58,7 @@ def test_a_fault_of_the_program_is_one_sentence_too(monkeypatch):
         raise ZeroDivisionError("by zero\nin a line")
 
     monkeypatch.setattr(batch, "estimate", estimate)
-    (failed,) = estimate_files([Path("5.csv")], read, NONE)
+    ((failed,),) = estimate_files([Path("5.csv")], read, NONE)
     assert failed.error == "5.csv: the estimate failed with ZeroDivisionError: by zero"
 
 
@@ -64,31 +69,51 @@ def content(outcome):
 
 
 @pytest.mark.slow
-@forks
-def test_estimates_do_not_depend_on_the_number_of_workers():
-    paths = [Path(f"{level}.csv") for level in (9, 3, 12, 6, 5)]
+def test_estimates_do_not_depend_on_the_number_of_workers(paths, monkeypatch):
+    monkeypatch.setattr(batch, "FEW", 1)
     settings = Settings(resamples=10)
-    alone = [content(each) for each in estimate_files(paths, read, settings, jobs=1)]
+    alone = [content(each) for (each,) in estimate_files(paths, read_joints, settings, jobs=1)]
     for jobs in (2, 3, -1):
-        assert [content(each) for each in estimate_files(paths, read, settings, jobs=jobs)] == alone
+        assert [content(each) for (each,) in estimate_files(paths, read_joints, settings, jobs=jobs)] == alone
 
 
-@forks
-def test_a_recording_that_ends_its_process_costs_itself_only(monkeypatch, make_estimate):
-    monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
-    paths = [Path(name) for name in ("3.csv", "bad.csv", "5.csv", "a/bad.csv", "6.csv")]
-    outcomes = list(estimate_files(paths, deadly, NONE, jobs=2))
+DEADLY = """
+import os
+def deadly(objective, rng):
+    if objective.upper[0] < {most}:
+        os.kill(os.getpid(), 9)
+    objective(objective.initial(1))
+"""
+
+
+def test_what_ends_its_process_costs_itself_only(paths, monkeypatch, tmp_path):
+    """The bound of A grows with the disturbance."""
+    monkeypatch.setattr(batch, "FEW", 1)
+    (tmp_path / "mine.py").write_text(DEADLY.format(most=np.ptp(recording(paths[1]).speed) / 2))
+    runs = RunSettings(f"{tmp_path / 'mine.py'}:deadly", runs=1, budget=10)
+    outcomes = [outcome for (outcome,) in estimate_files(paths, read_joints, NONE, runs, jobs=2)]
     assert [outcome.path for outcome in outcomes] == paths
-    assert [isinstance(outcome, Failed) for outcome in outcomes] == [False, True, False, True, False]
-    assert outcomes[1].error.startswith(
-        "bad.csv: the process that estimated it ended, such as for want of memory; estimate it alone"
+    assert [isinstance(outcome, Failed) for outcome in outcomes] == [True, False, False, False]
+    assert outcomes[0].error.startswith(
+        f"{paths[0]}: the process that estimated it ended (signal SIGKILL), such as for want of memory; estimate it"
     )
+
+
+def test_a_joint_that_cannot_be_estimated_costs_no_other_of_its_file(monkeypatch, make_estimate):
+    def broken():
+        raise BenchError("recording cell.csv: line 7 has no number")
+
+    monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
+    joints = [("J4", lambda: None), ("J5", broken)]
+    ((good, bad),) = estimate_files([Path("cell.csv")], lambda _: joints, NONE)
+    assert (good.path, good.joint) == (Path("cell.csv"), "J4")
+    assert bad == Failed(Path("cell.csv"), "recording cell.csv (J5): line 7 has no number", "J5")
 
 
 @pytest.fixture(scope="module")
 def found():
     runs = RunSettings("random-search", runs=3, budget=400)
-    (found,) = estimate_files([Path("8.csv")], lambda _: noisy(8).window(0.0, 0.9), NONE, runs)
+    ((found,),) = estimate_files([Path("8.csv")], read, NONE, runs)
     return found
 
 

@@ -1,0 +1,84 @@
+"""Several joints in one file, and files that are no recordings."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import BenchError
+from problems.backlash.recordings import NoRecordingError, read, read_joints
+
+T = 0.002 * np.arange(50)
+SPEED = {"J4": 100 + T, "J5": 50 + T, "J6": 25 + T}
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "xlsx"])
+@pytest.mark.parametrize("apart", [True, False])
+def test_a_column_tells_the_joint_of_each_line(tmp_path, kind, apart):
+    parts = [pd.DataFrame({"axis": name, "time_s": T, "speed_rps": speed}) for name, speed in SPEED.items()]
+    table = pd.concat(parts).sort_values("axis" if apart else "time_s", kind="stable")
+    path = tmp_path / f"cell.{kind}"
+    {"csv": table.to_csv, "parquet": table.to_parquet, "xlsx": table.to_excel}[kind](path, index=False)
+    made = {name: recording() for name, recording in read_joints(path, joint_column="axis")}
+    assert list(made) == list(SPEED)
+    for name, speed in SPEED.items():
+        np.testing.assert_allclose(made[name].speed, speed)
+        assert made[name].dt == pytest.approx(0.002)
+
+
+def test_each_joint_may_have_a_column(tmp_path):
+    path = tmp_path / "cell.csv"
+    pd.DataFrame({"time_s": T, **{f"v_{name}_rpm": 60 * speed for name, speed in SPEED.items()}}).to_csv(path)
+    made = {name: recording() for name, recording in read_joints(path, joint_column="V_*_rpm")}
+    assert list(made) == list(SPEED)
+    for name, speed in SPEED.items():
+        np.testing.assert_allclose(made[name].speed, speed)
+
+
+def test_each_joint_may_have_a_position(tmp_path):
+    path = tmp_path / "cell.csv"
+    pd.DataFrame({"time_s": T, "pos 1 [rev]": 100 * T, "pos 2 [rev]": 50 * T}).to_csv(path, index=False)
+    made = {name: recording().speed.mean() for name, recording in read_joints(path, joint_column="pos * [rev]")}
+    assert made == {"joint1": pytest.approx(100), "joint2": pytest.approx(50)}
+
+
+def test_a_joint_that_cannot_be_read_costs_no_other(tmp_path):
+    path = tmp_path / "cell.csv"
+    rows = [f"{name},{t:.3f},{'off' if name == 5 and t > 0.05 else 100 + t}" for name in (4, 5) for t in T]
+    path.write_text("\n".join(["axis,time_s,speed_rps", *rows]))
+    (good, first), (bad, second) = read_joints(path, joint_column="axis")
+    assert (good, bad) == ("joint4", "joint5")
+    np.testing.assert_allclose(first().speed, 100 + T)
+    with pytest.raises(BenchError, match="line 78 has no number in column 'speed_rps' but 'off'; fix or cut it"):
+        second()
+
+
+def test_a_file_without_joints_has_one_without_a_name(tmp_path):
+    path = tmp_path / "a.csv"
+    pd.DataFrame({"time_s": T, "speed_rps": SPEED["J4"]}).to_csv(path, index=False)
+    ((name, recording),) = read_joints(path)
+    assert (name, recording().start) == ("", 0.0)
+    for column in ("axis", "v_*"):
+        with pytest.raises(BenchError, match="has no column"):
+            read_joints(path, joint_column=column)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Dear colleague,\nplease find the recordings attached\n",
+        "Joint 4 was greased on 2026-01-05.\nJoint 5 is next.\n",
+        "date;joint;action\n2026-01-05;J4;greased\n2026-02-05;J4;greased\n2026-03-05;J5;replaced\n",
+    ],
+)
+def test_a_text_without_samples_is_no_recording(tmp_path, text):
+    (tmp_path / "notes.txt").write_text(text)
+    with pytest.raises(NoRecordingError, match=r"notes\.txt"):
+        read(tmp_path / "notes.txt")
+
+
+@pytest.mark.parametrize("text", ["time,speed\n", "time,speed\n0,off\n1,off\n2,off\n"])
+def test_a_recording_without_samples_is_a_damaged_one(tmp_path, text):
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(BenchError) as caught:
+        read(tmp_path / "a.csv")
+    assert not isinstance(caught.value, NoRecordingError)
