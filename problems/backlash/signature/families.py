@@ -79,11 +79,11 @@ def _noisy(name: str, **options: Any) -> Recording:
     return datasets.noisy(level, **options)
 
 
-def _wrist(name: str) -> Recording:
+def _wrist(name: str, **options: Any) -> Recording:
     wrist.known(name)
     from problems.backlash.signature.wrist import recorded
 
-    return recorded(name)
+    return recorded(name, **options)
 
 
 def _recorded(name: str) -> Recording:
@@ -99,6 +99,6 @@ signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset
 noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"), SWEEP)
 wrist = Family(
     tuple(f"wrist-{joint}-{state}" for joint in (1, 4, 5, 6) for state in ("healthy", "tampered")), _wrist,
-    fit={"single": True, "period": 2.0},
+    ("draw",), fit={"single": True, "period": 2.0},
 )  # fmt: skip
 recording = Family((), _recorded)

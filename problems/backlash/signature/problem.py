@@ -177,13 +177,16 @@ class SignatureFit(Problem):
     def describe(self, x: Floats) -> dict[str, float]:
         """Return the amplitude |A| in rpm, its error against the expected one, and the half-gap delta in rad.
 
+        The half-gap is by the calibration of the thesis's joint, hence not of a single oscillation, a wrist's.
         The sign of A has no meaning: (A, t0) and (-A, t0 + T_d) describe the same train except in its first half turn.
         """
         amplitude = abs(float(x[A])) * 60.0 / FACTOR[self.unit]
         metrics = {"amplitude_rpm": amplitude}
         if "amplitude_rpm" in self.expected:
             metrics["amplitude_error_rpm"] = amplitude - self.expected["amplitude_rpm"][0]
-        return metrics | {"backlash_rad": default_calibration().backlash(amplitude)}
+        if self.replicas > 1:
+            metrics["backlash_rad"] = default_calibration().backlash(amplitude)
+        return metrics
 
     def fitted_data(self) -> FittedData:
         """Return the signal r(t), (eq. 5.1), with the signature as its fit."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bench.numbers import require_whole
 from problems.backlash.joint import Joint, load_joint, simulate, with_noise
 from problems.backlash.recordings import Recording
 from problems.backlash.signature.datasets import RATE
@@ -58,13 +59,18 @@ def parts(name: str) -> tuple[int, str]:
     return int(number), state
 
 
-def recorded(name: str) -> Recording:
-    """Return the recording of a joint at full speed, once through gravity's lowest point, with its noise."""
+def recorded(name: str, draw: int = 0) -> Recording:
+    """Return the recording of a joint at full speed, once through gravity's lowest point, with a draw of its noise.
+
+    Raises:
+        BenchError: for a draw that is not a whole number of at least 0.
+    """
+    require_whole("draw", draw, 0)
     number, state = parts(name)
     axis = AXES[number]
     made = simulate(
         axis.joint, half_gap=axis.half_gaps[STATES.index(state)], sweep=SWEEP, ramp=RAMP, settle=BEFORE,
         start_angle=-pi / 4, duration=LENGTH, rate=RATE,
     )  # fmt: skip
-    rng = np.random.default_rng([number, STATES.index(state)])
+    rng = np.random.default_rng([number, STATES.index(state), draw])
     return Recording(0.0, 1 / RATE, with_noise(made.speed, axis.noise, rng), peak=made.peak)

@@ -24,6 +24,18 @@ def test_one_oscillation_is_fitted_and_a_tampered_joint_has_the_larger_one():
     assert abs(tampered.reference().x[0]) > 1.5 * abs(healthy.reference().x[0])
 
 
+def test_a_wrist_has_no_half_gap_by_the_bench_s_calibration():
+    problem = load_problem("wrist-6-tampered")
+    assert list(problem.describe(problem.lower)) == ["amplitude_rpm", "amplitude_error_rpm"]
+
+
+def test_another_draw_is_other_noise_on_the_same_motion():
+    first, second = (wrist.recorded("wrist-5-tampered", draw).speed for draw in (0, 1))
+    assert 0.05 < np.abs(first - second).max() < 0.1
+    with pytest.raises(BenchError, match="draw must be a whole number"):
+        load_problem("wrist-5-tampered", draw=-1)
+
+
 def test_joint_1_is_the_noise_alone_at_any_gap():
     for state in wrist.STATES:
         assert wrist.recorded(f"wrist-1-{state}").peak < 0.005
