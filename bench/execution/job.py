@@ -9,8 +9,8 @@
 
 Each is forked from the one before it and shares the memory of what is loaded; where processes do not fork, each is
 started anew and loads all that the one before it holds. Where problem, budget and trace are kept apart from the
-optimizer, a process makes one trial, and optimizers' processes come from a root beside which no problem is loaded; of
-code that nobody trusts, they are in a sandbox, with namespaces of their own.
+optimizer, a process makes one trial, and optimizers' processes come from a root that loads no problem. All processes of
+code that nobody trusts are in a sandbox, each with namespaces of its own.
 """
 
 from __future__ import annotations
@@ -228,7 +228,7 @@ class Job:
         package = self._packages[optimizer] if problems.forks else optimizer
         server = self._loaded.get((problems, package))
         if server is None:
-            server = self._loaded[problems, package] = problems.branch(apart=True)
+            server = self._loaded[problems, package] = problems.branch()
         if self._task.apart:
             server.ensure(apart.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)

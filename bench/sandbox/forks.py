@@ -22,11 +22,12 @@ class ForkServer:
 
     Args:
         hash_seed: PYTHONHASHSEED of the processes.
-        sandbox: in which each process that is started anew runs, with its forks; None for none.
+        sandbox: in which each process that is started anew runs, with its forks, each of which has namespaces of its
+            own there; None for none.
     """
 
     def __init__(self, hash_seed: int = 0, *, sandbox: Sandbox | None = None) -> None:
-        self.forks, self._apart = FORKS, False
+        self.forks = FORKS and (sandbox is None or sandbox.nests)
         self._hash_seed, self._sandbox = hash_seed, sandbox
         self._lock, self._killed = Lock(), Event()  # these and the next one are shared with all branches
         self._started: list[Process] = []  # anew; forks end with them
@@ -53,17 +54,11 @@ class ForkServer:
         if not any((function, arguments) == call[:2] for call in self._calls):
             self.call(function, *arguments, **limits)
 
-    def branch(self, *, apart: bool = False) -> ForkServer:
-        """Return a fork server that begins with the same calls; raises what :meth:`process` raises.
-
-        With ``apart``, its processes, and those of its own branches, have namespaces of their own in a sandbox.
-        """
+    def branch(self) -> ForkServer:
+        """Return a fork server that begins with the same calls; raises what :meth:`process` raises."""
         branch = copy(self)
         branch._calls, branch._process = [*self._calls], None
-        if apart and self._sandbox is not None:
-            branch._apart, branch.forks = True, self.forks and self._sandbox.nests
-        if branch.forks == self.forks:
-            branch._process = self._new_process(apart=branch._apart)
+        branch._process = self.process()
         return branch
 
     def process(self) -> Process:
@@ -73,11 +68,8 @@ class ForkServer:
             LostError: when the process that it is forked from has ended or does not answer.
             The others of :meth:`bench.sandbox.process.Process.call`: of the calls made again.
         """
-        return self._new_process(apart=self._apart)
-
-    def _new_process(self, *, apart: bool) -> Process:
         held = self._held()
-        fork = held.fork(apart=apart) if self.forks else None
+        fork = held.fork() if self.forks else None
         if fork is None:
             self._process = None  # it is given away, and a new one started for the next
         return fork or held

@@ -159,12 +159,11 @@ class Process:
         """Bytes written to standard output and error since the last call began."""
         return os.fstat(self._output.fileno()).st_size
 
-    def fork(self, *, apart: bool = False) -> Process | None:
+    def fork(self) -> Process | None:
         """Return a copy of this process, None where a fork is unsafe, as this one runs threads.
 
-        Args:
-            apart: whether the copy has namespaces of its own, which is only possible in a sandbox. Then a fork is also
-                unsafe where this process holds files or memory that the copy would share with others.
+        In a sandbox the copy has namespaces of its own, and a fork is also unsafe where this process holds files or
+        memory that the copy would share with others.
 
         Raises:
             LostError: when this process has ended, or does not answer.
@@ -172,7 +171,7 @@ class Process:
         """
         copy = object.__new__(Process)
         with copy._set_up() as end:
-            pid = self._request("fork", apart, files=(end.fileno(), copy._output.fileno()))
+            pid = self._request("fork", files=(end.fileno(), copy._output.fileno()))
         if pid is None or pid <= 0:
             return None
         copy._original, copy._pid = self, pid

@@ -59,7 +59,7 @@ def serve(end: int, owner: int, forks: bool) -> None:
         _prctl(_PR_SET_DUMPABLE, 0)
     if not forks and owner:
         Thread(target=_end_with_owner, args=(owner,), daemon=True).start()
-    _Server(Channel(socket.socket(fileno=end), takes_files=hasattr(socket, "recv_fds"))).loop()
+    _Server(Channel(socket.socket(fileno=end), takes_files=hasattr(socket, "recv_fds")), apart=not owner).loop()
 
 
 def note(value: Any) -> None:
@@ -75,8 +75,9 @@ def end_if_stuck(refusals: int) -> None:
 
 
 class _Server:
-    def __init__(self, channel: Channel) -> None:
+    def __init__(self, channel: Channel, *, apart: bool) -> None:
         self._channel, self._process = channel, _getpid()
+        self._apart = apart  # whether this is a sandbox, so that copies have namespaces of their own
         self._number = 0  # of the present call
         self._called = True  # since the last fork
         self._before: set[int] = set()  # children that calls have left running
@@ -133,11 +134,8 @@ class _Server:
         files, self._channel.files = self._channel.files, []
         return files
 
-    def _fork(self, apart: bool) -> list[Any] | None:
+    def _fork(self) -> list[Any] | None:
         """Fork a copy, which serves the channel and writes to the output that came with the request.
-
-        Args:
-            apart: whether the copy has namespaces of its own.
 
         Returns:
             Its number, or 0 where a fork is unsafe, as this process runs other threads, or would share with others of
@@ -145,30 +143,30 @@ class _Server:
         """
         end, output = files = self._take_files()
         pid = 0
-        if len(os.listdir("/proc/self/task")) == 1 and not (apart and namespaces.shares(own=6)):  # noqa: PTH208
+        if len(os.listdir("/proc/self/task")) == 1 and not (self._apart and namespaces.shares(own=6)):  # noqa: PTH208
             if self._called:  # a collection in a copy would copy every page that holds an object
                 gc.collect()
                 gc.freeze()
                 self._called = False
                 self._before = children() - {*self._copies.values()}
-            before = children() if apart else set()
+            before = children() if self._apart else set()
             pid = _fork()
             if not pid:
-                self._begin_copy(end, output, apart=apart)
+                self._begin_copy(end, output)
                 return None
-            self._copies[pid] = max(children() - before, default=pid) if apart else pid
+            self._copies[pid] = max(children() - before, default=pid) if self._apart else pid
         for file in files:
             os.close(file)
         return ["value", pid]
 
-    def _begin_copy(self, end: int, output: int, *, apart: bool) -> None:
+    def _begin_copy(self, end: int, output: int) -> None:
         """Turn this process, which has just been forked, into a server of its own."""
         _end_with_original(self._process)
         os.setsid()
-        if apart and (inside := namespaces.enter(_fork)):
+        if self._apart and (inside := namespaces.enter(_fork)):
             self._channel.close()
             _stand_for(inside, self._process, end, output)
-        if apart:
+        if self._apart:
             _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
             _adopt_orphans()
         self._channel.close()
