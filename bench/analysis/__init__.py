@@ -2,15 +2,14 @@
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
 :func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`disagreements`, :func:`near_best`, :func:`regret`.
-Across problems: :func:`medians`, :func:`ranks_by_block`, :func:`friedman`, :func:`wilcoxon_tests`,
-:func:`stratified_tests`, :func:`probability_of_improvement`, :func:`interquartile_mean`, :func:`u_scores`,
-:func:`ranking_certainty`. How often such claims are wrong: :func:`levels`, :func:`rates_of_equals`,
-:func:`rates_of_spreads`, :func:`detectable_a12`, :func:`detectable_across`, :func:`trials_to_separate`. Over the
-evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`, :func:`targets`,
-:func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
+Across problems: :func:`across_problems`, :func:`places`, :func:`medians`, :func:`ranks_by_block`, :func:`friedman`,
+:func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How often such claims are wrong:
+:func:`levels`, :func:`rates_of_equals`, :func:`rates_of_spreads`, :func:`detectable_a12`, :func:`detectable_across`,
+:func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`,
+:func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
 :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
-:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. Which
-optimizers to take: :func:`target_shares`, :func:`portfolio_of`, :func:`shapley`, :func:`validated_selection`,
+:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. Which optimizers
+to take: :func:`target_shares`, :func:`portfolio_of`, :func:`shapley`, :func:`validated_selection`,
 :func:`selection_gain`, :func:`best_on`. And :func:`timing`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
@@ -28,14 +27,13 @@ Example:
 """
 
 from bench.analysis.across import (
+    across_problems,
     cliques,
     friedman,
     interquartile_mean,
     normalised_errors,
-    probability_of_improvement,
+    places,
     ranks_by_block,
-    stratified_tests,
-    wilcoxon_tests,
 )
 from bench.analysis.anytime import (
     best_so_far,
@@ -132,6 +130,7 @@ __all__ = [
     "Portfolio",
     "Traces",
     "a12",
+    "across_problems",
     "adjusted",
     "aocc",
     "at_looks",
@@ -175,10 +174,10 @@ __all__ = [
     "near_best",
     "normalised_errors",
     "pairwise_tests",
+    "places",
     "pool_instances",
     "portfolio_of",
     "precision_targets",
-    "probability_of_improvement",
     "rank_stability",
     "rank_sum",
     "ranking",
@@ -202,7 +201,6 @@ __all__ = [
     "stage_ranks",
     "standings",
     "stopped_early",
-    "stratified_tests",
     "success_rates",
     "summarise",
     "table",
@@ -218,5 +216,4 @@ __all__ = [
     "unused_budget",
     "validated_selection",
     "variables",
-    "wilcoxon_tests",
 ]

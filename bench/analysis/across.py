@@ -1,36 +1,38 @@
 """Tests and effect sizes across problems; pooling the trials of all problems would count one problem many times over.
 
-The unit is the *block*: a problem, or several that resemble each other because they are steps of one sweep or one
-function in several dimensions, which are no independent evidence. The value of a pair of optimizers on a problem is
-A12 - 0.5, which means the same on every problem and needs no scale of their values; that of a block is the mean over
-its problems. Lower is better; a failed trial is +inf. Only problems on which every optimizer has a trial count.
+The quantity is the *probability to end lower*: the mean over problems of A12, the chance that a run of one optimizer
+ends lower than a run of another, ties counted half. A12 means the same on every problem and needs no scale of values.
+Lower is better; a failed trial is +inf. Only problems on which every optimizer has a trial count.
 
-An interval for *these problems* shows how far other trials on the same problems could move a value; an interval for
-*further problems*, of which these are taken for a sample, how far other problems could.
+Each pair of optimizers is asked two questions, in a fixed sequence (Maurer, Hothorn and Lehmacher 1995). First *these
+problems*: would other runs on the same problems show the same? Whatever the problems are, the runs are independent.
+Then, only where that is shown, *further problems*, of which these must be an independent sample. The unit of the second
+question is the *block*: a problem, or several that resemble each other because they are steps of one sweep or one
+function in several dimensions, which are no independent evidence; its value is the mean over its problems.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import lru_cache
 from math import factorial, inf
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
+from scipy.stats import bootstrap, f, friedmanchisquare, norm, trim_mean
 
+from bench.analysis import bounded
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, Effects, effects, mean_of, stacked, standardised, wilson_form
+from bench.analysis.direction import ALPHA, Effects, effects, intervals, least_p, mean_of, stacked, standardised
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
-from bench.analysis.standings import complete_ranks
-from bench.typing import Floats
+from bench.analysis.standings import against_rivals, complete_ranks, matrices, ranks
+from bench.typing import Flags, Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
 BATCH = 1_000  # resamples at a time, to bound memory
+TIED = 1e-12  # a mean of A12 this close to 0.5 is a rounded 0.5
 MANY, FEWER = 32, 999  # more optimizers than these have fewer resamples each
-FEWEST_BLOCKS = 3  # of an interval for further problems
 
 Blocks = Mapping[str, str]  # the block of each problem; a problem that is not in it is one of its own
 
@@ -78,35 +80,85 @@ def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame([row | {"note": note}])
 
 
-def wilcoxon_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return Wilcoxon's signed-rank test of each pair of optimizers: is one lower on most blocks of problems?
+def across_problems(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return one row a pair of optimizers: the probability that a run of ``first`` ends lower than one of ``second``.
 
-    Columns: first, second, problems, blocks; ``statistic``, the smaller sum of ranks, its exact two-sided p; p_holm,
-    adjusted over all pairs (Holm 1979); significant (p_holm <= alpha); ``lower``, the optimizer with the larger sum
-    of ranks in its favour ("" where they are equal); ``note``, which is "identical" where no block differs and
-    "untestable" where too few differ for any p <= alpha. Both have p = 1.
+    Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12, with its 95% interval for
+    other runs on these problems, low to high, and joint_low to joint_high, intervals of which all together hold with
+    95% (Bonferroni); ``p`` of the test that it is 0.5 (:func:`p_of_means`), p_holm, adjusted over all pairs,
+    significant (p_holm <= alpha) and ``lower``, the optimizer that ends lower more probably ("" where neither does);
+    further_low and further_high, the 95% interval of the mean over blocks for further problems, p_further and
+    ``further``, whether these have shown it as well (:func:`in_sequence`). A cell with a single trial leaves no
+    variance of runs: the values of the problems alone then give both tests and intervals.
 
-    What is ranked is A12 - 0.5. Where the trials of two optimizers have one distribution on every problem its sign is
-    that of a fair coin, whatever the size, so the test is exact. The ranks of blocks without a difference are split
-    between both sums (Demšar 2006, Journal of Machine Learning Research 7, section 3.1.3). p is exact also with ties:
-    the share of all ways to sign the ranks that leave the sums as far apart.
-
-    ``pairs`` are those of :func:`bench.analysis.pairwise_tests`.
+    ``pairs`` are those of :func:`bench.analysis.pairwise_tests`. All is missing where no problem has trials of every
+    optimizer, and the p-values are 1.
     """
-    wide = _by_problem(pairs, "a12")
-    means = (wide - 0.5).groupby(_owners(wide.index, blocks), sort=False).mean().round(12)  # opposite values are 0
-    rows: list[dict[str, Any]] = []
-    for first, second in zip(*(means.columns.get_level_values(level) for level in (0, 1)), strict=True):
-        test = signed_ranks(means[first, second].to_numpy(dtype=float), alpha)
-        rows.append({"first": first, "second": second, "problems": len(wide), "blocks": len(means), **test})
-    tests = pd.DataFrame(rows, columns=["first", "second", "problems", "blocks", "statistic", "p", "lower", "note"])
-    return _decided(tests, tests["lower"].to_numpy(dtype=float), alpha)
+    wide = {name: _by_problem(pairs, name) for name in ("a12", "ratio", "smaller")}
+    problems = wide["a12"].index
+    estimates = Effects(*(of_pairs.to_numpy() for of_pairs in wide.values()))
+    means = wide["a12"].groupby(_owners(problems, blocks), sort=False).mean().to_numpy()
+    table = pd.DataFrame(list(wide["a12"].columns), columns=["first", "second"])
+    p, p_further = p_of_means(estimates), bounded.p_values(means)
+    p_holm, further = in_sequence(p, p_further, alpha)
+    mean = mean_of(estimates)
+    balance = np.round(mean.a12 - 0.5, 12)
+    favoured = np.where(balance > 0, table["first"], np.where(balance < 0, table["second"], ""))
+    table = table.assign(problems=len(problems), blocks=len(means), probability=mean.a12)
+    for prefix, level in (("", 0.95), ("joint_", 1 - 0.05 / max(len(table), 1))):
+        low, high = intervals(mean, level)
+        alone = np.isnan(low) & ~np.isnan(mean.a12)  # no variance of runs
+        low[alone], high[alone] = bounded.intervals(estimates.a12[:, alone], level)
+        table = table.assign(**{f"{prefix}low": low, f"{prefix}high": high})
+    table = table.assign(p=p, p_holm=p_holm, significant=p_holm <= alpha, lower=favoured)
+    low, high = bounded.intervals(means) if len(means) else np.full((2, len(table)), np.nan)
+    return table.assign(further_low=low, further_high=high, p_further=p_further, further=further)
+
+
+def places(tests: pd.DataFrame, optimizers: Sequence[str]) -> pd.DataFrame:
+    """Return the place of each optimizer over all problems: optimizer, place, beaten and chance.
+
+    ``beaten`` is the number of rivals that it beats, with a probability to end lower above 0.5, a tie counted half;
+    ``chance`` the mean of this probability over its rivals, which decides between optimizers that beat as many. Those
+    that tie share their mean place. ``tests`` are those of :func:`across_problems`.
+    """
+    chances, _ = matrices(tests.rename(columns={"probability": "a12"}).fillna({"a12": 0.5}), optimizers)
+    chances = np.where(np.abs(chances - 0.5) < TIED, 0.5, chances)
+    beaten, chance = against_rivals(chances, axis=1)
+    return pd.DataFrame({"optimizer": optimizers, "place": ranks(beaten, chance), "beaten": beaten, "chance": chance})
+
+
+def p_of_means(estimates: Effects) -> Floats:
+    """Return the two-sided p-values, (g,), that the means of independent A12, (problems, g), are 0.5.
+
+    The variance is the one of A12 = 0.5 on every problem, the largest there is, and p is never below the chance of
+    complete separation on all of them. Where a cell has a single trial, A12 is only known to lie between 0 and 1
+    (:func:`bench.analysis.bounded.p_values`).
+    """
+    chance, ratio, _ = estimates
+    size = np.abs(standardised(chance, ratio))
+    p = np.asarray(np.maximum(2 * norm.sf(size), least_p(mean_of(estimates).smaller)))
+    alone = np.isnan(ratio).any(axis=0)
+    p[alone] = bounded.p_values(chance[:, alone])
+    return np.asarray(np.nan_to_num(p, nan=1.0))  # identical constants, or no problem
+
+
+def in_sequence(p: Floats, p_further: Floats, alpha: float) -> tuple[Floats, Flags]:
+    """Return the p-values of pairs on these problems, adjusted over all pairs, and which hold for further problems too.
+
+    A pair passes its level on from these problems to further ones, and only from there to the other pairs (Bretz,
+    Maurer, Brannath and Posch 2009, Statistics in Medicine 28): Holm's method over pairs of which both are asked.
+    """
+    both = holm(np.maximum(p, p_further))
+    further: Flags = both <= alpha
+    left = max(len(p) - int(further.sum()), 1)
+    return np.where(further, both, np.minimum(p * left, 1.0)), further
 
 
 def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
     """Return the groups of at least two optimizers, neighbours by average rank, of which no pair differs significantly.
 
-    ``tests`` are those of :func:`wilcoxon_tests`. They depend on the two optimizers alone, unlike differences of
+    ``tests`` are those of :func:`across_problems`. They depend on the two optimizers alone, unlike differences of
     average ranks (Benavoli, Corani and Mangili 2016, Journal of Machine Learning Research 17). Only the largest groups
     are returned: the bars of a critical-difference diagram.
     """
@@ -123,34 +175,6 @@ def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[
             groups.append(tuple(ordered[start:end]))
             last = end
     return groups
-
-
-def stratified_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return a test of each pair of optimizers on these problems alone: is the mean over problems of A12 0.5?
-
-    Columns as of :func:`wilcoxon_tests`; ``statistic`` is the standardised mean, with the variance that A12 = 0.5 on
-    every problem would have, and ``note`` is "untestable" where a cell has a single trial. It asks less than Wilcoxon's
-    test does, whether other trials on the same problems would show the same, and holds for no further problems. p is
-    never below the chance of complete separation on all of them.
-    """
-    chance, ratio, smaller = (_by_problem(pairs, name) for name in ("a12", "ratio", "smaller"))
-    mean = chance.mean(axis=0).to_numpy() - 0.5
-    size = np.abs(standardised(chance.to_numpy(), ratio.to_numpy()))
-    p = np.maximum(2 * norm.sf(size), 2.0 ** (1 - smaller.to_numpy().sum(axis=0)))
-    tested = np.isfinite(size)
-    tests = pd.DataFrame(list(chance.columns), columns=["first", "second"]).assign(
-        problems=len(chance), blocks=len(set(_owners(chance.index, blocks))), statistic=size, p=np.where(tested, p, 1.0)
-    )
-    tests["note"] = np.where(tested, "", "untestable")
-    return _decided(tests, mean, alpha)
-
-
-def _decided(tests: pd.DataFrame, balance: Floats, alpha: float) -> pd.DataFrame:
-    """Return tests with p_holm, significant and lower; ``balance`` is above 0 where the first one is favoured."""
-    columns = ["first", "second", "problems", "blocks", "statistic", "p", "p_holm", "significant", "lower", "note"]
-    p_holm = holm(tests["p"].to_numpy(dtype=float))
-    favoured = np.where(balance > 0, tests["first"], np.where(balance < 0, tests["second"], ""))
-    return tests.assign(p_holm=p_holm, significant=p_holm <= alpha, lower=favoured)[columns]
 
 
 def _by_problem(pairs: pd.DataFrame, column: str) -> pd.DataFrame:
@@ -170,38 +194,15 @@ def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object
     return np.array([(blocks or {}).get(str(problem), str(problem)) for problem in problems], dtype=object)
 
 
-def probability_of_improvement(pairs: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
-    """Return the probability that a trial of ``first`` ends below one of ``second``, one row a pair.
-
-    Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12; low and high, its 95%
-    interval for other trials on these problems, missing where a cell has a single trial; further_low and further_high,
-    that of the mean over blocks for further problems, missing below three blocks. All is missing where no problem has
-    trials of every optimizer.
-
-    The variance of the mean for these problems is the sum of those of A12 (:mod:`bench.analysis.direction`); for
-    further problems, it is that of the blocks' means, with Student's t.
-    """
-    wide = {name: _by_problem(pairs, name) for name in ("a12", "ratio", "smaller")}
-    estimates = Effects(*(wide[name].to_numpy() for name in ("a12", "ratio", "smaller")))
-    owners = _owners(wide["a12"].index, blocks)
-    table = pd.DataFrame(list(wide["a12"].columns), columns=["first", "second"])
-    means = wide["a12"].groupby(owners, sort=False).mean().to_numpy()
-    mean = mean_of(estimates)
-    low, high = wilson_form(mean.a12, mean.ratio)
-    table = table.assign(problems=len(estimates.a12), blocks=len(means), probability=mean.a12, low=low, high=high)
-    return table.assign(**_further(means))
-
-
 def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, float, float]:
     """Return the probability that a value of the first of two samples ends lower, as a mean over problems, low to high.
 
-    As :func:`probability_of_improvement` does; missing without any problem, and the interval where a sample has a
-    single value.
+    As :func:`across_problems` does; missing without any problem, and the interval where a sample has a single value.
     """
     if not samples:
         return np.nan, np.nan, np.nan
     mean = mean_of(stacked([effects(one[np.newaxis], rival[np.newaxis]) for one, rival in samples]))
-    low, high = wilson_form(mean.a12, mean.ratio)
+    low, high = intervals(mean)
     return float(mean.a12[0]), float(low[0]), float(high[0])
 
 
@@ -238,65 +239,6 @@ def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None =
         low, high = _interval(strata, resamples, seed) if strata and min(map(len, strata)) > 1 else (np.nan, np.nan)
         rows.append((optimizer, len(problems), len(of_optimizer), iqm, low, high))
     return pd.DataFrame(rows, columns=["optimizer", "problems", "n", "iqm", "low", "high"])
-
-
-def signed_ranks(difference: Floats, alpha: float = ALPHA) -> dict[str, Any]:
-    """Return Wilcoxon's signed-rank test of (n,) differences, as in :func:`wilcoxon_tests`.
-
-    Keys: statistic, p, note and, as ``lower``, the sum of ranks of the positive differences less that of the others.
-    """
-    size = merge_near_ties(np.abs(difference))
-    ranks = rankdata(size)
-    balance = float(np.sign(difference) @ ranks)
-    differing = int(np.count_nonzero(size))  # numpy's own integer overflows in the power below
-    result = {"statistic": (float(ranks.sum()) - abs(balance)) / 2, "p": 1.0, "lower": balance, "note": ""}
-    if len(size) and differing == 0:
-        return result | {"note": "identical"}
-    if 2 / 2**differing > alpha:  # the smallest p there is: all signs alike
-        return result | {"note": "untestable"}
-    return result | {"p": _signed_rank_p(ranks[size > 0], balance)}
-
-
-def _signed_rank_p(ranks: Floats, balance: float) -> float:
-    """Return the chance that fair signs leave the sum of signed ranks as far from 0 as ``balance``.
-
-    Equal to ``scipy.stats.wilcoxon(method="exact")``, which handles neither ties nor zeros.
-    """
-    doubled = np.rint(2 * ranks).astype(int)  # shared ranks are halves
-    chances = _rank_sums(tuple(np.sort(doubled).tolist()))
-    sums = 2 * np.arange(len(chances)) - doubled.sum()
-    return float(min(chances[np.abs(sums) >= np.rint(2 * abs(balance))].sum(), 1.0))
-
-
-@lru_cache(maxsize=1_000)
-def _rank_sums(ranks: tuple[int, ...]) -> Floats:
-    """Return the chance of each sum of the positive ranks, from 0 on, under fair signs."""
-    chances = np.zeros(sum(ranks) + 1)
-    chances[0], reached = 1.0, 1
-    for rank in ranks:  # its sign adds the rank, or nothing
-        reached += rank
-        chances[rank:reached] += chances[: reached - rank].copy()
-        chances[:reached] /= 2
-    return chances
-
-
-def _further(means: Floats, level: float = 0.95) -> dict[str, Floats]:
-    """Return further_low and further_high of :func:`probability_of_improvement` from (blocks, pairs) means of A12."""
-    blocks, pairs = means.shape
-    missing = np.full(pairs, np.nan)
-    if blocks < FEWEST_BLOCKS:
-        return {"further_low": missing, "further_high": missing}
-    centre, variance = means.mean(axis=0), means.var(axis=0, ddof=1) / blocks
-    largest = centre * (1 - centre)
-    ratio = np.divide(variance, largest, out=np.zeros(pairs), where=largest > 0)
-    quantile = float(t.ppf((1 + level) / 2, blocks - 1))
-    low, high = wilson_form(centre, ratio, quantile)
-    # A mean of 0 or 1 on every block has a chance of at most its own size to the power of their number.
-    apart, alone = ((1 - level) / 2) ** (1 / blocks), variance == 0
-    return {
-        "further_low": np.where(alone, np.minimum(low, apart), low),
-        "further_high": np.where(alone, np.maximum(high, 1 - apart), high),
-    }
 
 
 def _normalised(values: Floats, reference: float) -> Floats:

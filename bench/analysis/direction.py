@@ -15,10 +15,12 @@ doi:10.1002/bimj.70096), whose test controls its level where that of Brunner and
 leaves 0 to 1, and holds those a that the test does not reject. Quantiles are those of the normal distribution, which
 kept the level in simulations where those of Student's t made the test needlessly weak (validation/error_rates.py).
 
-Two bounds keep both honest where samples are small or separated. The ratio is at least half of 1/n and 1/m in the mean:
-that of two equal distributions without ties is two thirds. And where A12 = a, all of min(n, m) disjoint pairs of one
-value each are won with a chance of at most a^min(n, m), whatever the distributions are: complete separation has no p
-below 2^(1 - min(n, m)), and its interval reaches as far as this chance does.
+Two bounds keep both honest where samples are small or separated. The ratio is at least three quarters of that of two
+equal distributions, which is four times the variance of A12 if the values at hand, with their ties, are dealt to the
+two samples at random (Lehmann 1975, Nonparametrics, section 1.4). At least :data:`UNTIED` values count as different
+from all others, since samples of one value do not show that there is no other. And where A12 = a, all of min(n, m)
+disjoint pairs of one value each are won with a chance of at most a^min(n, m), whatever the distributions are: complete
+separation has no p below 2^(1 - min(n, m)), and its interval reaches as far as this chance does.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ from bench.typing import Floats
 
 ALPHA = 0.05  # thesis section 7.2
 TWO_SIDED = 1.959963984540054  # the normal quantile of 0.975
-LEAST_RATIO = 0.5  # of the mean of 1/n and 1/m
+LEAST_SHARE = 0.75  # of the ratio of two equal distributions
+UNTIED = 6  # values that always count as different from all others
 
 
 class Effects(NamedTuple):
@@ -82,7 +85,7 @@ def effects(these: Floats, others: Floats) -> Effects:
     """Return A12 of g pairs of samples, (g, n) and (g, m); the ratio is missing where a sample has a single value."""
     (g, n), m = these.shape, others.shape[1]
     this, other = np.sort(these, axis=1), np.sort(others, axis=1)
-    lost, won = np.empty((2, g, 2), dtype=np.int64)
+    lost, won = np.empty((2, g, 3), dtype=np.int64)
     placements = compiled(_placements, "void(float64[:, ::1], float64[:, ::1], int64[:, ::1])")
     placements(this, other, lost)
     placements(other, this, won)
@@ -99,16 +102,20 @@ def effects_of_draws(this: Floats, other: Floats, drawn: Floats, rival: Floats) 
         rival: how often each value of ``other`` is, (g, m), likewise.
     """
     lower = 2 * wins(this, other)
-    sides = (drawn, rival @ (2 - lower).T), (rival, drawn @ lower)
+    pooled, times = np.append(this, other), np.append(drawn, rival, axis=1)
+    alike = times @ (pooled[:, np.newaxis] == pooled).astype(np.float64)
+    sides = (drawn, rival @ (2 - lower).T, alike[:, : len(this)]), (rival, drawn @ lower, alike[:, len(this) :])
     lost, won = (
-        np.stack([(times * placed).sum(axis=1), (times * placed**2).sum(axis=1)], axis=1).astype(np.int64)
-        for times, placed in sides
+        np.stack([(of * placed).sum(axis=1), (of * placed**2).sum(axis=1), (of * tied**2).sum(axis=1)], axis=1).astype(
+            np.int64
+        )
+        for of, placed, tied in sides
     )
     return _estimated(int(drawn[0].sum()), int(rival[0].sum()), lost, won)
 
 
 def _estimated(n: int, m: int, lost: NDArray[np.int64], won: NDArray[np.int64]) -> Effects:
-    """Return the estimates for g pairs of n and m values, from the sums of their :func:`_placements`, (g, 2) each."""
+    """Return the estimates for g pairs of n and m values, from the sums of their :func:`_placements`, (g, 3) each."""
     total = won[:, 0].astype(np.float64)
     chance = total / (2 * n * m)
     if min(n, m) < 2:
@@ -117,36 +124,56 @@ def _estimated(n: int, m: int, lost: NDArray[np.int64], won: NDArray[np.int64]) 
     one, two = (lost[:, 1] + 4 * m * (n * m - lost[:, 0])).astype(np.float64), won[:, 1].astype(np.float64)
     variance = (one - total**2 / n) / (4 * m**2 * n * (n - 1)) + (two - total**2 / m) / (4 * n**2 * m * (m - 1))
     largest = chance * (1 - chance)
-    least = LEAST_RATIO * (1 / n + 1 / m) / 2
+    both, most = n + m, max(n + m - UNTIED, 0)
+    tied = np.minimum((lost[:, 2] + won[:, 2]).astype(np.float64) - both, float(most**3 - most))  # sum of t^3 - t
+    least = LEAST_SHARE * (both + 1 - tied / (both * (both - 1))) / (3 * n * m)
     ratio = np.divide(variance, largest, out=np.zeros_like(chance), where=largest > 0)
     return Effects(chance, np.maximum(ratio, least), min(n, m))
 
 
 def _placements(these: Floats, others: Floats, sums: NDArray[np.int64]) -> None:
-    """Write sum and sum of squares of the placements of the first of g pairs of sorted samples into ``sums``, (g, 2).
+    """Write sums over the values of the first of g pairs of sorted samples into ``sums``, (g, 3).
 
-    The placement of a value is twice the number of values of the other sample that it loses to, a tie counted half:
-    whole numbers, so the sums are exact.
+    These are the sum and the sum of squares of their placements, and that of the squares of their ties. The placement
+    of a value is twice the number of values of the other sample that it loses to, a tie counted half, and its ties are
+    the values of both samples that equal it, itself included: whole numbers, so the sums are exact.
     """
-    m = others.shape[1]
+    n, m = these.shape[1], others.shape[1]
     for pair in range(len(these)):
-        total = squares = below = upto = 0
-        for value in these[pair]:
+        total = squares = ties = below = upto = start = 0
+        while start < n:
+            value, end = these[pair, start], start + 1
+            while end < n and these[pair, end] == value:
+                end += 1
             while below < m and others[pair, below] < value:
                 below += 1
             upto = max(upto, below)
             while upto < m and others[pair, upto] == value:
                 upto += 1
-            total += below + upto
-            squares += (below + upto) ** 2
-        sums[pair, 0], sums[pair, 1] = total, squares
+            total += (end - start) * (below + upto)
+            squares += (end - start) * (below + upto) ** 2
+            ties += (end - start) * (end - start + upto - below) ** 2
+            start = end
+        sums[pair, 0], sums[pair, 1], sums[pair, 2] = total, squares, ties
 
 
 def stacked(estimates: Sequence[Effects]) -> Effects:
-    """Return the estimates of several problems, (g,) each, as one of (problems, g)."""
+    """Return several estimates of one shape, (…) each, as one of (number, …)."""
     chances, ratios, sizes = zip(*estimates, strict=True)
     smaller = [np.broadcast_to(size, chance.shape) for size, chance in zip(sizes, chances, strict=True)]
     return Effects(np.array(chances), np.array(ratios), np.array(smaller, dtype=np.float64))
+
+
+def stratified(strata: Sequence[Effects]) -> Effects:
+    """Return the mean of independent estimates of one problem, such as those on its instances, of one shape each.
+
+    Its variance is the one that A12 = mean on each of them would have, which is the largest there is.
+    """
+    if len(strata) == 1:
+        return strata[0]
+    number, every = len(strata), stacked(strata)
+    smaller = number * np.min(every.smaller, axis=0)
+    return Effects(every.a12.mean(axis=0), every.ratio.mean(axis=0) / number, smaller)
 
 
 def mean_of(estimates: Effects) -> Effects:
@@ -157,11 +184,12 @@ def mean_of(estimates: Effects) -> Effects:
     """
     number = max(len(estimates.a12), 1)
     inside = estimates.inside.sum(axis=0) / number
+    sizes = np.broadcast_to(np.asarray(estimates.smaller, dtype=np.float64), estimates.a12.shape)
     with np.errstate(invalid="ignore", divide="ignore"):
+        smaller = len(sizes) * sizes.min(axis=0, initial=np.inf)
         chance = estimates.a12.sum(axis=0) / np.where(len(estimates.a12), number, np.nan)
         ratio = estimates.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
-    smallest = float(np.min(estimates.smaller)) if len(estimates.a12) else 0.0
-    return Effects(chance, ratio, len(estimates.a12) * smallest)
+    return Effects(chance, ratio, smaller)
 
 
 def p_values(estimates: Effects) -> Floats:

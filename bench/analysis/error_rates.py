@@ -7,23 +7,30 @@ pair, and the spread doubles from one optimizer to the next: normal values of on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import norm
 
-from bench.analysis.across import signed_ranks
-from bench.analysis.direction import ALPHA, Effects, effects, least_p, p_values, standardised
+from bench.analysis.across import p_of_means
+from bench.analysis.direction import ALPHA, Effects, effects, least_p, mean_of, p_values, stacked, stratified
+from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
 
+MOST = 12  # optimizers that are simulated
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
 WORK = 20_000_000  # values of pairs of samples in all: a few seconds
-AT_ONCE = 1_000_000  # of them in memory
 DRAWS = 1_000  # of a simulated power
 POWER = 0.8
 STEPS = 9  # of a bisection: A12 to 0.001
+
+ON_PROBLEMS = 0.01  # of the level of all claims of a page
+COURSE = 0.005
+
+Stratum = Sequence[Floats]  # the values of k optimizers on one instance, (studies, n) each
 
 
 class Levels(NamedTuple):
@@ -31,14 +38,13 @@ class Levels(NamedTuple):
 
     Attributes:
         problems: of the tests on single problems; 0 where none can be significant.
-        across: of the tests over all problems; likewise.
-        further: whether these are tests across blocks, which speak of further problems, and not of the mean over these
-            problems (:func:`bench.analysis.wilcoxon_tests`, :func:`bench.analysis.stratified_tests`).
+        across: of the tests over all problems, and of the winner; likewise.
+        course: of the statement on who leads at smaller budgets.
     """
 
     problems: float
     across: float
-    further: bool = True
+    course: float = 0.0
 
 
 class Rates(NamedTuple):
@@ -47,7 +53,7 @@ class Rates(NamedTuple):
     Attributes:
         studies: how many were simulated.
         problems: the share with any optimizer separably lower than another on any problem.
-        across: the share with any significant difference across problems.
+        across: the share with a winner, or any significant difference over all problems.
         any: the share with one or the other.
     """
 
@@ -57,96 +63,116 @@ class Rates(NamedTuple):
     any: float
 
 
-def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: float = ALPHA) -> Levels:
-    """Divide ``alpha`` between the tests on problems and those across problems, by the design alone.
+def levels(sizes: Sequence[int], pairs: int, tests: int, looks: bool = False, alpha: float = ALPHA) -> Levels:
+    """Divide ``alpha`` between the tests on problems, those over all problems and the course, by the design alone.
 
-    Each part gets half where both can reject at half, and all of it goes to one part otherwise, to that over all
-    problems where it can reject: so all claims together err with ``alpha`` at most. The tests over all problems are
-    those across blocks where these are enough for one to reject, and else, on two problems or more, those of the mean
-    over these problems.
+    So all claims of a page together err with ``alpha`` at most. Where no test on a problem could be significant, and
+    where there is one problem, on which both kinds of tests are the same, the tests over all problems have the level
+    of both. Declared looks spend all of ``alpha`` on problems.
 
     Args:
         sizes: the trials of the smaller cell of each pair, by problem.
         pairs: of optimizers.
         tests: pairs times problems.
-        blocks: independent problems (:mod:`bench.analysis.across`).
+        looks: whether the study declares looks.
         alpha: the level of all claims.
     """
-    on_problems = float(least_p(max(sizes, default=0))) * max(tests, 1)
-    across = float(2.0 ** (1 - blocks) * max(pairs, 1))  # where all blocks have one sign
-    further = across <= alpha / 2
-    over = across if further else 1.0
-    if not further and len(sizes) > 1 and min(sizes) > 1:
-        over = float(least_p(sum(sizes))) * max(pairs, 1)
-    if max(on_problems, over) <= alpha / 2:
-        return Levels(alpha / 2, alpha / 2, further)
-    if over <= alpha / 2:  # a part that can reject at complete separation only must not silence the other one
-        return Levels(0.0, alpha, further)
-    return Levels(alpha if on_problems <= alpha else 0.0, 0.0, further)
+    if looks:
+        return Levels(alpha if _can_reject(max(sizes, default=0), tests, alpha) else 0.0, 0.0)
+    course = alpha * COURSE / ALPHA
+    on_problems, both = alpha * ON_PROBLEMS / ALPHA, alpha - course
+    if not _can_reject(len(sizes) * min(sizes, default=0), pairs, both):
+        # Problems with few trials take from the bound of all: those with many may still be tested.
+        return Levels(both if _can_reject(max(sizes, default=0), tests, both) else 0.0, 0.0, course)
+    if len(sizes) == 1:
+        return Levels(both, both, course)
+    if not _can_reject(max(sizes), tests, on_problems):
+        return Levels(0.0, both, course)
+    return Levels(on_problems, both - on_problems, course)
 
 
-def rates_of_equals(
-    pools: Sequence[Floats], optimizers: int, blocks: Sequence[str], level: Levels, seed: int = 0
-) -> Rates:
+def _can_reject(trials: int, tests: int, level: float) -> bool:
+    """Return whether complete separation in so many trials is significant beside as many tests."""
+    return bool(least_p(trials) * max(tests, 1) <= level)
+
+
+def rates_of_equals(pools: Sequence[Sequence[Floats]], optimizers: int, level: Levels, seed: int = 0) -> Rates:
     """Return the rates where the optimizers are identical.
 
     Args:
-        pools: the scores of all trials of each problem, at least two an optimizer.
-        optimizers: k.
-        blocks: the block of each problem.
+        pools: the scores of all trials of each problem, by instance: at least two an optimizer.
+        optimizers: k; of more than twelve, twelve are simulated, which have the trials of all to draw from.
         level: of the tests.
         seed: of the simulation.
     """
-    trials = min(len(pool) for pool in pools) // optimizers
-    rng = np.random.default_rng(seed)
+    rng, k = np.random.default_rng(seed), min(optimizers, MOST)
+    studies = _studies(k, sum(len(pool) for strata in pools for pool in strata) / optimizers)
 
-    def draw(studies: int) -> Floats:
-        dealt = [rng.permuted(np.tile(pool, (studies, 1)), axis=1)[:, : trials * optimizers] for pool in pools]
-        return np.stack(dealt, axis=1).reshape(studies, len(pools), optimizers, trials)
+    def dealt(pool: Floats) -> Stratum:
+        trials = len(pool) // optimizers
+        values = rng.permuted(np.tile(pool, (studies, 1)), axis=1)[:, : trials * k]
+        return list(values.reshape(studies, k, trials).transpose(1, 0, 2))
 
-    return _rates(draw, (len(pools), optimizers, trials), blocks, level)
+    return _rates(([dealt(pool) for pool in strata] for strata in pools), level)
 
 
-def rates_of_spreads(trials: int, optimizers: int, blocks: Sequence[str], level: Levels, seed: int = 0) -> Rates:
+def rates_of_spreads(trials: int, optimizers: int, problems: int, level: Levels, seed: int = 0) -> Rates:
     """Return the rates where A12 is 0.5 for every pair and the spread doubles from one optimizer to the next."""
-    rng, spread = np.random.default_rng(seed), np.ldexp(1.0, np.arange(optimizers) % 1000)
-    shape = len(blocks), optimizers, trials
-    return _rates(lambda studies: rng.standard_normal((studies, *shape)) * spread[:, np.newaxis], shape, blocks, level)
+    rng, k = np.random.default_rng(seed), min(optimizers, MOST)
+    studies = _studies(k, trials * problems)
+    return _rates(
+        ([[2.0**place * rng.standard_normal((studies, trials)) for place in range(k)]] for _ in range(problems)), level
+    )
 
 
-def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: Sequence[str], level: Levels) -> Rates:
-    problems, optimizers, trials = shape
-    one, other = np.triu_indices(optimizers, 1)
-    work = problems * len(one) * 2 * trials
-    studies = int(np.clip(WORK // work, *STUDIES))
-    owner = np.unique(np.array(blocks), return_inverse=True)[1]
-    weights = (owner == np.arange(owner.max() + 1)[:, np.newaxis]).astype(float)
-    weights /= weights.sum(axis=1, keepdims=True)
-    claimed = np.zeros((2, studies), dtype=bool)
-    at_once = max(AT_ONCE // work, 1)
-    for start in range(0, studies, at_once):
-        values = draw(min(at_once, studies - start))
-        effect = effects(*(values[:, :, places].reshape(-1, trials) for places in (one, other)))
-        p, chance, ratio = (
-            of_pairs.reshape(len(values), problems, len(one))
-            for of_pairs in (p_values(effect), effect.a12, effect.ratio)
-        )
-        means = np.round(weights @ (chance - 0.5), 12)
-        size = np.abs(standardised(chance, ratio, axis=1))
-        now = slice(start, start + len(values))
-        claimed[0, now] = p.min(axis=(1, 2)) * p[0].size <= level.problems
-        if level.further:
-            claimed[1, now] = [_across(study_means, level.across) for study_means in means]
-        else:
-            claimed[1, now] = 2 * norm.sf(size.max(axis=1)) * len(one) <= level.across
-    return Rates(studies, *(float(claims.mean()) for claims in (*claimed, claimed.any(axis=0))))
+def _studies(optimizers: int, trials: float) -> int:
+    return int(np.clip(WORK // (trials * optimizers * max(optimizers - 1, 1)), *STUDIES))
 
 
-def _across(means: Floats, level: float) -> bool:
-    """Return whether any pair differs across blocks; ``means`` are A12 - 0.5, (blocks, pairs)."""
-    if level <= 0:
-        return False
-    return bool(min(signed_ranks(pair_means, level)["p"] for pair_means in means.T) * means.shape[1] <= level)
+def _rates(problems: Iterable[Sequence[Stratum]], level: Levels) -> Rates:
+    on_problem, over_all, winner = claims(problems, level)
+    claimed = on_problem, over_all | winner, on_problem | over_all | winner
+    return Rates(len(on_problem), *(float(flags.mean()) for flags in claimed))
+
+
+def claims(problems: Iterable[Sequence[Stratum]], level: Levels, tied: int | None = None) -> tuple[Flags, Flags, Flags]:
+    """Return which studies claim any difference on a problem, any over all problems, and a winner, (studies,) each.
+
+    The claims are those of a report: by Holm's method any difference is claimed where the smallest p is, and a winner
+    needs no adjustment, since all of its tests must reject.
+
+    Args:
+        problems: the strata of each problem, its instances or itself.
+        level: of the tests.
+        tied: the number of optimizers, the first ones, between which a claim is false; all, unless given.
+    """
+    found = [stratified([_pairs(stratum) for stratum in strata]) for strata in problems]
+    estimates = stacked(found)  # (problems, pairs, studies)
+    number, pairs, _ = estimates.a12.shape
+    optimizers = 1 + int(np.sqrt(2 * pairs))  # whose pairs these are
+    rivals = list(combinations(range(optimizers), 2))
+    equal = np.array([second < (tied or optimizers) for _, second in rivals])
+    alone = p_values(estimates)
+    on_problem = _holm(alone.reshape(-1, alone.shape[2]), np.tile(equal, number), level.problems)
+    p, mean = p_of_means(estimates), mean_of(estimates).a12.round(12)
+    over_all, shown = _holm(p, equal, level.across), p <= level.across
+    won = np.zeros((optimizers, p.shape[1]), dtype=np.int64)
+    for place, (first, second) in enumerate(rivals):
+        won[first] += shown[place] & (mean[place] > 0.5)
+        won[second] += shown[place] & (mean[place] < 0.5)
+    return on_problem, over_all, (won == optimizers - 1).any(axis=0)
+
+
+def _holm(p: Floats, equal: Flags, level: float) -> Flags:
+    """Return in which studies Holm's method rejects any of the ``equal`` pairs, from p-values of (pairs, studies)."""
+    if equal.all():  # it begins with the smallest
+        return np.asarray(p.min(axis=0) * len(p) <= level)
+    return np.array([bool((holm(own)[equal] <= level).any()) for own in p.T])
+
+
+def _pairs(stratum: Stratum) -> Effects:
+    """Return A12 of each pair of optimizers in each study, (pairs, studies)."""
+    return stacked([effects(one, other) for one, other in combinations(stratum, 2)])
 
 
 @lru_cache
@@ -161,24 +187,19 @@ def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
 
 
 @lru_cache
-def detectable_across(trials: int, blocks: int, level: float, further: bool = True, power: float = POWER) -> float:
-    """Return the smallest A12, the same on every problem, that the test over problems finds; NaN where it finds none.
+def detectable_across(trials: int, problems: int, level: float, power: float = POWER) -> float:
+    """Return the smallest A12, the same on every problem, that the test over them finds; NaN where it finds none.
 
-    Assumes as :func:`detectable_a12` does, and blocks of one problem, or as many problems where the test is not of
-    ``further`` ones.
+    Assumes as :func:`detectable_a12` does.
     """
-    if further and 2.0 ** (1 - blocks) > level:
-        return float("nan")
-    draws = max(DRAWS // blocks, 200)
+    draws = max(DRAWS // problems, 200)
 
     def rejects(effect: Effects) -> Flags:
-        means = effect.a12.reshape(draws, blocks) - 0.5
-        if not further:
-            size = standardised(means + 0.5, effect.ratio.reshape(draws, blocks), axis=1)
-            return np.asarray(2 * norm.sf(size) <= level)
-        return np.array([signed_ranks(draw, level)["p"] <= level for draw in means])
+        shape = problems, draws
+        estimates = Effects(effect.a12.reshape(shape), effect.ratio.reshape(shape), np.full(shape, trials))
+        return np.asarray(p_of_means(estimates) <= level)
 
-    return _smallest(draws * blocks, trials, power, rejects)
+    return _smallest(draws * problems, trials, power, rejects)
 
 
 def _smallest(pairs: int, trials: int, power: float, rejects: Callable[[Effects], Flags]) -> float:

@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2, rankdata
+from scipy.stats import binomtest, chi2, rankdata
 
-from bench.analysis.across import friedman, signed_ranks
+from bench.analysis.across import friedman
 from bench.analysis.cells import cells, labels
-from bench.analysis.direction import ALPHA
+from bench.analysis.direction import ALPHA, least_p
 from bench.analysis.pairwise import holm
 from bench.study.sweep import Levels, Sweep
 from bench.typing import Floats
@@ -157,9 +157,9 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
 
     Columns: factor; problems; ``best``, the value with the highest mean chance, "" where two share it; ``chance``, that
     mean, and ``lowest``, that of the worst value; ``first``, the problems on which the best value has the highest
-    chance, ties included; p, by Wilcoxon's signed-rank test for two values and by Friedman's test, as Iman and
-    Davenport corrected it, for more; p_holm, adjusted over the parameters; ``note``, "" unless no outcome could be
-    significant, or all problems tie. Each problem counts once.
+    chance, ties included; p, by the sign test for two values and by Friedman's test, which is the same question, as
+    Iman and Davenport corrected it, for more; p_holm, adjusted over the parameters; ``note``, "" unless no outcome
+    could be significant, or all problems tie. Each problem counts once.
     """
     rows: list[dict[str, Any]] = []
     for factor, of_factor in levels.groupby("factor", sort=False):
@@ -167,8 +167,10 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
         table = table[list(dict.fromkeys(of_factor["level"]))].round(12)  # sums of shares differ in last digits
         means = table.mean().sort_values(ascending=False, kind="stable")
         if len(means) == 2:
-            test = signed_ranks((table.iloc[:, 0] - table.iloc[:, 1]).to_numpy(dtype=float), alpha)
-            p, note = test["p"], test["note"]
+            differing = table[table.iloc[:, 0] != table.iloc[:, 1]]
+            note = "identical" if differing.empty else "untestable" if least_p(len(differing)) > alpha else ""
+            higher = int((differing.iloc[:, 0] > differing.iloc[:, 1]).sum())
+            p = 1.0 if note else float(binomtest(higher, len(differing)).pvalue)
         else:
             wide = dict(friedman(1 - table).iloc[0])
             p, note = wide["p_iman_davenport"], wide["note"]

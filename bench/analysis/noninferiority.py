@@ -156,7 +156,8 @@ def _inference(estimate: Effects, bound: float, level: float) -> tuple[float, fl
     """Return A12, both ends of its interval, each at the one-sided ``level``, and the p of a value above the bound."""
     (low,), (high,) = intervals(estimate, 2 * level - 1)
     size = (estimate.a12[0] - bound) / np.sqrt(estimate.ratio[0] * bound * (1 - bound))
-    return float(estimate.a12[0]), float(low), float(high), max(float(norm.sf(size)), float(bound**estimate.smaller))
+    p = np.fmax(norm.sf(size), bound**estimate.smaller)
+    return float(estimate.a12[0]), float(low), float(high), float(np.max(p))
 
 
 def _needed(estimates: Sequence[Effects], margin: float, level: float, every: bool) -> int:

@@ -186,17 +186,18 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
     """Draw how often the first of two optimizers does better, with its interval, in a row per pair.
 
     At 0.5 neither tends to be better; the faint lines are the bounds of small, medium and large effects by Vargha and
-    Delaney (2000). A point is filled where its interval excludes 0.5.
+    Delaney (2000). A point is filled where its pair is significant.
 
     Args:
-        pairs: columns first, second, probability, low and high, and further_low and further_high for a thin line
-            (:func:`bench.analysis.probability_of_improvement`), or a12, a12_low and a12_high with the column problem
-            (:func:`bench.analysis.pairwise_tests`).
+        pairs: those of :func:`bench.analysis.across_problems`, whose joint intervals are drawn, with a thin line for
+            further problems, or of :func:`bench.analysis.pairwise_tests`.
         problem: the label of the problem to draw, where ``pairs`` has several.
     """
     rows = pairs if problem is None else style.rows_of(pairs, problem)
     ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)
-    columns = ["probability", "low", "high"] if "probability" in rows else ["a12", "a12_low", "a12_high"]
+    columns = (
+        ["probability", "joint_low", "joint_high"] if "probability" in rows else ["a12", "joint_low", "joint_high"]
+    )
     chance, low, high = rows[columns].to_numpy(dtype=float).T
     at = np.arange(len(rows))
     ax.vlines(EFFECTS, 0, 1, color="#BBBBBB", linewidth=0.5, linestyle=":", transform=ax.get_xaxis_transform())
@@ -204,7 +205,7 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
     if "further_low" in rows:
         ax.hlines(at, rows["further_low"], rows["further_high"], color=style.PALETTE[0], linewidth=0.5)
     ax.hlines(at, low, high, color=style.PALETTE[0], linewidth=1.6)
-    clear = (low > 0.5) | (high < 0.5)
+    clear = rows["significant"].to_numpy(dtype=bool)
     for which, face in ((clear, style.PALETTE[0]), (~clear, "white")):
         ax.plot(chance[which], at[which], "o", color=style.PALETTE[0], markerfacecolor=face, markersize=4.0, zorder=3)
     style.name_rows(ax, forest_names(rows))

@@ -31,7 +31,7 @@ from bench.report.conditions import conditions
 from bench.report.findings import Findings
 from bench.report.latex import escape
 from bench.report.replication import Replication, each_problem
-from bench.report.winner import WINNER_RULE
+from bench.report.winner import winner_rule
 from bench.report.wording import count, listing, options
 from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
@@ -166,7 +166,7 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "tied": TIED,
         "solved": SOLVED,
         "fewer": len(study.optimizers) > MANY,
-        "winner_rule": WINNER_RULE,
+        "winner_rule": winner_rule(bool(study.looks)),
         "fewer_resamples": FEWER,
         "resamples": RESAMPLES,
         "rank_resamples": rank_resamples(len(study.optimizers)),

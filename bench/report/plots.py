@@ -347,24 +347,24 @@ def rank_figure(mean_ranks: pd.Series[float], cliques: Collection[Sequence[str]]
     cd_diagram(mean_ranks, cliques, ax=ax)
     caption = (
         "Critical-difference diagram: mean ranks over problems by the rivals beaten, the best at the left. A bar joins "
-        "optimizers no pair of which differs significantly (Wilcoxon, Holm)."
+        "optimizers no pair of which differs significantly on these problems (Holm)."
     )
     return Figure("ranks", caption, figure, mean_ranks.rename_axis("optimizer").reset_index(name="mean_rank"))
 
 
 def forest_figure(pairs: pd.DataFrame) -> Figure:
-    """Return the probability of improvement of each pair over all problems, with its interval."""
+    """Return the probability of each pair to end lower over all problems, with its intervals and its test."""
     left = _left(forest_names(pairs))
     height = style.rows_height(len(pairs))
     figure, (ax,) = style.grid(1, width=_width(left), height=height, left=left, bottom=0.5, top=0.08)
     a12_forest(pairs, ax=ax)
     caption = (
-        "The chance that a trial of the first optimizer ends below one of the second, averaged over problems, with "
-        "its 95% interval for new trials on the same problems; thin: for further problems like them, where they are "
-        "enough. A point is filled where its interval excludes 0.5. Dotted: the bounds of small, medium and large "
-        "effects on both sides of 0.5."
+        "The probability that a run of the first optimizer ends lower than one of the second, averaged over these "
+        "problems, with 95% intervals that hold for all pairs together; thin: for further problems, one pair alone, "
+        "if these are an independent sample of them. A point is filled where the test on these problems is significant "
+        "(Holm). Dotted: the bounds of small, medium and large effects on both sides of 0.5."
     )
-    return Figure("probability-of-improvement", caption, figure, pairs)
+    return Figure("probability-to-end-lower", caption, figure, pairs)
 
 
 def timing_figure(table: pd.DataFrame) -> Figure:

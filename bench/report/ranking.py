@@ -97,19 +97,19 @@ def _by_function(table: Table, places: Mapping[tuple[str, int], str], names: Map
 
 def pair_matrix(findings: Findings) -> Table:
     """Return the chance that a run of the row ends lower than one of the column, the best optimizers in their order."""
-    order, pairs = findings.final.ranked[:MOST_PAIRED], findings.final.improvement
+    order, pairs = findings.final.ranked[:MOST_PAIRED], findings.final.overall
     wide = pairs.pivot(index="first", columns="second", values="probability").reindex(
         index=findings.trials.optimizers, columns=findings.trials.optimizers
     )
     chances = wide.fillna(1 - wide.T).loc[order, order]
-    tests = findings.final.overall[findings.final.overall["significant"]]
+    tests = pairs[pairs["significant"]]
     clear = pd.DataFrame(False, index=order, columns=order)
     for first, second in zip(tests["first"], tests["second"], strict=True):
         if first in clear.index and second in clear.index:
             clear.at[first, second] = clear.at[second, first] = True
     texts = chances.map(lambda chance: "" if pd.isna(chance) else f"{chance:.2f}").astype(object)
     left = len(findings.trials.optimizers) - len(order)
-    of_best = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
+    of_best = f" The {len(order)} best; the file has the {left} others." if left else ""
     return Table(
         "pair-matrix",
         "The chance that a run of the optimizer of the row ends lower than one of that of the column, averaged over "
@@ -117,7 +117,7 @@ def pair_matrix(findings: Findings) -> Table:
         texts.rename_axis(index="optimizer", columns=None),
         bold=clear,
         shades=1 - chances,
-        note="Bold: the pair differs significantly across problems (Wilcoxon, Holm).",
+        note="Bold: the pair differs significantly on these problems (Holm).",
         data=pairs,
     )
 
@@ -154,13 +154,14 @@ def _beside_first(final: Final) -> pd.DataFrame:
 
 
 def ranking_table(findings: Findings) -> Table:
-    """Return the mean ranks and first places with their intervals, best first."""
+    """Return the chances, mean ranks and first places with their intervals, best first."""
     table = findings.final.ranking.merge(findings.final.certainty.drop(columns="problems"), on="optimizer")
     table = table.set_index("optimizer").loc[findings.final.ranked]
     problems, sure = int(table["problems"].iloc[0]), bool(table["rank_low"].notna().all())
     rank = table["mean_rank"]
     shown = pd.DataFrame(
         {
+            "chance": table["chance"],
             "mean rank": _with_interval(rank, table["rank_low"], table["rank_high"]) if sure else rank,
             "first": table["first"],
             "separable": table["separable"],
@@ -173,7 +174,8 @@ def ranking_table(findings: Findings) -> Table:
         f"The ranking over {count(problems, 'problem')}.",
         shown,
         decimals=2,
-        note=("In brackets: a 95% interval of the mean rank that other trials on these problems would give. " * sure)
+        note="Chance: that a run of it ends lower than a run of a rival, in the mean over rivals and problems. "
+        + ("In brackets: a 95% interval of the mean rank that other trials on these problems would give. " * sure)
         + "First: problems on which it is ranked first, unless half of the optimizers or more share that place; "
         "separable: on which it is separably lower than every rival; "
         "worse: on which a rival is separably lower than it.",

@@ -1,8 +1,9 @@
 """State which optimizer is best in one headline and four short lines: where, by how much, how sure, at what budget.
 
-Two kinds of evidence can name a winner, and the design of the study alone decides which of them may speak
-(:func:`bench.analysis.levels`): tests of the trials on each problem, and tests over all problems. Both are adjusted for
-all that they compare, so all claims together err with alpha at most.
+The evidence is the probability to end lower, in the mean over these problems, against each rival. An optimizer is named
+where the test of each pair with it rejects at the level of tests over all problems: all of them must, so that none
+needs an adjustment (an intersection-union test; Berger 1982, Technometrics 24). With declared looks, which spend all of
+the level on single problems, it must be separably lower than each rival on more than half of them.
 """
 
 from __future__ import annotations
@@ -22,12 +23,19 @@ from bench.report.wording import count, listing, p_text, percent
 NAMED = 4  # optimizers that a sentence names
 TIED = 1e-9  # mean ranks closer than this are the same
 
-WINNER_RULE = (
-    "An optimizer is called best if, against each rival, it is separably lower on more than half of the problems, or "
-    "if the test over all problems shows it lower than each rival; it is not called best where the optimizers differ "
-    "in more than their algorithms."
-)
-"""The rule, as methods sections state it."""
+
+def winner_rule(looks: bool) -> str:
+    """Return the rule, as methods sections state it, of a study with or without declared looks."""
+    shown = (
+        "is separably lower than each rival on more than half of the problems"
+        if looks
+        else "ends lower than each rival by the test over all problems, at the level and without adjustment, since all "
+        "of these tests must reject (intersection-union test)"
+    )
+    return (
+        f"An optimizer is called best if it {shown}; it is not called best where the optimizers differ in more than "
+        "their algorithms."
+    )
 
 
 class Stage(NamedTuple):
@@ -41,10 +49,11 @@ class Across(NamedTuple):
     """A pair of optimizers over all problems, seen from the first one.
 
     Attributes:
-        chance: the mean over problems of A12, with its 95% interval for these problems, low to high.
-        further: its 95% interval for further problems; missing where they are too few.
-        p: of the test over all problems, adjusted over all pairs.
+        chance: the probability to end lower, with its 95% interval for these problems, low to high.
+        further: its 95% interval for further problems.
+        p: of the test over all problems, not adjusted.
         lower: whether that test shows the first one to be lower.
+        beyond: whether the test for further problems shows it as well.
     """
 
     chance: float
@@ -53,6 +62,7 @@ class Across(NamedTuple):
     further: tuple[float, float]
     p: float
     lower: bool
+    beyond: bool = False
 
 
 class Conclusion(NamedTuple):
@@ -74,8 +84,8 @@ class Standing:
     """What is known of one study, from which the verdict is written.
 
     Attributes:
-        ranking: of :func:`bench.analysis.ranking`, with rank_low and rank_high of
-            :func:`bench.analysis.ranking_certainty`, in the order in which optimizers of one mean rank are named.
+        ranking: of :func:`bench.analysis.ranking`, with the place of :func:`bench.analysis.places` and rank_low and
+            rank_high of :func:`bench.analysis.ranking_certainty`, in the order of the places.
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
         across: by (one, other), the comparison over all problems.
         levels: of the tests on problems and over all of them; 0 where no test can be significant.
@@ -126,20 +136,19 @@ class Standing:
         return {str(name): value for name, value in ranked.items()} | counts
 
     @cached_property
-    def mean_ranks(self) -> dict[str, float]:
-        """The mean rank of each optimizer over the problems."""
-        return dict(zip(self.ranking["optimizer"], self.ranking["mean_rank"], strict=True))
+    def places(self) -> dict[str, float]:
+        """The place of each optimizer over the problems; those that tie share one."""
+        return dict(zip(self.ranking["optimizer"], self.ranking["place"], strict=True))
 
-    @cached_property
+    @property
     def ordered(self) -> list[str]:
-        """The optimizers by mean rank, in the order of the ranking where they tie."""
-        return sorted(self.mean_ranks, key=lambda label: round(self.mean_ranks[label], 9))
+        """The optimizers in the order of their places."""
+        return list(self.places)
 
     @property
     def level(self) -> list[str]:
-        """The optimizers that share the lowest mean rank."""
-        lowest = min(self.mean_ranks.values())
-        return [label for label in self.ordered if self.mean_ranks[label] <= lowest + TIED]
+        """The optimizers that share the first place."""
+        return [label for label, place in self.places.items() if place == min(self.places.values())]
 
     def lower_on_most(self, label: str, rival: str) -> bool:
         """Return whether one is separably lower than the other on more than half of the problems."""
@@ -147,13 +156,17 @@ class Standing:
 
     @property
     def open(self) -> list[str]:
-        """The rivals than which neither kind of evidence shows the leader to be lower, in order of rank."""
+        """The rivals than which the leader is not shown to be lower, in their order."""
         leader, *rivals = self.ordered
-        kinds = [
-            [rival for rival in rivals if not self.lower_on_most(leader, rival)],
-            [rival for rival in rivals if not self.across[leader, rival].lower],
-        ]
-        return min(kinds, key=len)
+        if self.levels.across:
+            return [rival for rival in rivals if not self.across[leader, rival].lower]
+        return [rival for rival in rivals if not self.lower_on_most(leader, rival)]
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the lead is shown for further problems, too, if these are an independent sample of them."""
+        leader, *rivals = self.ordered
+        return bool(self.leads) and not self.sweep and all(self.across[leader, rival].beyond for rival in rivals)
 
     @property
     def leads(self) -> str:
@@ -164,7 +177,7 @@ class Standing:
 def verdict(standing: Standing) -> Conclusion:
     """Return what may be claimed: of one problem and of many, of ties, of failures, of too few trials for a test."""
     if len(standing.level) == len(standing.ranking):
-        headline = f"No optimizer leads at {standing.budget}: all have the same mean rank {_over(standing)}."
+        headline = f"No optimizer leads at {standing.budget}: all are level {_over(standing)}."
         return Conclusion(headline, _lines(Where=_split(standing)), False)
     leader = standing.ordered[0]
     alone = len(standing.level) == 1  # where several share the lead, numbers of one of them would single it out
@@ -203,11 +216,11 @@ def _headline(standing: Standing, leader: str) -> str:
             return f"{leader} is best {where}at {standing.budget}: {_shown(standing, leader)}."
         return f"{under}{leader} ends lowest {where}at {standing.budget}: {_shown(standing, leader)}."
     if len(standing.level) > 1:
-        lead = f"{listing(standing.level, NAMED)} share the lowest mean rank {_over(standing)}"
+        lead = f"{listing(standing.level, NAMED)} share the first place {_over(standing)}"
     elif standing.problem:
         lead = f"{leader} ranks first on {standing.problem}"
     else:
-        lead = f"{leader} has the lowest mean rank {_over(standing)}"
+        lead = f"{leader} is first {_over(standing)}"
     if not (standing.levels.problems or standing.levels.across):
         few = f"{standing.trials} a cell" + (
             "" if standing.problem else f" on {count(standing.blocks, 'independent problem')}"
@@ -228,20 +241,11 @@ def _shown(standing: Standing, leader: str) -> str:
     every = rivals[0] if len(rivals) == 1 else f"all {len(rivals)} others"
     if standing.problem:
         return f"its results are separably lower than those of {every}"
-    texts = []
-    if all(standing.lower_on_most(leader, rival) for rival in rivals):
-        number, problems = standing.row(leader)["separable"], count(standing.problems, "problem")
-        texts.append(
-            f"separably lower than {every} on {number} of {problems}"
-            if 2 * number > standing.problems
-            else f"separably lower than each other optimizer on more than half of {problems}"
-        )
-    if all(standing.across[leader, rival].lower for rival in rivals):
-        most = max(standing.across[leader, rival].p for rival in rivals)
-        p, against = (p_text(most), "") if len(rivals) == 1 else (p_text(most).replace("=", "≤"), " against each")
-        over = "across problems" if standing.levels.further else f"in the mean over these {standing.problems} problems"
-        texts.append(f"lower than {every} {over} ({p}{against})")
-    return ", and ".join(texts)
+    if not standing.levels.across:
+        return f"separably lower than each other optimizer on more than half of {count(standing.problems, 'problem')}"
+    most = max(standing.across[leader, rival].p for rival in rivals)
+    p = p_text(most) if len(rivals) == 1 else f"{p_text(most).replace('=', '≤')} against each"
+    return f"its runs end lower than those of {every} on these {standing.problems} problems ({p})"
 
 
 def _where(standing: Standing, leader: str) -> str:
@@ -256,7 +260,7 @@ def _where(standing: Standing, leader: str) -> str:
         if not standing.leads:
             counts = [f"{rival} {standing.beaten.get((leader, rival), 0)}" for rival in rivals[:NAMED]]
             parts.append(f"separably lower than {listing(counts)}")
-        elif not all(standing.lower_on_most(leader, rival) for rival in rivals):
+        else:
             parts.append(f"separably lower than every rival on {row['separable']}")
         parts.append(
             f"a rival is separably lower on {row['worse']}" if row["worse"] else "no rival is separably lower on any"
@@ -271,13 +275,12 @@ def _effect(standing: Standing, leader: str) -> str:
     pair = standing.across[leader, second]
     if math.isnan(pair.chance) or math.isnan(pair.low):
         return ""
-    ranks = standing.mean_ranks
-    beside = [label for label in standing.ordered[2:] if ranks[label] <= ranks[second] + TIED]
-    place = f", which shares the second rank with {listing(beside, NAMED)}," if beside else ", the second in rank,"
+    beside = [label for label in standing.ordered[2:] if standing.places[label] == standing.places[second]]
+    place = f", which shares the second place with {listing(beside, NAMED)}," if beside else ", the second,"
     place = "" if len(standing.ranking) == 2 else place
     shown = f"{pair.chance:.2f} [{pair.low:.2f}, {pair.high:.2f}]"
-    if not math.isnan(pair.further[0]):
-        shown += f" on these problems, [{pair.further[0]:.2f}, {pair.further[1]:.2f}] on further ones like them"
+    if not (standing.problem or standing.sweep or math.isnan(pair.further[0])):
+        shown += f" on these problems, [{pair.further[0]:.2f}, {pair.further[1]:.2f}] on further ones"
     text = f"A run of {leader} beats a run of {second}{place} with probability {shown}."
     return " ".join(filter(None, (text, standing.size, _near(standing, leader))))
 
@@ -291,9 +294,11 @@ def _sure(standing: Standing, leader: str) -> str:
         parts.append(f"Mean rank {row['mean_rank']:.2f}{interval} of {len(standing.ranking)}.")
     if standing.sweep:
         parts.append(standing.sweep)
-    elif not standing.problem and not (standing.levels.further and standing.levels.across):
-        few = f"{count(standing.blocks, 'independent problem')} {'is' if standing.blocks == 1 else 'are'} too few"
-        parts.append(f"This holds for these {standing.problems} problems only: {few} for a test of others.")
+    elif standing.beyond:
+        parts.append("It holds for further problems, too, if these are an independent sample of them.")
+    elif not standing.problem and standing.leads:
+        blocks = count(standing.blocks, "independent problem")
+        parts.append(f"It is not shown for further problems, of which these would be a sample of {blocks}.")
     if not standing.problem and not standing.levels.problems and standing.levels.across:
         parts.append(f"With {standing.trials} a cell nothing is tested on single problems.")
     if standing.conditions:

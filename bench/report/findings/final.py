@@ -46,22 +46,14 @@ class Final:
 
     @cached_property
     def levels(self) -> analysis.Levels:
-        """The levels of the tests on problems and across them, which the design of the study gives.
-
-        With declared looks all of the level belongs to the tests on problems, as a run spends it there.
-        """
+        """The levels of the tests on problems and over all of them, which the design of the study gives."""
         sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
         smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
         pairs = comb(len(self.trials.optimizers), 2)
         tests = sum(
             comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in self.summary.groupby("problem", observed=True)["n"]
         )
-        blocks = (
-            0
-            if self.trials.results.study.looks
-            else len({self.trials.blocks[str(label)] for label in self.medians.index})
-        )
-        return analysis.levels(smaller, pairs, tests, blocks)
+        return analysis.levels(smaller, pairs, tests, looks=bool(self.trials.results.study.looks))
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
@@ -81,8 +73,9 @@ class Final:
 
     @cached_property
     def ranking(self) -> pd.DataFrame:
-        """The number of problems on which each optimizer is ranked first."""
-        return analysis.ranking(self.summary, self.pairs, standing=self.standings)
+        """The place of each optimizer over all problems, and the number of problems on which it is ranked first."""
+        table = analysis.ranking(self.summary, self.pairs, standing=self.standings)
+        return table.merge(analysis.places(self._overall, self.trials.optimizers), on="optimizer")
 
     # across problems
 
@@ -108,14 +101,6 @@ class Final:
         )
 
     @cached_property
-    def improvement(self) -> pd.DataFrame:
-        """The probability that a trial of one optimizer ends below one of another, over all problems."""
-        table = analysis.probability_of_improvement(self.pairs, self.trials.blocks)
-        # Trials stop where a difference looks large, so the effects of cells that a look stopped are biased.
-        biased = ["probability", "low", "high", "further_low", "further_high"]
-        return table.assign(**dict.fromkeys(biased, float("nan"))) if self.trials.decisions.stopped else table
-
-    @cached_property
     def medians(self) -> pd.DataFrame:
         """The medians of the problems on which every optimizer has a trial, problems by optimizers."""
         return analysis.medians(self.summary)
@@ -127,9 +112,16 @@ class Final:
 
     @cached_property
     def overall(self) -> pd.DataFrame:
-        """The test of each pair of optimizers over all problems: across blocks, or of the mean over these problems."""
-        test = analysis.wilcoxon_tests if self.levels.further else analysis.stratified_tests
-        return test(self.pairs, self.trials.blocks, self.levels.across)
+        """The probability of each pair to end lower over all problems, with its tests.
+
+        Trials stop where a difference looks large, so the effects are missing where a look stopped a cell.
+        """
+        effects = self._overall.filter(regex="probability|low$|high$")
+        return self._overall.assign(**effects * float("nan")) if self.trials.decisions.stopped else self._overall
+
+    @cached_property
+    def _overall(self) -> pd.DataFrame:
+        return analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:
@@ -152,14 +144,5 @@ class Final:
 
     @cached_property
     def ranked(self) -> list[str]:
-        """The labels of the optimizers in the order of every part of a report; those without a mean rank last.
-
-        They are sorted by mean rank, and by the mean chance to beat another where they tie.
-        """
-        pairs = self.improvement.fillna({"probability": 0.5})
-        won = pairs.groupby("first", observed=True)["probability"].sum()
-        lost = (1 - pairs["probability"]).groupby(pairs["second"], observed=True).sum()
-        ranks = self.ranking.set_index("optimizer")["mean_rank"]
-        chances = won.add(lost, fill_value=0).reindex(ranks.index)
-        order = pd.DataFrame({"rank": ranks.round(9), "chance": -chances.round(9)})
-        return list(order.sort_values(["rank", "chance"], na_position="last").index)
+        """The labels of the optimizers in the order of every part of a report (:func:`bench.analysis.places`)."""
+        return list(self.ranking.sort_values("place", kind="stable")["optimizer"])

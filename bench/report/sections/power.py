@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.analysis.error_rates import Rates
+from bench.analysis.error_rates import MOST, ON_PROBLEMS, Rates
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.wording import count, percent
@@ -51,7 +51,7 @@ def blindness(findings: Findings) -> str:
     parts = []
     smallest = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan
     if isnan(smallest):
-        enough = analysis.trials_to_separate(tests, ALPHA / 2)
+        enough = analysis.trials_to_separate(tests, ON_PROBLEMS)
         parts.append(
             f"{trials} nothing is found on single problems; from {enough} trials on {count(tests, 'test')} would find "
             "complete separation"
@@ -60,8 +60,7 @@ def blindness(findings: Findings) -> str:
         parts.append(f"{trials} the tests on problems would often miss an A12 below {smallest:.2f}")
     if levels.across:
         tested = findings.final.overall
-        number = int(tested["blocks" if levels.further else "problems"].iloc[0])
-        a12 = analysis.detectable_across(n, number, levels.across / len(tested), levels.further)
+        a12 = analysis.detectable_across(n, int(tested["problems"].iloc[0]), levels.across / len(tested))
         if not isnan(a12):
             parts.append(f"the tests over all problems would often miss an A12 below {a12:.2f} on every problem")
     return "; ".join(parts) + " (power 80%)."
@@ -71,14 +70,14 @@ def error_text(findings: Findings) -> tuple[str, ...]:
     """Return how often this page would claim a difference where there is none, simulated for its design."""
     complete = [str(label) for label in findings.final.medians.index]
     scores = analysis.scores(findings.trials.frame, merge=True)
-    pools = [np.asarray(scores[findings.trials.frame["problem"] == label], dtype=np.float64) for label in complete]
-    blocks, optimizers = [findings.trials.blocks[label] for label in complete], len(findings.trials.optimizers)
-    trials = findings.trials.per_cell[0]
+    pools = [[np.asarray(scores[findings.trials.frame["problem"] == label], dtype=np.float64)] for label in complete]
+    optimizers, trials = len(findings.trials.optimizers), findings.trials.per_cell[0]
     if trials < 2:
         return ("With one trial a cell nothing is tested on single problems, and no rate is simulated.",)
-    equal = analysis.rates_of_equals(pools, optimizers, blocks, findings.final.levels)
-    spread = analysis.rates_of_spreads(trials, optimizers, blocks, findings.final.levels)
-    design = f"{optimizers} optimizers, {count(len(complete), 'problem')}, {count(trials, 'trial')} a cell"
+    equal = analysis.rates_of_equals(pools, optimizers, findings.final.levels)
+    spread = analysis.rates_of_spreads(trials, optimizers, len(pools), findings.final.levels)
+    simulated = f"{MOST} of {optimizers}" if optimizers > MOST else str(optimizers)
+    design = f"{simulated} optimizers, {count(len(complete), 'problem')}, {count(trials, 'trial')} a cell"
     return (
         f"How often a page of this design ({design}) claims any difference where there is none; the rule allows 5%.",
         f"Identical optimizers, the trials of each problem dealt out to them at random: {_rate(equal)}.",

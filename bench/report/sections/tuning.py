@@ -103,21 +103,19 @@ def _gained(trials: Trials, entry: Tuned, gain: dict[str, Any] | None) -> str:
         f"{entry.name}: the chance that a trial with the tuned parameters ends lower than one with the defaults is "
         f"{gain['chance']:.2f}{mean} (0.5: no gain). "
     )
-    if not gain["testable"]:
-        return sentence + f"{trials.per_cell[1]:,} trials are too few to show a difference on a problem."
     sentence += (
         f"The tuned parameters are separably lower on {gain['lower']:,} and separably higher on {gain['higher']:,} of "
         f"{problems}."
+        if gain["testable"]
+        else f"{trials.per_cell[1]:,} trials are too few to show a difference on a problem."
     )
     across = gain["across"]
     if gain["problems"] == 1 or across is None:
         return f"{sentence} One problem says nothing of others."
-    if across["note"] in ("untestable", "identical"):
-        return f"{sentence} Over all problems no difference can be shown."
     shown = across["significant"]
     better = "the tuned parameters are lower" if across["lower"] == entry.tuned else "the defaults are lower"
     verdict = better if shown else "no difference is shown"
-    return f"{sentence} Over all problems, {verdict} ({p_text(across['p_holm'])}, adjusted)."
+    return f"{sentence} Over these problems, {verdict} ({p_text(across['p_holm'])}, adjusted)."
 
 
 def _warnings(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> list[str]:

@@ -22,8 +22,8 @@ from bench.report.sections import integrity
 from bench.report.sections.power import error_text
 from bench.report.sections.suite import overview
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
-from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
-from bench.report.wording import count, listing, p_text, unfinished_trials
+from bench.report.winner import TIED, Across, Stage, Standing, verdict, winner_rule
+from bench.report.wording import count, listing, unfinished_trials
 
 TITLE = "Verdict"
 SEPARABLY = (
@@ -69,7 +69,7 @@ def standing(findings: Findings) -> Standing:
     trials, final = findings.trials, findings.final
     complete = list(final.medians.index)
     ranking = final.ranking.merge(final.certainty.drop(columns="problems"), on="optimizer")
-    ranking = ranking.sort_values("optimizer", key=lambda labels: labels.astype(object).map(final.ranked.index))
+    ranking = ranking.sort_values("place", kind="stable")
     clear = final.pairs[final.pairs["problem"].isin(complete) & (final.pairs["lower"] != "")]
     beaten: Counter[tuple[str, str]] = Counter()
     for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):
@@ -112,17 +112,16 @@ def _controls(findings: Findings) -> str:
 
 def _across(final: Final) -> dict[tuple[str, str], Across]:
     """Return each pair over all problems, seen from either side."""
-    table = final.improvement.merge(final.overall[["first", "second", "p_holm", "significant", "lower"]])
-    pair_of = {}
-    for pair in table.to_dict("records"):
+    pair_of, level = {}, final.levels.across
+    for pair in final.overall.to_dict("records"):
         first, second = str(pair["first"]), str(pair["second"])
         ends = {name: float(pair[name]) for name in ("probability", "low", "high", "further_low", "further_high")}
         chance, low, high, least, most = ends.values()
-        p, clear = float(pair["p_holm"]), bool(pair["significant"])
-        pair_of[first, second] = Across(chance, low, high, (least, most), p, clear and pair["lower"] == first)
-        pair_of[second, first] = Across(
-            1 - chance, 1 - high, 1 - low, (1 - most, 1 - least), p, clear and pair["lower"] == second
-        )
+        p, clear = float(pair["p"]), bool(pair["p"] <= level)
+        beyond = clear and bool(pair["p_further"] <= level)
+        sides = [(clear and pair["lower"] == label, beyond and pair["lower"] == label) for label in (first, second)]
+        pair_of[first, second] = Across(chance, low, high, (least, most), p, *sides[0])
+        pair_of[second, first] = Across(1 - chance, 1 - high, 1 - low, (1 - most, 1 - least), p, *sides[1])
     return pair_of
 
 
@@ -266,24 +265,15 @@ def unused(shares: pd.DataFrame) -> str:
 
 def across(findings: Findings) -> str:
     """Return what the tests across problems do not show."""
-    tests, friedman = findings.final.overall, findings.final.friedman
-    blocks, p = int(tests["blocks"].iloc[0]), friedman["p_iman_davenport"]
+    tests = findings.final.overall
     if not findings.final.levels.across:
-        few = f"{count(blocks, 'independent problem')} and {count(len(tests), 'pair')} of optimizers"
-        return f"Nothing is tested over all problems: {few} leave no test that could be significant beside the others."
+        few = f"{findings.trials.per_cell[0]:,} trials and {count(len(tests), 'pair')} of optimizers"
+        return f"Nothing is tested over all problems: {few} leave no test that could be significant."
     apart = tests[~tests["significant"]]
-    open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
-    if not findings.final.levels.further:
-        shown = f" They show no difference between {listing(open_pairs, at_most=4)}." if open_pairs else ""
-        return (
-            f"Nothing is claimed of further problems: {count(blocks, 'independent problem')} would be too few for a "
-            f"test. The tests over all problems are of the mean over these ones.{shown}"
-        )
-    if not friedman["note"] and p > findings.final.levels.across:
-        return f"The tests show no difference across problems (Friedman with Iman-Davenport’s correction, {p_text(p)})."
     if apart.empty:
-        return "Every pair of optimizers differs significantly across problems, but not on every problem or trial."
-    return f"The tests show no difference across problems between {listing(open_pairs, at_most=4)} (Wilcoxon, Holm)."
+        return "Every pair of optimizers differs significantly on these problems, but not on each of them."
+    open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
+    return f"On these problems the tests show no difference between {listing(open_pairs, at_most=4)} (Holm)."
 
 
 def dependent(findings: Findings) -> str:
@@ -305,12 +295,12 @@ def _grounds(findings: Findings) -> str:
     over = [f"for looks at {listing([str(look) for look in looks])} trials"] if looks else []
     over += [f"by Holm’s method over the {count(len(findings.final.pairs), 'pair')} of all problems"]
     both = levels.problems and levels.across
-    pairs = f"at alpha = {levels.across:g} with Holm’s method over the {comb(len(findings.trials.optimizers), 2)} pairs"
     over_all = (
-        f"Across problems, Wilcoxon’s signed-rank test compares A12 − 0.5 of a pair, {pairs}; problems of one sweep, "
-        "and one function in several dimensions, count once."
-        if levels.further
-        else f"Over all problems, the hypothesis that the mean of A12 over these problems is 0.5 is tested {pairs}."
+        "Over all problems, the probability to end lower is the mean of A12 over problems. That it is 0.5 on these "
+        f"problems is tested at alpha = {levels.across:g} for each pair, by Holm’s method over the "
+        f"{comb(len(findings.trials.optimizers), 2)} pairs; where it is rejected, the same is tested for further "
+        "problems, of which these would be an independent sample, at the same level by Gaffke’s bound. Problems of one "
+        "sweep, and one function in several dimensions, count once there."
     )
     over_all = over_all if levels.across else "Over all problems nothing is tested, as nothing could be significant."
     return (
@@ -318,9 +308,10 @@ def _grounds(findings: Findings) -> str:
         "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
         "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects"
         + (f" at alpha = {levels.problems:g}, adjusted {' and '.join(over)}" if levels.problems else TOO_FEW)
-        + ". The order over all problems is that of "
-        f"the mean ranks. {over_all} "
-        + ("Both levels together are 0.05. " if both else "")
-        + f"{WINNER_RULE} The counts are over the problems on which every optimizer has a trial. Smaller budgets are "
-        "the points of the figure of mean ranks; those at which the first one shares the lowest are not named."
+        + ". The order over all problems is that of the rivals beaten, with a probability to end lower above 0.5, and "
+        f"of the mean of it where these are as many. {over_all} "
+        + (f"All levels together are {ALPHA:g}. " if both else "")
+        + f"{winner_rule(bool(looks))} The counts are over the problems on which every optimizer has a trial. Smaller "
+        "budgets are the points of the figure of mean ranks; those at which the first one shares the lowest are not "
+        "named."
     )

@@ -1,32 +1,31 @@
 """Across problems: Demšar's published example, against scipy, by hand, as properties, and coverage of the intervals."""
 
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import friedmanchisquare, norm, rankdata, t, wilcoxon
+from scipy.stats import binomtest, friedmanchisquare, norm
 
+from bench.analysis import bounded
 from bench.analysis.across import (
+    across_problems,
     cliques,
     friedman,
+    in_sequence,
     normalised_errors,
-    probability_of_improvement,
+    places,
     ranks_by_block,
-    signed_ranks,
-    stratified_tests,
-    wilcoxon_tests,
 )
 from bench.analysis.cells import summarise
-from bench.analysis.direction import effects, intervals, least_p
-from bench.analysis.pairwise import holm, pairwise_tests
+from bench.analysis.direction import effects, least_p
+from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.standings import mean_ranks, standings
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
-TESTS = ["first", "second", "problems", "blocks", "statistic", "p", "p_holm", "significant", "lower", "note"]
 
 
 def table_of(rows, optimizers="abcdefgh"):
@@ -66,14 +65,6 @@ class TestDemsarsExample:
         assert row.iman_davenport > 3.69
         assert (row.problems, row.optimizers, row.df1, row.df2, row.note) == (14, 4, 3, 39, "")
         assert row.p_iman_davenport < row.p < 0.05
-
-    def test_signed_ranks(self, demsar):
-        # His sums are 93 and 12. Two of the 14 differences are zero: he splits their ranks, as zero_method="zsplit".
-        difference = (demsar["C4.5"] - demsar["C4.5+m"]).round(4).to_numpy()
-        assert wilcoxon(difference, zero_method="zsplit").statistic == 12
-        found = signed_ranks(difference)
-        assert (found["statistic"], found["lower"], found["note"]) == (12, 93 - 12, "")
-        assert found["p"] <= 0.05
 
 
 class TestRanks:
@@ -142,191 +133,142 @@ class TestFriedman:
         assert 0 <= friedman(table).iloc[0].p_iman_davenport <= 1
 
 
-class TestWilcoxon:
-    @pytest.mark.parametrize("seed", range(3))
-    def test_against_scipy(self, seed):
-        chances = np.random.default_rng(seed).random((18, 6)) ** 0.7
-        tests = wilcoxon_tests(pairs_of(chances, optimizers="abcd"))
-        assert list(tests.columns) == TESTS
-        assert list(zip(tests["first"], tests["second"], strict=True)) == list(combinations("abcd", 2))
-        for test, own in zip(tests.itertuples(), chances.T, strict=True):
-            expected = wilcoxon(own - 0.5, method="exact")
-            assert (test.statistic, test.p) == pytest.approx((expected.statistic, expected.pvalue))
-            favoured = wilcoxon(own - 0.5, alternative="greater").pvalue < 0.5
-            assert test.lower == (test.first if favoured else test.second)
-            assert (test.problems, test.blocks, test.note) == (18, 18, "")
-        np.testing.assert_array_equal(tests["p_holm"], holm(tests["p"].to_numpy()))
+class TestTheseProblems:
+    def test_of_one_problem_is_the_test_of_direction(self, random_frame):
+        pairs = pairwise_tests(random_frame(0, problems=1))
+        tests = across_problems(pairs)
+        assert tests["p"].tolist() == pytest.approx(pairs["p"].tolist())
+        assert tests["probability"].tolist() == pytest.approx(pairs["a12"].tolist())
         np.testing.assert_array_equal(tests["significant"], tests["p_holm"] <= 0.05)
 
-    def test_the_unit_is_the_block(self):
-        rng = np.random.default_rng(4)
-        chances, blocks = rng.random(24), {f"p{i}": f"b{i // 3}" for i in range(21)}  # the last three are alone
-        test = wilcoxon_tests(pairs_of(chances), blocks).iloc[0]
-        means = [*chances[:21].reshape(7, 3).mean(axis=1), *chances[21:]]
-        expected = wilcoxon_tests(pairs_of(means)).iloc[0]
-        assert (test.problems, test.blocks) == (24, 10)
-        assert (test.statistic, test.p, test.lower) == (expected.statistic, expected.p, expected.lower)
+    def test_by_hand(self):
+        test = across_problems(pairs_of([0.8, 0.5, 0.6], ratio=0.12), {"p0": "b", "p1": "b"}).iloc[0]
+        assert test.p == pytest.approx(2 * norm.sf((0.4 / 3) / (0.5 * np.sqrt(0.12 / 3))))
+        assert (test.problems, test.blocks, test.lower) == (3, 2, "a")
+        assert test.probability == pytest.approx(1.9 / 3)
+        assert test.joint_low == test.low < test.probability < test.high == test.joint_high
 
-    def test_opposite_values_of_a_block_leave_no_difference(self):
-        test = wilcoxon_tests(pairs_of([0.7, 0.3, 0.1 + 0.2, 0.7]), dict.fromkeys(("p0", "p1", "p2", "p3"), "b")).iloc[
-            0
-        ]
-        assert (test.p, test.p_holm, test.significant, test.lower, test.note) == (1.0, 1.0, False, "", "identical")
+    def test_p_is_never_below_that_of_complete_separation_on_as_many_trials_as_all_problems_have(self):
+        pairs = pairs_of([1.0, 1.0], ratio=0.001, n=3)
+        assert across_problems(pairs).iloc[0].p == least_p(6)
+        more = pairs.assign(n_first=[3, 30], n_second=[3, 30])
+        assert across_problems(more).iloc[0].p == least_p(6)
 
-    @pytest.mark.parametrize("seed", range(4))
-    def test_ties_and_zeros_against_all_flips_of_the_signs(self, seed):
-        difference = np.random.default_rng(seed).integers(-2, 5, 9)
-        size = rankdata(np.abs(difference))
-        flips = np.array(list(product((-1, 1), repeat=9)))
-        sums = (flips * np.where(difference == 0, 0, size)).sum(axis=1)
-        seen = (np.sign(difference) * size).sum()
-        test = wilcoxon_tests(pairs_of(0.5 + difference / 10)).iloc[0]
-        assert test.p == pytest.approx(np.mean(np.abs(sums) >= abs(seen)))
-        assert test.statistic == (45 - abs(seen)) / 2
+    def test_single_trials_have_the_sign_test_of_problems(self, frame_of):
+        cells = {(f"p{i}", name): [float((name == "b") == (i < 9))] for i in range(10) for name in "ab"}
+        row = across_problems(pairwise_tests(frame_of(cells))).iloc[0]
+        assert row.p == pytest.approx(binomtest(9, 10).pvalue)
+        exact = binomtest(9, 10).proportion_ci()
+        assert (row.probability, row.low, row.high) == pytest.approx((0.9, exact.low, exact.high))
 
-    @pytest.mark.parametrize(("differing", "note"), [(5, "untestable"), (6, "")])
-    def test_too_few_differences_are_untestable(self, differing, note):
-        test = wilcoxon_tests(pairs_of([0.6 + i / 50 for i in range(differing)] + [0.5] * 9)).iloc[0]
-        assert (test.note, test.lower) == (note, "a")
-        assert (test.p == 1.0) == bool(note)
-
-    @pytest.mark.parametrize("n", [63, 65, 100])
-    def test_many_problems(self, n):
-        chances = np.random.default_rng(n).random(n)
-        test, expected = wilcoxon_tests(pairs_of(chances)).iloc[0], wilcoxon(chances - 0.5, method="exact")
-        assert (test.statistic, test.p) == pytest.approx((expected.statistic, expected.pvalue))
-        alike = wilcoxon_tests(pairs_of(0.5 + np.arange(1, n + 1) / 250)).iloc[0]
-        assert (alike.statistic, alike.lower, alike.p) == (0, "a", pytest.approx(2.0 ** (1 - n), rel=1e-12))
+    def test_values_that_are_all_tied_differ_nowhere(self, frame_of):
+        cells = {(problem, name): [0.0] * 9 for problem in "pq" for name in "ab"}
+        row = across_problems(pairwise_tests(frame_of(cells))).iloc[0]
+        assert (row.p, row.probability, row.lower) == (1.0, 0.5, "")
+        assert row.low < 0.5 < row.high
 
     def test_only_problems_with_trials_of_every_optimizer_count(self):
         pairs = pairs_of(np.full((4, 3), 0.8), optimizers="abc")
         pairs.loc[(pairs["problem"] == "p1") & (pairs["second"] == "c"), ["n_second", "a12"]] = 0, np.nan
-        assert wilcoxon_tests(pairs)["problems"].tolist() == [3] * 3
-        assert stratified_tests(pairs)["problems"].tolist() == [3] * 3
+        assert across_problems(pairs)["problems"].tolist() == [3] * 3
 
-    @pytest.mark.parametrize("function", [wilcoxon_tests, stratified_tests])
-    def test_nothing_to_compare(self, function, frame_of):
-        assert function(pairwise_tests(frame_of({("p", "a"): [1.0]}))).empty
-        tests = function(pairwise_tests(frame_of({("p", "a"): [1.0, 2.0], ("q", "b"): [1.0, 2.0]})))
-        assert tests[["problems", "blocks", "p", "note"]].to_numpy().tolist() == [[0, 0, 1.0, "untestable"]]
+    def test_nothing_to_compare(self, frame_of):
+        for cells in ({("p", "a"): [1.0]}, {}):
+            assert across_problems(pairwise_tests(frame_of(cells))).empty
+        row = across_problems(pairwise_tests(frame_of({("p", "a"): [1.0, 2.0], ("q", "b"): [1.0, 2.0]}))).iloc[0]
+        assert (row.problems, row.blocks, row.p, row.p_further, row.further) == (0, 0, 1.0, 1.0, False)
+        assert row[["probability", "low", "high", "further_low", "further_high"]].isna().all()
 
-    @settings(max_examples=20)
-    @given(st.lists(st.integers(0, 20), min_size=1, max_size=9), st.sampled_from([wilcoxon_tests, stratified_tests]))
-    def test_swapping_the_optimizers_swaps_only_the_favour(self, wins, function):
-        chances = np.array(wins) / 20
-        test, mirrored = (function(pairs_of(own)).iloc[0] for own in (chances, 1 - chances))
-        assert (test.statistic, test.p) == pytest.approx((mirrored.statistic, mirrored.p))
-        assert {test.lower, mirrored.lower} in ({"a", "b"}, {""})
-        assert 0 < test.p <= test.p_holm <= 1
-
-
-class TestStratified:
-    def test_of_one_problem_is_the_test_of_direction(self, random_frame):
-        pairs = pairwise_tests(random_frame(0, problems=1))
-        tests = stratified_tests(pairs)
-        assert list(tests.columns) == TESTS
-        assert tests["p"].tolist() == pytest.approx(pairs["p"].tolist())
-        np.testing.assert_array_equal(tests["p_holm"], holm(tests["p"].to_numpy()))
-
-    def test_by_hand(self):
-        test = stratified_tests(pairs_of([0.8, 0.5, 0.6], ratio=0.12), {"p0": "b", "p1": "b"}).iloc[0]
-        assert test.statistic == pytest.approx((0.4 / 3) / (0.5 * np.sqrt(0.12 / 3)))
-        assert test.p == pytest.approx(2 * norm.sf(test.statistic))
-        assert (test.problems, test.blocks, test.lower, test.note) == (3, 2, "a", "")
-
-    def test_p_is_never_below_that_of_complete_separation(self):
-        test = stratified_tests(pairs_of([1.0, 1.0], ratio=0.001, n=3)).iloc[0]
-        assert (test.p, test.lower) == (least_p(6), "a")
-
-    def test_a_single_trial_is_untestable(self, frame_of):
-        cells = {("p", "a"): [1.0, 2.0], ("p", "b"): [3.0, 4.0], ("q", "a"): [1.0], ("q", "b"): [2.0]}
-        test = stratified_tests(pairwise_tests(frame_of(cells))).iloc[0]
-        assert (test.p, test.note, test.significant) == (1.0, "untestable", False)
-
-
-class TestImprovement:
-    def test_by_hand(self, frame_of, one):
-        frame = frame_of(
-            {
-                ("p", "a"): [1.0, 2.0], ("p", "b"): [3.0, 4.0],
-                ("q", "a"): [1.0, 3.0], ("q", "b"): [2.0, 2.0],
-                ("r", "a"): [1.0, 3.0],
-            }
-        )  # fmt: skip
-        row = one(probability_of_improvement(pairwise_tests(frame)))
-        assert (row["first"], row.second, row.problems, row.blocks, row.probability) == ("a", "b", 2, 2, 0.75)
-        assert 0 < row.low < row.probability < row.high < 1
-        assert np.isnan([row.further_low, row.further_high]).all()  # of two blocks
-
-    def test_further_problems_are_further_blocks(self):
-        chances, blocks = [0.9, 0.7, 0.6, 0.4, 0.8], {"p0": "b", "p1": "b"}
-        row = probability_of_improvement(pairs_of(chances), blocks).iloc[0]
-        means = np.array([0.8, 0.6, 0.4, 0.8])
-        for end in (row.further_low, row.further_high):  # the mean has the t of its level under either end
-            centre = means.mean()
-            size = abs(centre - end) / np.sqrt(means.var(ddof=1) / 4 / (centre * (1 - centre)) * end * (1 - end))
-            assert size == pytest.approx(t.ppf(0.975, 3))
-        assert row.further_low < row.further_high
-        assert (row.problems, row.blocks, row.probability) == (5, 4, pytest.approx(np.mean(chances)))
-
-    def test_blocks_that_are_all_won_leave_a_doubt(self):
-        row = probability_of_improvement(pairs_of([1.0] * 4)).iloc[0]
-        assert (row.further_low, row.further_high) == (pytest.approx(0.025**0.25), pytest.approx(1))
-        assert row.low < 1
-
-    def test_one_problem_has_nearly_the_interval_of_its_a12(self):
-        rng = np.random.default_rng(0)
-        found = effects(rng.normal(size=(1, 30)), rng.normal(0.5, 1, (1, 30)))
-        row = probability_of_improvement(pairs_of(found.a12, found.ratio[0], 30)).iloc[0]
-        low, high = intervals(found)
-        assert (row.low, row.high) == pytest.approx((low[0], high[0]), abs=1e-6)
-
-    @pytest.mark.parametrize("seed", range(2))
-    def test_the_two_directions_add_up_to_one(self, random_frame, seed):
-        frame = random_frame(seed)
-        forth = probability_of_improvement(pairwise_tests(frame))
+    def test_the_two_directions_add_up_to_one(self, random_frame):
+        frame = random_frame(0)
+        forth = across_problems(pairwise_tests(frame))
         frame["optimizer"] = pd.Categorical(frame["optimizer"], list("dcba"))
-        back = probability_of_improvement(pairwise_tests(frame)).set_index(["second", "first"])
+        back = across_problems(pairwise_tests(frame)).set_index(["second", "first"])
         for row in forth.itertuples():
             mirrored = back.loc[(row.first, row.second)]
-            ends = (row.probability, row.low, row.high, row.further_low, row.further_high)
-            names = ["probability", "high", "low", "further_high", "further_low"]
+            ends = (row.probability, row.low, row.high, row.joint_low, row.further_low, row.further_high)
+            names = ["probability", "high", "low", "joint_high", "further_high", "further_low"]
             assert ends == pytest.approx(tuple(1 - mirrored[names]))
-        assert list(zip(forth["first"], forth["second"], strict=True)) == list(combinations("abcd", 2))
+            assert (row.p, row.p_further) == pytest.approx((mirrored.p, mirrored.p_further))
+            assert row.lower == mirrored.lower
 
     def test_failures_are_the_worst_and_rounding_is_a_tie(self, frame_of, one):
         cells = {("p", "a"): [1.0, 1.0], ("p", "b"): [None, None], ("q", "a"): [1.0, 2], ("q", "b"): [1 + 1e-13, 2]}
-        assert one(probability_of_improvement(pairwise_tests(frame_of(cells)))).probability == 0.75
+        assert one(across_problems(pairwise_tests(frame_of(cells)))).probability == 0.75
 
-    def test_a_single_trial_leaves_no_interval_for_these_problems(self, frame_of, one):
-        row = one(probability_of_improvement(pairwise_tests(frame_of({("p", "a"): [1.0, 2.0], ("p", "b"): [3.0]}))))
-        assert row.probability == 1.0
-        assert np.isnan([row.low, row.high]).all()
 
-    def test_no_problem_with_every_optimizer(self, frame_of, one):
-        row = one(probability_of_improvement(pairwise_tests(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}))))
-        assert row.problems == 0
-        assert row[["probability", "low", "high", "further_low", "further_high"]].isna().all()
+class TestFurtherProblems:
+    def test_the_unit_is_the_block(self):
+        chances, blocks = np.random.default_rng(4).random(24), {f"p{i}": f"b{i // 3}" for i in range(21)}
+        test = across_problems(pairs_of(chances), blocks).iloc[0]
+        means = np.array([*chances[:21].reshape(7, 3).mean(axis=1), *chances[21:]])[:, np.newaxis]
+        low, high = bounded.intervals(means)
+        assert (test.problems, test.blocks) == (24, 10)
+        assert (test.p_further, test.further_low, test.further_high) == pytest.approx(
+            (bounded.p_values(means)[0], low[0], high[0])
+        )
 
-    def test_one_optimizer_and_an_empty_frame(self, frame_of):
-        for cells in ({("p", "a"): [1.0]}, {}):
-            assert probability_of_improvement(pairwise_tests(frame_of(cells))).empty
+    def test_blocks_that_are_all_won_leave_a_doubt(self):
+        row = across_problems(pairs_of([1.0] * 4)).iloc[0]
+        assert (row.further_low, row.further_high) == (pytest.approx(0.025**0.25), pytest.approx(1))
+        assert not row.further
 
-    @pytest.mark.parametrize("number", [3, 18])
-    def test_coverage_of_these_and_of_further_problems(self, number):
-        """Each of many pairs of optimizers is a study of its own: problems are drawn, and trials on them."""
-        rng = np.random.default_rng(number)
-        studies, n, names = 990, 10, [f"o{i:02d}" for i in range(45)]
-        shift = rng.normal(0.5, 0.7, (number, studies))
-        found = effects(*(rng.normal(at, 1, (number * studies, n)) for at in (0, shift.reshape(-1, 1))))
-        pairs = pairs_of(found.a12.reshape(number, studies), n=n, optimizers=names).assign(ratio=found.ratio)
-        table = probability_of_improvement(pairs)
-        these = norm.cdf(shift / np.sqrt(2)).mean(axis=0)
-        further = norm.cdf(0.5 / np.sqrt(2 + 0.7**2))  # the mean of A12 over all problems there are
-        error = 3 * np.sqrt(0.92 * 0.08 / studies)
-        assert ((table["low"] <= these) & (these <= table["high"])).mean() >= 0.92 - error
-        assert ((table["further_low"] <= further) & (further <= table["further_high"])).mean() >= 0.92 - error
-        assert (table["high"] - table["low"]).mean() < (0.35 if number == 3 else 0.15)
+    def test_they_are_shown_only_where_these_problems_are(self):
+        chances = [0.9] * 24
+        assert across_problems(pairs_of(chances)).iloc[0].further
+        unsure = across_problems(pairs_of(chances, ratio=200.0)).iloc[0]
+        assert unsure.p_further < 0.001
+        assert not unsure.significant
+        assert not unsure.further
+
+    def test_a_pair_that_is_shown_for_both_passes_its_level_on(self):
+        p = np.array([0.001, 0.012, 0.02, 0.5])
+        p_holm, further = in_sequence(p, np.array([0.01, 0.9, 0.9, 0.9]), 0.05)
+        assert further.tolist() == [True, False, False, False]
+        assert p_holm.tolist() == pytest.approx([0.04, 0.036, 0.06, 1.0])
+        nowhere, none = in_sequence(p, np.ones(4), 0.05)
+        assert not none.any()
+        assert nowhere.tolist() == pytest.approx([0.004, 0.048, 0.08, 1.0])
+
+
+@pytest.mark.parametrize("number", [3, 18])
+def test_intervals_cover_the_mean_of_these_and_of_further_problems(number):
+    """Each of many pairs of optimizers is a study of its own: problems are drawn, and trials on them."""
+    rng = np.random.default_rng(number)
+    studies, n, names = 990, 10, [f"o{i:02d}" for i in range(45)]
+    shift = rng.normal(0.5, 0.7, (number, studies))
+    found = effects(*(rng.normal(at, 1, (number * studies, n)) for at in (0, shift.reshape(-1, 1))))
+    pairs = pairs_of(found.a12.reshape(number, studies), n=n, optimizers=names).assign(ratio=found.ratio)
+    table = across_problems(pairs)
+    these = norm.cdf(shift / np.sqrt(2)).mean(axis=0)
+    further = norm.cdf(0.5 / np.sqrt(2 + 0.7**2))  # the mean of A12 over all problems there are
+    error = 3 * np.sqrt(0.93 * 0.07 / studies)
+    assert ((table["low"] <= these) & (these <= table["high"])).mean() >= 0.93 - error
+    assert ((table["joint_low"] <= these) & (these <= table["joint_high"])).mean() >= 0.99
+    assert ((table["further_low"] <= further) & (further <= table["further_high"])).mean() >= 0.93 - error
+    assert (table["high"] - table["low"]).mean() < (0.35 if number == 3 else 0.15)
+
+
+class TestPlaces:
+    def test_rivals_beaten_count_before_the_mean_and_those_that_tie_share_a_place(self):
+        # a beats b barely and c barely; b beats c by far, so its mean is higher
+        tests = across_problems(pairs_of([[0.51, 0.52, 0.9]], optimizers="abc"))
+        found = places(tests, list("abc"))
+        assert found["place"].tolist() == [1, 2, 3]
+        assert found["chance"].tolist() == pytest.approx([0.515, 0.695, 0.29])
+        level = places(across_problems(pairs_of([[0.5, 0.7, 0.7]], optimizers="abc")), list("abc"))
+        assert level["place"].tolist() == [1.5, 1.5, 3]
+
+    def test_a_mean_of_a_half_is_a_tie_whatever_its_rounding(self):
+        tests = across_problems(pairs_of([0.7, 0.3, 0.1 + 0.2, 0.7]))
+        assert places(tests, ["a", "b"])["place"].tolist() == [1.5, 1.5]
+        assert tests["lower"].tolist() == [""]
+
+    def test_a_skewed_mean_and_its_claim_agree(self):
+        # lower on 24 of 29 problems, but not in the mean
+        tests = across_problems(pairs_of([0.6] * 24 + [0.01] * 5, ratio=0.01))
+        assert places(tests, ["a", "b"])["place"].tolist() == [2, 1]
+        assert (tests["lower"].item(), tests["p_further"].item() > 0.05) == ("b", True)
 
 
 class TestErrors:

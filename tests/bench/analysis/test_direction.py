@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import brunnermunzel, mannwhitneyu, norm
+from scipy.stats import binom, brunnermunzel, fisher_exact, mannwhitneyu, norm
 
 from bench.analysis.direction import (
-    LEAST_RATIO,
+    LEAST_SHARE,
+    UNTIED,
     Effects,
     a12,
     effects,
@@ -45,7 +46,13 @@ def reference(this, other):
     chance = won.mean()
     variance = won.mean(axis=1).var(ddof=1) / len(this) + won.mean(axis=0).var(ddof=1) / len(other)
     ratio = variance / (chance * (1 - chance)) if 0 < chance < 1 else 0.0
-    return chance, max(ratio, LEAST_RATIO * (1 / len(this) + 1 / len(other)) / 2)
+    # the variance of A12 where the values are dealt at random, as scipy's test of Mann and Whitney has it
+    pooled = np.append(this, other)
+    most = max(len(pooled) - UNTIED, 0)
+    counts = np.unique(pooled, return_counts=True)[1]
+    tied = min((counts**3 - counts).sum(), most**3 - most)
+    dealt = len(pooled) + 1 - tied / (len(pooled) * (len(pooled) - 1))
+    return chance, max(ratio, LEAST_SHARE * 4 * dealt / (12 * len(this) * len(other)))
 
 
 def test_wins_by_hand():
@@ -94,7 +101,7 @@ def test_the_statistic_is_brunner_and_munzel_s_with_the_variance_under_the_hypot
     these, others = samples(n, m, kind)
     found = effects(these, others)
     p = p_values(found)
-    least = found.ratio > LEAST_RATIO * (1 / n + 1 / m) / 2 * (1 + 1e-9)
+    least = found.ratio > LEAST_SHARE * (n + m + 1) / (3 * n * m) * (1 + 1e-9)  # that of values without ties
     known = least & (p > least_p(found.smaller) * (1 + 1e-9))
     statistic = brunnermunzel(these[known], others[known], axis=1).statistic
     expected = np.abs(statistic) * np.sqrt(4 * found.a12[known] * (1 - found.a12[known]))
@@ -105,7 +112,7 @@ def test_the_statistic_is_brunner_and_munzel_s_with_the_variance_under_the_hypot
 @pytest.mark.parametrize("n", [2, 5, 30])
 def test_complete_separation_by_hand(n):
     found = effect_of(np.arange(n), np.arange(n) + 100)
-    assert (found.a12[0], found.ratio[0]) == (1.0, pytest.approx(0.5 / n))
+    assert (found.a12[0], found.ratio[0]) == (1.0, pytest.approx((2 * n + 1) / (4 * n**2)))
     assert p_values(found)[0] == least_p(n) == 2.0 ** (1 - n)
     assert found.inside[0] == (n + 1) / (n + 2)
     assert found.variance[0] > 0
@@ -177,6 +184,25 @@ class TestErrorRates:
         for level in (0.05, 0.005, 0.001):
             assert np.mean(p <= level) <= level + 4 * np.sqrt(level * (1 - level) / MANY)
         assert np.mean(p <= 0.05) > 0.01  # it does reject
+
+    @pytest.mark.parametrize("n", [15, 30, 51])
+    def test_shares_of_successes_have_the_level_and_more_power_than_fisher_s_test(self, n):
+        successes = np.arange(n + 1)
+        these = (np.arange(n) >= successes[:, np.newaxis]).astype(float)
+        one, other = np.indices((n + 1, n + 1)).reshape(2, -1)  # every outcome there is
+        rejected = p_values(effects(these[one], these[other])) <= 0.05
+        for share in (0.5, 0.7, 0.9, 0.98):
+            chance = binom.pmf(successes, n, share)
+            assert rejected @ (chance[one] * chance[other]) <= 0.06
+        power = rejected @ ((successes[one] == n) * binom.pmf(other, n, 0.85))
+        fisher = [fisher_exact([[n, 0], [lost, n - lost]]).pvalue <= 0.05 for lost in successes]
+        assert power >= binom.pmf(successes, n, 0.85) @ fisher
+
+    @pytest.mark.parametrize("n", [3, 5, 10])
+    def test_the_interval_covers_a_half_of_unequal_spread(self, n):
+        these, others = np.random.default_rng(n).standard_normal((2, MANY, n))
+        low, high = intervals(effects(these, 10 * others))
+        assert np.mean((low <= 0.5) & (high >= 0.5)) >= 0.93
 
     @pytest.mark.parametrize("n", [5, 10, 30])
     @pytest.mark.parametrize("true", [0.75, 0.95])

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from bench.analysis.across import across_problems
 from bench.analysis.direction import least_p
 from bench.analysis.error_rates import (
     Levels,
+    claims,
     detectable_a12,
     detectable_across,
     levels,
@@ -13,51 +15,49 @@ from bench.analysis.error_rates import (
     rates_of_spreads,
     trials_to_separate,
 )
+from bench.analysis.pairwise import pairwise_tests
 
 MOST = 0.05 + 4 * np.sqrt(0.05 * 0.95 / 1_000)  # of 1,000 studies
-BOTH = Levels(0.025, 0.025, False)
+BOTH = (0.01, 0.035, 0.005)
 
 
 @pytest.mark.parametrize(
-    ("sizes", "pairs", "blocks", "expected"),
+    ("sizes", "pairs", "expected"),
     [
-        ([30] * 3, 10, 3, BOTH),  # all blocks of one sign have 10 / 4
-        ([5] * 72, 3, 24, Levels(0.0, 0.05, True)),  # 216 / 16 on problems, 3 / 2^23 across blocks
-        ([30] * 18, 10, 1, BOTH),
-        ([30] * 18, 10, 18, Levels(0.025, 0.025, True)),
-        ([30], 10, 1, Levels(0.05, 0.0, False)),
-        ([6], 1, 1, Levels(0.05, 0.0, False)),  # 1/32: at the whole level alone
-        ([5], 1, 1, Levels(0.0, 0.0, False)),  # 1/16
-        ([1] * 24, 3, 24, Levels(0.0, 0.05, True)),
-        ([1] * 3, 3, 3, Levels(0.0, 0.0, False)),
-        ([13] * 18, 10, 18, Levels(0.0, 0.05, True)),  # 180 / 2^12 on problems: they cannot reject at half
-        ([15] * 72, 10, 24, Levels(0.0, 0.05, True)),  # 720 / 2^14, likewise
-        ([4, 4], 1, 2, Levels(0.0, 0.05, False)),  # 2/8 on problems, 1/128 for their mean
-        ([], 1, 0, Levels(0.0, 0.0, False)),
+        ([30] * 18, 10, BOTH),
+        ([30] * 3, 10, BOTH),
+        ([5] * 72, 3, (0.0, 0.045, 0.005)),  # 216 / 16 on problems
+        ([15] * 72, 10, (0.0, 0.045, 0.005)),  # 720 / 2^14, above 0.01
+        ([4, 4], 1, (0.0, 0.045, 0.005)),  # 2/8 on problems, 1/128 for their mean
+        ([30], 10, (0.045, 0.045, 0.005)),  # one problem: both tests are the same
+        ([6], 1, (0.045, 0.045, 0.005)),  # 1/32
+        ([5], 1, (0.0, 0.0, 0.005)),  # 1/16
+        ([1] * 24, 3, (0.0, 0.045, 0.005)),
+        ([1] * 3, 3, (0.0, 0.0, 0.005)),
+        ([2, 30], 10, (0.045, 0.0, 0.005)),  # the bound over both counts two trials of each
+        ([], 1, (0.0, 0.0, 0.005)),
     ],
 )
-def test_levels_by_hand(sizes, pairs, blocks, expected):
-    assert levels(sizes, pairs, pairs * len(sizes), blocks) == expected
+def test_levels_by_hand(sizes, pairs, expected):
+    found = levels(sizes, pairs, pairs * len(sizes))
+    assert found == pytest.approx(expected)
+    assert found.course + (found.across if len(sizes) == 1 else found.across + found.problems) <= 0.05 + 1e-12
 
 
-DESIGNS = [  # trials, optimizers, blocks
-    (10, 3, ["p", "q", "r"]),
-    (6, 2, ["p"]),
-    (4, 3, [f"b{i // 2}" for i in range(20)]),
-    (8, 4, ["one"] * 3),
-]
+def test_declared_looks_spend_the_level_on_problems():
+    assert levels([30] * 18, 10, 180, looks=True) == (0.05, 0.0, 0.0)
+    assert levels([3] * 18, 10, 180, looks=True) == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize(("trials", "optimizers", "blocks"), DESIGNS)
-def test_false_claims_are_as_rare_as_the_level(trials, optimizers, blocks):
+@pytest.mark.parametrize(("trials", "optimizers", "problems"), [(10, 3, 3), (7, 2, 1), (4, 3, 12), (8, 4, 3)])
+def test_false_claims_are_as_rare_as_the_level(trials, optimizers, problems):
     pairs = optimizers * (optimizers - 1) // 2
-    level = levels([trials] * len(blocks), pairs, pairs * len(blocks), len(set(blocks)))
+    level = levels([trials] * problems, pairs, pairs * problems)
     rng = np.random.default_rng(1)
-    pools = [rng.normal(size=trials * optimizers) + 5 * (rng.random(trials * optimizers) < 0.5) for _ in blocks]
-    for rates in (
-        rates_of_equals(pools, optimizers, blocks, level),
-        rates_of_spreads(trials, optimizers, blocks, level),
-    ):
+    pools = [
+        [rng.normal(size=trials * optimizers) + 5 * (rng.random(trials * optimizers) < 0.5)] for _ in range(problems)
+    ]
+    for rates in (rates_of_equals(pools, optimizers, level), rates_of_spreads(trials, optimizers, problems, level)):
         assert rates.studies == 1_000
         assert max(rates.problems, rates.across) <= rates.any <= rates.problems + rates.across
         assert rates.any <= MOST
@@ -65,23 +65,42 @@ def test_false_claims_are_as_rare_as_the_level(trials, optimizers, blocks):
         assert rates.across == 0 or level.across > 0
 
 
-@pytest.mark.slow
+def test_claims_are_those_of_the_tests_of_a_report(frame_of):
+    rng = np.random.default_rng(5)
+    values = rng.normal(size=(4, 3, 8)) + np.array([0.0, 0.6, 1.5])[:, np.newaxis]  # problems, optimizers, trials
+    level = Levels(0.05, 0.05)
+    flags = claims([[of_problem[:, np.newaxis]] for of_problem in values], level)
+    cells = {(f"p{i}", name): list(values[i, place]) for i in range(4) for place, name in enumerate("abc")}
+    pairs = pairwise_tests(frame_of(cells), level.problems)
+    tests = across_problems(pairs, alpha=level.across)
+    shown = tests[tests["p"] <= level.across]["lower"].value_counts()
+    expected = [pairs["significant"].any(), tests["significant"].any(), (shown == 2).any()]
+    assert [bool(flag[0]) for flag in flags] == expected
+
+
 def test_at_a_large_level_claims_are_common_and_seeds_repeat():
-    pools, blocks = [np.arange(20.0)] * 4, list("pqrs")
-    for further in (True, False):
-        level = Levels(0.8, 0.8, further)
-        found = rates_of_equals(pools, 2, blocks, level, seed=3)
-        assert found == rates_of_equals(pools, 2, blocks, level, seed=3)
-        assert found != rates_of_equals(pools, 2, blocks, level, seed=4)
-        assert found.problems > 0.2
-        assert found.across > 0.2
-        assert rates_of_spreads(10, 2, blocks, level, 3) == rates_of_spreads(10, 2, blocks, level, 3)
-        assert rates_of_spreads(10, 2, blocks, level, 3) != rates_of_spreads(10, 2, blocks, level, 4)
+    pools, level = [[np.arange(20.0)]] * 4, Levels(0.8, 0.8)
+    found = rates_of_equals(pools, 2, level, seed=3)
+    assert found == rates_of_equals(pools, 2, level, seed=3)
+    assert found != rates_of_equals(pools, 2, level, seed=4)
+    assert min(found.problems, found.across) > 0.2
+    assert rates_of_spreads(10, 2, 4, level, 3) == rates_of_spreads(10, 2, 4, level, 3)
+    assert rates_of_spreads(10, 2, 4, level, 3) != rates_of_spreads(10, 2, 4, level, 4)
 
 
 def test_values_that_are_all_tied_are_never_claimed_to_differ():
-    rates = rates_of_equals([np.zeros(20)] * 7, 2, list("abcdefg"), Levels(0.025, 0.025))
+    rates = rates_of_equals([[np.zeros(20)]] * 7, 2, Levels(0.01, 0.035))
     assert rates[1:] == (0.0, 0.0, 0.0)
+
+
+def test_trials_are_dealt_out_within_their_instance():
+    apart = [np.zeros(6), np.ones(6)]  # dealt across instances, these would differ
+    assert rates_of_equals([apart] * 9, 2, Levels(0.8, 0.8)).any == 0.0
+
+
+def test_of_many_optimizers_twelve_are_simulated():
+    rates = rates_of_equals([[np.arange(200.0)]], 100, Levels(0.9, 0.9))
+    assert rates.studies == 1_000
 
 
 def test_more_trials_detect_smaller_differences():
@@ -93,24 +112,17 @@ def test_more_trials_detect_smaller_differences():
     assert np.isnan(detectable_a12(5, 0.05))  # complete separation has 1/16
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("further", [True, False])
-def test_more_trials_and_problems_detect_smaller_differences_across_problems(further):
-    by_trials = [detectable_across(trials, 12, 0.05, further) for trials in (4, 10, 30)]
+def test_more_trials_and_problems_detect_smaller_differences_over_problems():
+    by_trials = [detectable_across(trials, 12, 0.05) for trials in (4, 10, 30)]
     assert by_trials == sorted(by_trials, reverse=True)
     assert 0.5 < by_trials[-1] < by_trials[0] < 1
-    assert detectable_across(10, 24, 0.05, further) < by_trials[1]
-
-
-def test_few_blocks_show_nothing_of_further_problems():
-    assert np.isnan(detectable_across(30, 5, 0.05))
-    assert detectable_across(30, 5, 0.05, further=False) < 0.7
+    assert detectable_across(10, 24, 0.05) < by_trials[1]
 
 
 @pytest.mark.filterwarnings("error")
-def test_one_trial_a_cell_detects_a_difference_across_many_problems_alone():
+def test_one_trial_a_cell_detects_a_difference_over_many_problems_alone():
     assert 0.5 < detectable_across(1, 24, 0.05) < 1
-    assert np.isnan(detectable_across(1, 24, 0.05, further=False))
+    assert np.isnan(detectable_across(1, 5, 0.05))
 
 
 @pytest.mark.parametrize("tests", [0, 1, 30, 216])

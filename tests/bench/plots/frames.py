@@ -72,8 +72,9 @@ def fractions(optimizers, along="evaluations"):
 
 
 def improvements(optimizers):
-    rows = [(a, b, 3, 0.6, 0.45, 0.7) for a, b in itertools.combinations(optimizers, 2)]
-    return pd.DataFrame(rows, columns=["first", "second", "problems", "probability", "low", "high"])
+    rows = [(a, b, 3, 0.6, 0.45, 0.7, False) for a, b in itertools.combinations(optimizers, 2)]
+    columns = ["first", "second", "problems", "probability", "joint_low", "joint_high", "significant"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def clock(optimizers):

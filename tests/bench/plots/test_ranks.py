@@ -62,7 +62,7 @@ class TestCourse:
 class TestForest:
     pairs = pd.DataFrame(
         {"problem": ["p", "p", "q"], "first": ["a", "a", "a"], "second": ["b", "c", "b"], "a12": [0.9, 0.45, 0.5],
-         "a12_low": [0.8, 0.3, 0.4], "a12_high": [1.0, 0.6, 0.6]}
+         "joint_low": [0.8, 0.3, 0.4], "joint_high": [1.0, 0.6, 0.6], "significant": [True, False, False]}
     )  # fmt: skip
 
     def test_intervals_and_points(self):
@@ -74,7 +74,7 @@ class TestForest:
         np.testing.assert_allclose([s[:, 0] for s in ax.collections[-1].get_segments()], [[0.8, 1.0], [0.3, 0.6]])
 
     def test_a_missing_effect_keeps_its_row(self):
-        pairs = self.pairs.assign(a12=np.nan, a12_low=np.nan, a12_high=np.nan)
+        pairs = self.pairs.assign(a12=np.nan, joint_low=np.nan, joint_high=np.nan)
         ax = plots.a12_forest(pairs, "p", ax=axes())
         svg(ax.figure)
         assert len(ax.get_yticklabels()) == 2

@@ -74,7 +74,7 @@ class TestClaim:
     def test_nobody_leads_where_all_are_tied(self, make, tmp_path):
         tied = {label: {"fun": 1.0} for label in "abcde"}
         claim = self.claim(make, tmp_path / "s", tuple("abcde"), tied)
-        assert claim == "No optimizer leads at 100 evaluations: all have the same mean rank over 2 problems."
+        assert claim == "No optimizer leads at 100 evaluations: all are level over 2 problems."
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ class TestManyOptimizers:
         section = across.section(wide)
         assert [item.name for item in section.items] == ["ranks", "pair-matrix", "interquartile-mean"]
         (pairs,) = section.sections
-        assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["mean-over-problems"])
+        assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["pairs-over-problems"])
         matrix = section.items[1]
         first, last = wide.final.ranked[0], wide.final.ranked[-1]
         assert (matrix.frame.at[first, last], matrix.frame.at[last, first]) == ("1.00", "0.00")

@@ -97,7 +97,7 @@ def test_nothing_to_compare(make, tmp_path):
 
 
 def test_all_pairs_are_separated(make, tmp_path):
-    found = trials.section(Findings(Results(make(tmp_path / "s", trials=9))))
+    found = trials.section(Findings(Results(make(tmp_path / "s", trials=12))))
     assert found.text == ("All 6 pairs are separated.",)
     assert [item.name for item in found.items] == ["stability"]
 
