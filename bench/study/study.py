@@ -27,11 +27,13 @@ from bench.problem import Problem
 from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
+from bench.study import blocks as resembling
 from bench.study import budget as budgets
 from bench.study import entries, tuned
 from bench.study import looks as declared
 from bench.study import rope as ropes
 from bench.study import targets as target_kinds
+from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.entries import Entry
 from bench.study.looks import Looks
@@ -77,6 +79,8 @@ class Study:
             problems. They decide no trial's result.
         rope: the difference of medians below which two optimizers count as equal (:func:`bench.study.rope.checked`);
             None: nothing is said of practical equality. It decides no trial's result.
+        blocks: which problems resemble each other, and so count once where reports speak of further problems
+            (:func:`bench.study.blocks.checked`); None: those of which it is known. They decide no trial's result.
         tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.study.tuned`); None: by no
             tuning of this harness. It decides no trial's result.
         looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
@@ -96,6 +100,7 @@ class Study:
     on_error: str = "fail"
     targets: Targets | None = None
     rope: Rope | None = None
+    blocks: Blocks | None = None
     tuning: Tuning | None = None
     looks: Looks = ()
     controls: tuple[Entry, ...] = ()
@@ -213,8 +218,14 @@ class Study:
         return study
 
     def _check_entries(self, where: str) -> None:
-        """Raise BenchError for an optimizer and a control of one label, and for a problem that was trained on."""
+        """Raise BenchError for two entries of one label, unknown blocks, and a problem that was trained on."""
         entries.refuse_duplicates(self.with_controls, "optimizers and controls", where)
+        if isinstance(self.blocks, dict):
+            known = {label for entry in self.problems for label in (entry.label, resembling.pooled(entry.label))}
+            if unknown := [label for label in self.blocks if label not in known]:
+                raise BenchError(
+                    f"study {where}: 'blocks' names {unknown[0]!r}, which is no problem{nearest(unknown[0], known)}"
+                )
         if self.tuning is not None:
             self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
 
@@ -312,6 +323,7 @@ class Study:
         table["looks"] = {"trials": list(self.looks)} if self.looks else None
         for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
+        table["blocks"] = self.blocks
         table["tuning"] = None if self.tuning is None else self.tuning.as_dict()
         return tomli_w.dumps({key: value for key, value in table.items() if value is not None})
 
@@ -330,13 +342,12 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, rope, tuning and the default handlings of constraints and failures are no part of it: older studies do
-        not name them.
-        Neither are controls, which change no other trial and may be added to a folder. Looks are, where there are any:
-        they decide which trials are made, and must be declared before the first one.
+        Targets, rope, blocks, tuning and the default handlings of constraints and failures are no part of it: older
+        studies do not name them. Neither are controls, which change no other trial and may be added to a folder. Looks
+        are, where there are any: they decide which trials are made, and must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
-        left_out = ("constraints", "on_error", "targets", "rope", "tuning", "looks", "controls")
+        left_out = ("constraints", "on_error", "targets", "rope", "blocks", "tuning", "looks", "controls")
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks
@@ -379,7 +390,8 @@ def _whole(value: Any, what: str, *, least: int, most: int) -> int:
 _READERS: dict[str, Callable[[Any, str], Any]] = {
     "seed": partial(_whole, least=0, most=LARGEST_SEED), "trials": partial(_whole, least=1, most=MOST_TRIALS),
     "budget": budgets.checked, "constraints": handlings.checked, "on_error": require_on_error,
-    "targets": target_kinds.checked, "rope": ropes.checked, "tuning": tuned.checked, "looks": declared.checked,
+    "targets": target_kinds.checked, "rope": ropes.checked, "blocks": resembling.checked, "tuning": tuned.checked,
+    "looks": declared.checked,
 }  # fmt: skip
 """By key, what returns a value as a study holds it and raises BenchError for what cannot be one."""
 

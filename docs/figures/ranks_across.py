@@ -19,7 +19,7 @@ def draw(ink: str) -> Figure:
     ranks = analysis.mean_ranks(analysis.standings(analysis.summarise(frame), pairs))
     figure = Figure(figsize=(6.4, 1.7))
     ax = figure.subplots()
-    plots.cd_diagram(ranks, analysis.cliques(ranks, analysis.wilcoxon_tests(pairs)), ax=ax)
+    plots.cd_diagram(ranks, analysis.cliques(ranks, analysis.across_problems(pairs)), ax=ax)
     for each in ax.findobj(mpl.lines.Line2D):
         each.set_color(ink)
     for each in ax.findobj(mpl.text.Text):

@@ -16,6 +16,7 @@ from bench.report.problem_words import sweeps
 from bench.report.replication import Replication, replications
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
+from bench.study.blocks import block
 from bench.study.budget import evaluations
 
 MANY_PROBLEMS = 20
@@ -243,12 +244,12 @@ class Trials:
 
     @cached_property
     def blocks(self) -> dict[str, str]:
-        """The block of each problem: problems of one sweep, and one function in several dimensions, are one block."""
+        """The block of each problem: that of the study, its sweep, or its function in several dimensions."""
         block_of = {}
         for label, facts in self.known.items():
             features = facts.features
             function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
-            block_of[label] = str(features.get("sweep") or function or label)
+            block_of[label] = block(self.study.blocks, label) or str(features.get("sweep") or function or label)
         return block_of
 
     @cached_property

@@ -77,7 +77,7 @@ def test_each_condition_has_the_chances_of_its_own_runs(made):
 def test_controls_are_in_no_ranking_and_in_no_frame(made):
     findings, without = made(), made(controls=(), name="without")
     assert findings.trials.optimizers == ["cma-es", "gwo", "random-search"]
-    for name in ("ranking", "pairs", "improvement", "medians"):
+    for name in ("ranking", "pairs", "overall", "medians"):
         own, other = getattr(findings.final, name), getattr(without.final, name)
         assert own.to_csv() == other.to_csv(), name
     assert findings.anytime.running_times.to_csv() == without.anytime.running_times.to_csv()
