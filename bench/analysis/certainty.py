@@ -13,10 +13,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import cells, complete_problems, labels
+from bench.analysis.cells import complete_problems, labels
 from bench.analysis.direction import TWO_SIDED
 from bench.analysis.pairwise import percentile_interval
 from bench.analysis.standings import against_rivals, ranks, won
+from bench.analysis.strata import Samples, strata
 from bench.typing import Floats
 
 RESAMPLES = {30: 999, 100: 199}
@@ -47,17 +48,18 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     standard deviations of the resamples to the higher of the ends on the other side. Missing where no problem has
     trials of every optimizer, or a cell of one has a single trial, which leaves nothing to draw.
     """
-    by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
+    by_problem, optimizers = strata(frame), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    sizes = [len(by_cell[problem, one]) for problem in problems for one in optimizers]
+    sizes = [len(sample) for problem in problems for samples in by_problem[problem] for sample in samples]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
     drawn = resamples(len(optimizers))
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), 1 + drawn))  # the first column is that of the values themselves
     for problem in problems:
-        values = [by_cell[problem, optimizer] for optimizer in optimizers]
-        total += ranks_of_draws(values, [_times_drawn(len(sample), drawn, rng) for sample in values])
+        total += ranks_of_strata(
+            [(own, [_times_drawn(len(sample), drawn, rng) for sample in own]) for own in by_problem[problem]]
+        )
     mean = total / len(problems)
     reach = TWO_SIDED * mean[:, 1:].std(axis=1, ddof=1) * (min(sizes) / (min(sizes) - 1)) ** 0.5
     low, high = np.array([percentile_interval(draws[1:]) for draws in mean]).T
@@ -79,9 +81,12 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     optimizers, 9 with more than 100). A cell with fewer trials enters with all it has. The first trials of pooled
     instances are the first of each instance in turn. Empty with fewer than four trials in the largest cell.
     """
-    by_cell, optimizers = cells(_in_turn(frame), merge=True), labels(frame, "optimizer")
+    by_problem, optimizers = strata(_in_turn(frame)), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    most = max((len(by_cell[problem, one]) for problem in problems for one in optimizers), default=0)
+    most = max(
+        (sum(map(len, samples)) for problem in problems for samples in zip(*by_problem[problem], strict=True)),
+        default=0,
+    )
     if most <= FIRST or len(optimizers) < 2:
         return pd.DataFrame(columns=list(STABILITY))
     steps, subsets = next((number for limit, number in STEPS.items() if len(optimizers) <= limit), FEWEST_SUBSETS)
@@ -89,8 +94,11 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), len(sizes) * (1 + subsets)))
     for problem in problems:
-        values = [by_cell[problem, optimizer] for optimizer in optimizers]
-        total += ranks_of_draws(values, [_subsets(len(sample), sizes, subsets, rng) for sample in values])
+        every = by_problem[problem]
+        shares = np.maximum(np.round(sizes / len(every)), 1)
+        total += ranks_of_strata(
+            [(own, [_subsets(len(sample), shares, subsets, rng) for sample in own]) for own in every]
+        )
     means = (total / len(problems)).reshape(len(optimizers), len(sizes), 1 + subsets)
     rows = {
         "optimizer": np.repeat(np.array(optimizers, dtype=object), len(sizes)),
@@ -114,18 +122,29 @@ def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
         values: the values of each optimizer.
         drawn: how often each of these counts in each draw, (n, B) an optimizer.
     """
-    owner = np.repeat(np.arange(len(values)), [len(sample) for sample in values])
-    pooled, counts = np.concatenate(values), np.concatenate(drawn)
-    sizes = np.array([counts_of.sum(axis=0, dtype=float) for counts_of in drawn]).T
-    beaten, chance = np.zeros((2, *sizes.T.shape))
-    at_once = max(AT_ONCE // len(values) ** 2, 1)
-    for start in range(0, len(sizes), at_once):
+    return ranks_of_strata([(values, drawn)])
+
+
+def ranks_of_strata(by_stratum: Sequence[tuple[Samples, Sequence[Floats]]]) -> Floats:
+    """Return the ranks of :func:`ranks_of_draws` by the mean of A12 over strata, each with its values and draws."""
+    optimizers, draws = len(by_stratum[0][0]), by_stratum[0][1][0].shape[1]
+    beaten, chance = np.zeros((2, optimizers, draws))
+    at_once = max(AT_ONCE // optimizers**2, 1)
+    for start in range(0, draws, at_once):
         chosen = slice(start, start + at_once)
-        lower = won(pooled, owner, counts[:, chosen].T)
-        lower = lower / (sizes[chosen, :, np.newaxis] * sizes[chosen, np.newaxis, :])
-        lower[:, np.arange(len(values)), np.arange(len(values))] = 0.5
+        every = [_lower(values, [counts[:, chosen] for counts in drawn]) for values, drawn in by_stratum]
+        lower = np.sum(every, axis=0) / len(every)
+        lower[:, np.arange(optimizers), np.arange(optimizers)] = 0.5
         beaten[:, chosen], chance[:, chosen] = (sums.T for sums in against_rivals(lower, axis=1))
     return ranks(beaten, chance)
+
+
+def _lower(values: Samples, drawn: Sequence[Floats]) -> Floats:
+    """Return the share of pairs of drawn values of which that of the second optimizer is lower, (B, k, k)."""
+    owner = np.repeat(np.arange(len(values)), [len(sample) for sample in values])
+    sizes = np.array([counts.sum(axis=0, dtype=float) for counts in drawn]).T
+    lower = won(np.concatenate(values), owner, np.concatenate(drawn).T)
+    return np.asarray(lower / (sizes[:, :, np.newaxis] * sizes[:, np.newaxis, :]))
 
 
 def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> Floats:

@@ -30,9 +30,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from bench.analysis.cells import cells, labels
-from bench.analysis.direction import ALPHA, Effects, effects, intervals, mean_of, stacked
+from bench.analysis.cells import labels
+from bench.analysis.direction import ALPHA, Effects, effects, intervals, mean_of, stacked, stratified
 from bench.analysis.pairwise import holm
+from bench.analysis.strata import Samples, strata
 from bench.errors import BenchError
 from bench.typing import Floats
 
@@ -104,11 +105,13 @@ def noninferiority(
     Raises:
         BenchError: for a margin or level that cannot be, and where no problem has two trials of both.
     """
-    by_cell = cells(frame, merge=True)
-    samples = {problem: (by_cell[problem, old], by_cell[problem, new]) for problem in labels(frame, "problem")}
-    return compare_samples(
-        {problem: both for problem, both in samples.items() if min(map(len, both)) > 0}, margin, alpha, every
-    )
+    both = frame[frame["optimizer"].isin([old, new])]
+    place = [labels(both, "optimizer").index(label) for label in (old, new)]
+    samples = {problem: [[of[each] for each in place] for of in every_of] for problem, every_of in strata(both).items()}
+    return _compared(
+        {problem: of for problem, of in samples.items() if all(len(sample) for own in of for sample in own)},
+        margin, alpha, every,
+    )  # fmt: skip
 
 
 def compare_samples(
@@ -119,17 +122,24 @@ def compare_samples(
     Raises:
         BenchError: as :func:`noninferiority`.
     """
+    return _compared({problem: [both] for problem, both in samples.items()}, margin, alpha, every)
+
+
+def _compared(samples: Mapping[str, Sequence[Samples]], margin: float, alpha: float, every: bool) -> Noninferiority:
+    """Compare scores of both versions by problem and stratum (:mod:`bench.analysis.strata`)."""
     if not 0 < margin < LARGEST_MARGIN:
         raise BenchError(f"the margin is {margin!r}, but must be above 0 and below {LARGEST_MARGIN}, such as {MARGIN}")
     if not 0 < alpha < 1:
         raise BenchError(f"alpha is {alpha!r}, but must be above 0 and below 1, such as {ALPHA}")
-    if not samples or min(min(map(len, both)) for both in samples.values()) < 2:
+    if not samples or min(len(sample) for of in samples.values() for both in of for sample in both) < 2:
         raise BenchError("there is too little to compare: every problem needs at least two trials of both versions")
     bound, level = 0.5 + margin, 1 - alpha / 2
-    estimates = [effects(this[np.newaxis], other[np.newaxis]) for this, other in samples.values()]
+    estimates = [
+        stratified([effects(this[np.newaxis], other[np.newaxis]) for this, other in of]) for of in samples.values()
+    ]
     rows = [
-        (label, len(this), len(other), *_inference(estimate, bound, level))
-        for (label, (this, other)), estimate in zip(samples.items(), estimates, strict=True)
+        (label, *(sum(map(len, own)) for own in zip(*of, strict=True)), *_inference(estimate, bound, level))
+        for (label, of), estimate in zip(samples.items(), estimates, strict=True)
     ]
     problems = pd.DataFrame(rows, columns=[name for name in COLUMNS if name not in ("p_holm", "worse", "not_worse")])
     problems["p_holm"] = holm(problems["p"].to_numpy(dtype=float))

@@ -10,9 +10,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis import direction
-from bench.analysis.cells import cells, labels, quantiles
+from bench.analysis.cells import labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
+from bench.analysis.strata import Samples, strata
 from bench.typing import Floats
 
 RESAMPLES = 9_999  # of every bootstrap; with the sample itself 10,000
@@ -29,7 +30,8 @@ COLUMNS = (
 def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     """Return one row a problem and pair of optimizers.
 
-    The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, with the 95%
+    The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, of pooled
+    instances the mean of that within each of them (:mod:`bench.analysis.strata`), with the 95%
     interval a12_low to a12_high, and joint_low to joint_high, intervals of which all together hold with 1 - ``alpha``
     (Bonferroni); ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); cliffs_delta, 2 a12 -
     1; separated, whether a12 is 0 or 1.
@@ -46,14 +48,17 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     fewer than two trials has no interval and p = 1, and is no hypothesis of the adjustment where a cell has none.
     Names are categories: texts would take most of the memory.
     """
-    by_cell, optimizers, problems = cells(frame, merge=True), labels(frame, "optimizer"), labels(frame, "problem")
-    sizes = np.array([[len(by_cell[problem, one]) for one in optimizers] for problem in problems], dtype=np.int64)
+    by_problem, optimizers, problems = strata(frame), labels(frame, "optimizer"), labels(frame, "problem")
+    sizes = np.array(
+        [[sum(map(len, samples)) for samples in zip(*by_problem[problem], strict=True)] for problem in problems],
+        dtype=np.int64,
+    )
     one, other = np.triu_indices(len(optimizers), 1)
     tests = int(np.sum(np.minimum(sizes[:, one], sizes[:, other]) > 0)) if len(problems) else 0
     # Of each column one array from the beginning: many small ones would leave gaps in the memory.
     columns: dict[str, Any] = {}
     for place, problem in enumerate(problems):
-        compared = compare_all([by_cell[problem, optimizer] for optimizer in optimizers], 1 - alpha / max(tests, 1))
+        compared = compare_all(by_problem[problem], 1 - alpha / max(tests, 1))
         for name, values in compared.items():
             every = columns.setdefault(name, np.empty((len(problems), len(one)), dtype=values.dtype))
             every[place] = values
@@ -109,29 +114,38 @@ def effect_size(a12: float) -> str:
     return next((word for word, least in CUTOFFS.items() if size >= least), "negligible")
 
 
-def compare_all(samples: Sequence[Floats], joint: float = 0.95) -> dict[str, Any]:
-    """Return those columns of :func:`pairwise_tests` that need the k samples of one problem alone.
+def compare_all(by_stratum: Sequence[Samples], joint: float = 0.95) -> dict[str, Any]:
+    """Return those columns of :func:`pairwise_tests` that need the k samples of one problem alone, by stratum.
 
     Each has k (k - 1) / 2 values, one a pair, in the order of :func:`itertools.combinations`. Pairs of equal sizes are
     compared at once. ``joint`` is the level of the joint intervals.
     """
+    samples = [np.concatenate(own) for own in zip(*by_stratum, strict=True)]
     one, other = np.triu_indices(len(samples), 1)
     sizes = np.array([len(sample) for sample in samples], dtype=np.int64)
-    numbers = ("a12", "ratio", "a12_low", "a12_high", "joint_low", "joint_high", "ks_distance")
+    estimates = direction.stratified([_estimates(own) for own in by_stratum])
+    p = direction.p_values(estimates)
     columns: dict[str, Any] = {
-        "n_first": sizes[one], "n_second": sizes[other], "p": np.ones(len(one)), "ks_p": np.ones(len(one)),
-        "ks_tied": np.zeros(len(one), dtype=bool), **{name: np.full(len(one), np.nan) for name in numbers},
+        "n_first": sizes[one], "n_second": sizes[other], "a12": estimates.a12, "ratio": estimates.ratio,
+        "p": np.where(np.isnan(p), 1.0, p), "ks_distance": np.full(len(one), np.nan), "ks_p": np.ones(len(one)),
+        "ks_tied": np.zeros(len(one), dtype=bool),
     }  # fmt: skip
+    columns["a12_low"], columns["a12_high"] = direction.intervals(estimates)
+    columns["joint_low"], columns["joint_high"] = direction.intervals(estimates, joint)
     for places, these, others in alike(samples):
-        if not min(these.shape[1], others.shape[1]):
-            continue
-        estimates = direction.effects(these, others)
-        values_of = {"a12": estimates.a12, "ratio": estimates.ratio, "p": direction.p_values(estimates)}
-        values_of["a12_low"], values_of["a12_high"] = direction.intervals(estimates)
-        values_of["joint_low"], values_of["joint_high"] = direction.intervals(estimates, joint)
-        for name, values in (values_of | ks_tests(these, others)).items():
-            columns[name][places] = values
+        if min(these.shape[1], others.shape[1]):
+            for name, values in ks_tests(these, others).items():
+                columns[name][places] = values
     return columns
+
+
+def _estimates(samples: Samples) -> direction.Effects:
+    """Return A12 of each pair of k samples, all missing where one is empty."""
+    chance, ratio, smaller = np.full((3, len(samples) * (len(samples) - 1) // 2), np.nan)
+    for places, these, others in alike(samples):
+        if min(these.shape[1], others.shape[1]):
+            chance[places], ratio[places], smaller[places] = direction.effects(these, others)
+    return direction.Effects(chance, ratio, smaller)
 
 
 def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats, Floats]]:

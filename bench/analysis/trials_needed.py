@@ -23,9 +23,10 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
-from bench.analysis.cells import cells
-from bench.analysis.direction import ALPHA, effects_of_draws, p_values
+from bench.analysis.cells import labels
+from bench.analysis.direction import ALPHA, effects_of_draws, p_values, stratified
 from bench.analysis.sequential import levels
+from bench.analysis.strata import strata
 from bench.typing import Floats
 
 POWER = 0.8
@@ -76,11 +77,12 @@ def trials_needed(
     formula = noether(chance, level, power)
     needed = np.maximum(formula, smaller + 1.0)
     if simulated:
-        by_cell = cells(frame, merge=True)
+        by_problem, place_of = strata(frame), {name: place for place, name in enumerate(labels(frame, "optimizer"))}
         for row, pair in enumerate(table.itertuples(index=False)):
             if np.isfinite(low[row]) and noether(chance[row], alpha, power) <= LARGEST:
-                both = by_cell[str(pair.problem), str(pair.first)], by_cell[str(pair.problem), str(pair.second)]
-                needed[row] = _simulated(*both, int(smaller[row]), level, power, seed)
+                both = [place_of[str(name)] for name in (pair.first, pair.second)]
+                samples = [(of[both[0]], of[both[1]]) for of in by_problem[str(pair.problem)]]
+                needed[row] = _simulated(samples, int(smaller[row]), level, power, seed)
             else:
                 needed[row] = np.inf
     needed = np.where(needed > LARGEST, np.inf, needed)
@@ -109,18 +111,26 @@ def noether(a12: ArrayLike, level: float, power: float) -> Floats:
         return np.asarray((norm.isf(level / 2) + norm.ppf(power)) ** 2 / (6 * effect**2))
 
 
-def _simulated(this: Floats, other: Floats, trials: int, level: float, power: float, seed: int) -> float:
+def _simulated(samples: Sequence[tuple[Floats, Floats]], trials: int, level: float, power: float, seed: int) -> float:
     """Return the smallest number of trials in the grid, above those made, with the power; infinite above all."""
     tried = [trials + 1, *(number for number in GRID if number > trials + 1)]
-    place = bisect_left(tried, True, key=lambda n: power_of(this, other, n, level, seed) >= power)
+    place = bisect_left(tried, True, key=lambda n: power_of(samples, n, level, seed) >= power)
     return float(tried[place]) if place < len(tried) else np.inf
 
 
-def power_of(this: Floats, other: Floats, n: int, level: float, seed: int = 0) -> float:
-    """Return the share of draws of n values, at least two, from each of two samples in which the pair is separated."""
-    rng = np.random.default_rng((seed, n))
-    drawn, rival = (_times_drawn(rng.integers(0, len(sample), (DRAWS, n)), len(sample)) for sample in (this, other))
-    return float(np.mean(p_values(effects_of_draws(this, other, drawn, rival)) <= level))
+def power_of(samples: Sequence[tuple[Floats, Floats]], n: int, level: float, seed: int = 0) -> float:
+    """Return the share of draws of n values, at least two, from each of two samples in which the pair is separated.
+
+    The samples of a pair are by stratum (:mod:`bench.analysis.strata`), of which each has its share of the n values.
+    """
+    rng, each = np.random.default_rng((seed, n)), max(round(n / len(samples)), 2)
+    found = []
+    for this, other in samples:
+        drawn, rival = (
+            _times_drawn(rng.integers(0, len(sample), (DRAWS, each)), len(sample)) for sample in (this, other)
+        )
+        found.append(effects_of_draws(this, other, drawn, rival))
+    return float(np.mean(p_values(stratified(found)) <= level))
 
 
 def _times_drawn(places: NDArray[np.int64], size: int) -> Floats:

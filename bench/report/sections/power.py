@@ -10,6 +10,7 @@ import pandas as pd
 from bench import analysis
 from bench.analysis import ALPHA
 from bench.analysis.error_rates import MOST, ON_PROBLEMS, Rates
+from bench.analysis.strata import strata
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.wording import count, percent
@@ -69,8 +70,8 @@ def blindness(findings: Findings) -> str:
 def error_text(findings: Findings) -> tuple[str, ...]:
     """Return how often this page would claim a difference where there is none, simulated for its design."""
     complete = [str(label) for label in findings.final.medians.index]
-    scores = analysis.scores(findings.trials.frame, merge=True)
-    pools = [[np.asarray(scores[findings.trials.frame["problem"] == label], dtype=np.float64)] for label in complete]
+    by_problem = strata(findings.trials.frame)
+    pools = [[np.concatenate(samples) for samples in by_problem[label]] for label in complete]
     optimizers, trials = len(findings.trials.optimizers), findings.trials.per_cell[0]
     if trials < 2:
         return ("With one trial a cell nothing is tested on single problems, and no rate is simulated.",)

@@ -88,9 +88,9 @@ class TestColumns:
     def test_do_not_depend_on_how_many_are_compared_at_once(self, monkeypatch):
         rng = np.random.default_rng(6)
         samples = [rng.integers(0, 9, rng.choice([1, 9, 12])).astype(float) for _ in range(8)]
-        whole = compare_all(samples)
+        whole = compare_all([samples])
         monkeypatch.setattr(pairwise, "AT_ONCE", 3)
-        for name, values in compare_all(samples).items():
+        for name, values in compare_all([samples]).items():
             np.testing.assert_array_equal(values, whole[name])
         assert [*zip(whole["n_first"], whole["n_second"], strict=True)] == [
             *combinations([len(own) for own in samples], 2)

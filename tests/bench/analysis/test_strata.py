@@ -1,0 +1,74 @@
+"""Instances as strata: which trials are compared with which, and what that shows."""
+
+import numpy as np
+import pytest
+
+from bench.analysis import pairwise_tests, ranking_certainty, standings, summarise
+from bench.analysis.direction import a12
+from bench.analysis.noninferiority import noninferiority
+from bench.analysis.strata import strata
+from bench.analysis.trials_needed import power_of
+
+
+def frame_with(frame_of, values, instances):
+    """Return a frame of one problem with these values and these instances of the trials of each optimizer."""
+    frame = frame_of({("p", name): list(own) for name, own in values.items()})
+    return frame.assign(instance=[each for name in values for each in instances[name]])
+
+
+@pytest.fixture
+def apart(frame_of):
+    """Four instances, each far harder than the one before; on each, a is lower."""
+    rng = np.random.default_rng(0)
+    base = np.repeat([0.0, 100.0, 200.0, 300.0], 4)
+    values = {"a": rng.normal(size=16) + base, "b": rng.normal(2, 1, 16) + base}
+    return frame_with(frame_of, values, {name: np.repeat(range(4), 4) for name in values})
+
+
+def test_shared_instances_with_two_trials_or_more_are_strata(apart):
+    found = strata(apart)["p"]
+    assert [[len(own) for own in each] for each in found] == [[4, 4]] * 4
+    assert found[0][0].tolist() == apart["fun"][:4].tolist()
+    assert [len(own) for own in strata(apart.drop(columns="instance"))["p"][0]] == [16, 16]
+
+
+@pytest.mark.parametrize("instances", [{"a": [1, 1, 2, 2], "b": [1, 1, 3, 3]}, {"a": [1, 1, 1, 2], "b": [1, 1, 2, 2]}])
+def test_instances_that_are_not_shared_or_have_a_single_trial_are_no_strata(frame_of, instances):
+    frame = frame_with(frame_of, {"a": range(4), "b": range(4)}, instances)
+    assert [len(own) for own in strata(frame)["p"][0]] == [4, 4]
+
+
+def test_a12_is_the_mean_of_that_within_instances(apart):
+    (row,) = pairwise_tests(apart).to_dict("records")
+    values = apart["fun"].to_numpy()
+    within = [a12(values[i : i + 4], values[16 + i : 20 + i]) for i in range(0, 16, 4)]
+    assert row["a12"] == pytest.approx(np.mean(within))
+    assert row["lower"] == "a"
+    assert pairwise_tests(apart.drop(columns="instance"))["lower"].tolist() == [""]  # across instances, it is hidden
+    assert row["n_first"] == 16
+    assert standings(summarise(apart), pairwise_tests(apart))["rank"].tolist() == [1, 2]
+    certain = ranking_certainty(apart)
+    assert certain["rank_high"].tolist()[0] < 1.5
+
+
+def test_the_gate_compares_within_instances(apart):
+    assert noninferiority(apart, "a", "b").outcome == "worse"
+    assert noninferiority(apart.drop(columns="instance"), "a", "b").outcome == "undecided"
+    assert noninferiority(apart, "a", "b").problems["n_old"].tolist() == [16]
+
+
+def test_the_power_is_that_of_draws_within_instances(apart):
+    by_stratum = [(one, other) for one, other in strata(apart)["p"]]
+    together = [tuple(np.concatenate(own) for own in zip(*by_stratum, strict=True))]
+    assert power_of(by_stratum, 16, 0.05) > 0.9 > 0.5 > power_of(together, 16, 0.05)
+
+
+@pytest.mark.parametrize("variance", [0.0, 0.5, 0.8])
+def test_a_difference_between_instances_is_no_difference_between_optimizers(frame_of, variance):
+    rng, claims = np.random.default_rng(1), 0
+    for _ in range(60):
+        base = np.repeat(rng.normal(0, variance**0.5, 5), 5)
+        values = {name: base + rng.normal(0, (1 - variance) ** 0.5, 25) for name in "ab"}
+        frame = frame_with(frame_of, values, {name: np.repeat(range(5), 5) for name in values})
+        claims += int(pairwise_tests(frame)["significant"].sum())
+    assert claims <= 9  # 60 studies at 0.05
