@@ -71,8 +71,8 @@ def full(**changes):
         "study": study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]),
         "replications": [Replication(3, 1, 28, 30, 30)], "known": KNOWN, "failed": 2,
         "descriptions": described("gwo", "alo", "cma-es"), "environments": [ENVIRONMENT], "tests": 9, "pairs": 9,
-        "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1, "targets": 3,
-        "early": {"cma-es": 3, "gwo": 0},
+        "levels": Levels(0.01, 0.035, 0.005), "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1,
+        "targets": 3, "early": {"cma-es": 3, "gwo": 0},
         "checks": {"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
         "dominance": 2, "landscapes": 3, "rope": "1%", "common": "at 400 evaluations", "confined": 2,
     } | changes  # fmt: skip
