@@ -13,7 +13,7 @@ from pandas.api.types import is_bool_dtype, is_numeric_dtype
 from bench.report.wording import cell_text, usual_decimals
 
 SHADES = 8  # steps of a table's background
-LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades", "links")
+LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades", "links", "tones")
 """The attributes of a table that have a row and a column for each of its frame's."""
 
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
@@ -33,6 +33,7 @@ class TableCell:
     problem: str = ""
     optimizer: str = ""
     link: str = ""
+    tone: str = ""
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class Table:
         data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
         shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
         links: addresses that the values link to: texts like ``frame``; likewise.
+        tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too; likewise.
         cells: the cell of the study, (problem, optimizer), that a value belongs to, by (row, column): the page marks it
             with the names of both.
         most_rows: rows that the page shows, the first ones; the files have all.
@@ -73,6 +75,7 @@ class Table:
     data: pd.DataFrame | None = None
     shades: pd.DataFrame | None = None
     links: pd.DataFrame | None = None
+    tones: pd.DataFrame | None = None
     cells: Mapping[tuple[Any, Any], tuple[str, str]] | None = None
     most_rows: int = MOST_ROWS
     totals: int = 0
@@ -99,16 +102,16 @@ class Table:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
         cells = self.cells or {}
-        looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades, self.links)
+        looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades, self.links, self.tones)
         columns = [
             [
                 TableCell(
                     text or cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
                     shade=None if shade is None or pd.isna(shade) else min(int(shade * SHADES), SHADES - 1),
                     problem=cells.get((label, name), ("", ""))[0], optimizer=cells.get((label, name), ("", ""))[1],
-                    link=link or "",
+                    link=link or "", tone=tone or "",
                 )
-                for label, value, text, bold, italic, mark, lost, shade, link in zip(
+                for label, value, text, bold, italic, mark, lost, shade, link, tone in zip(
                     self.frame.index, values, *styles, strict=True
                 )
             ]

@@ -1,7 +1,7 @@
 """bench estimate: from recordings of motor speed to the backlash of joints."""
 
 import json
-import sys
+from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +11,16 @@ import typer
 from bench.errors import BenchError
 from bench.helpers import pairs, print_error, print_line, replacing
 from problems.backlash import EARLY_RAD
+
+ALARM = 3  # the exit code for a verdict that --fail-on names; 1 is for recordings that failed, 2 for bad input
+
+
+class FailOn(StrEnum):
+    """The verdicts that a scheduled job may fail on."""
+
+    early = "early"
+    progressed = "progressed"
+
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
@@ -80,6 +90,10 @@ def estimate(
         float,
         _verdict(metavar="RAD", help="The half-gap above which backlash has progressed."),
     ] = EARLY_RAD,
+    fail_on: Annotated[
+        FailOn | None,
+        _verdict(help="Exit with 3 where a joint's latest verdict is that bad; early includes the undecided."),
+    ] = None,
     confidence: Annotated[float, _verdict(help="The level of the intervals.")] = 0.95,
     resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
     seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap and the trials.")] = 0,
@@ -105,17 +119,18 @@ def estimate(
     """Estimate the backlash of a joint from a recording of its motor's speed, with a confidence interval.
 
     Several recordings are estimated one by one: the command reports those it cannot use, estimates the others, and
-    ends with 1. A date (joint4_2024-01.csv) or a number in the file names distinguishes joints and times, else the
-    order of the files does; a subfolder is a joint of its own. Each joint's trend follows, the fastest first, with the
-    time at which it reaches the limit.
+    ends with 1, or with 3 for a verdict that --fail-on names. A date (joint4_2024-01.csv) or a number in the file names
+    distinguishes joints and times, else the order of the files does; a subfolder is a joint of its own. Each joint's
+    trend follows, the fastest first, with the time at which it reaches the limit.
     """
     from rich.console import Console
 
+    from problems.backlash.commands.progress import progress
     from problems.backlash.recordings import parse_window, read_joints
-    from problems.backlash.sensor import formatting, recording_files
+    from problems.backlash.sensor import formatting, recording_files, records
     from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
     from problems.backlash.sensor.estimate import Settings
-    from problems.backlash.sensor.trend import trends
+    from problems.backlash.sensor.trend import joints_of
     from problems.backlash.signature.calibration import load_calibration
 
     stderr = Console(stderr=True)
@@ -143,11 +158,8 @@ def estimate(
     for remark in remarks:
         print_line(remark, console=stderr)
     made = estimate_files(paths, partial(read_joints, **columns), settings, asked, jobs=jobs)
-    if sys.stderr.isatty():
-        from rich.progress import track
-
-        made = iter(track(made, "estimating", len(paths), console=stderr, transient=True))
-    outcomes = [outcome for outcomes in made for outcome in outcomes]
+    with progress("estimating", len(paths), stderr) as track:
+        outcomes = [outcome for outcomes in track(made) for outcome in outcomes]
     stray = [one for one in outcomes if isinstance(one, Failed) and one.stray and str(one.path) not in recordings]
     for outcome in stray:  # of a folder
         print_line(f"{outcome.error}; it was left out", console=stderr)
@@ -159,11 +171,12 @@ def estimate(
     if several:  # after the bar, whose line they would be glued to
         for outcome in failed:
             print_error(outcome.error)
-    joints = trends(good, settings)
+    joints = joints_of(good, settings)
+    trends = [joint.trend for joint in joints if joint.trend]
     if as_json:
-        print(json.dumps([formatting.json_object(outcome) for outcome in outcomes], indent=1, ensure_ascii=False))
+        print(json.dumps(records.json_objects(outcomes, joints), indent=1, ensure_ascii=False))
     elif several:
-        formatting.print_table(outcomes, names, joints, settings)
+        formatting.print_table(outcomes, names, trends, settings)
     elif good:
         width = stdout.width if (stdout := Console()).is_terminal else None
         print_line("\n".join(formatting.estimate_lines(good[0], settings, width)))
@@ -171,14 +184,14 @@ def estimate(
         import pandas as pd
 
         with replacing(csv) as temporary:
-            pd.DataFrame(formatting.csv_rows(outcomes)).to_csv(temporary, index=False)
+            pd.DataFrame(records.csv_rows(outcomes, joints)).to_csv(temporary, index=False)
     if page is not None:
         from problems.backlash.sensor import page as pages
 
         pages.write(page, outcomes, names, joints, settings)
         print_line(f"page: {page}", console=stderr)
     if plot is not None and good:
-        pictures = plots.save_figures(plot, good, joints, settings, alone=not several)
+        pictures = plots.save_figures(plot, good, trends, settings, alone=not several)
         line = str(pictures[0]) if len(pictures) == 1 else f"{len(pictures)} pictures in {plot}"
         nothing = "no joint has two recordings, so there is no trend to draw; give --plot a folder for each one's fit"
         print_line(line if pictures else nothing, console=Console(stderr=as_json))
@@ -187,4 +200,8 @@ def estimate(
         raise BenchError(f"none of the {len(outcomes)} recordings could be estimated" if len(failed) > 1 else alone)
     if failed:
         print_error(f"{len(failed)} of the {len(outcomes)} recordings could not be estimated")
-        raise typer.Exit(1)
+    alarms = [joint for joint in joints if fail_on and formatting.is_alarm(joint.latest, fail_on)]
+    for joint in alarms:
+        print_error(f"{joint.series.name or joint.outcomes[-1].path}: the latest verdict is {joint.latest.verdict}")
+    if alarms or failed:
+        raise typer.Exit(ALARM if alarms else 1)

@@ -141,11 +141,13 @@ def simulate(
 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
     """Write the folder of a wear curve, complete or not at all."""
+    from problems.backlash.commands.progress import progress
     from problems.backlash.joint.wear import monthly_recordings
     from problems.backlash.joint.writing import write_recording
 
     _check_folder(folder, force)
-    months = list(monthly_recordings(joint, **options))
+    with progress("simulating", options["months"]) as track:
+        months = list(track(monthly_recordings(joint, **options)))
     rows = [f"{month.name},{month.half_gap!r},{month.peak!r}" for month in months]
     with replacing(folder.resolve()) as temporary:  # "." and ".." have a name then
         temporary.mkdir()

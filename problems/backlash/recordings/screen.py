@@ -68,9 +68,9 @@ def drift(recording: Recording) -> float:
 def steady_window(recording: Recording) -> tuple[float, float] | None:
     """Return the ends (s) of the longest part in which the speed is steady, without a transient at its ends, or None.
 
-    A speed is steady that stays within 20% of its level. The ends are cut back to where the speed does not leave the
-    range of the part's middle half by more than a tenth of that range, and by ``GUARD`` further, so that a ramp or a
-    transient is left out.
+    A speed is steady that stays within 20% of its level. An end where the motor starts or stops, or the speed leaves
+    the range of the part's middle half by more than that range, is cut back to where the speed leaves it by no more
+    than a tenth, and by ``GUARD`` further, so that a ramp or a transient is left out.
     """
     speed = _running_median(recording.speed)
     first = end = 0
@@ -84,12 +84,14 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
     if len(middle) < 2:
         return None
     low, high = middle.min(), middle.max()
-    margin = max(0.1 * (high - low), 1e-6 * abs(high))
-    ok = (speed[first:end] >= low - margin) & (speed[first:end] <= high + margin)
-    before, after = (np.flatnonzero(~side[: quarter + 1]) for side in (ok, ok[::-1]))
-    first, end = first + int(before.max(initial=-1)) + 1, end - int(after.max(initial=-1)) - 1
-    guard = min(round(GUARD / recording.dt), (end - first) // 10)
-    first, end = first + guard * (first > 0), end - guard * (end < len(speed))
+    span = max(high - low, 0.01 * abs(high))
+    cuts = []
+    for side, moves in ((speed[first:end], first > 0), (speed[first:end][::-1], end < len(speed))):
+        beyond = np.maximum(low - side, side - high)[: quarter + 1]
+        is_cut = moves or (beyond > span).any()
+        last = int(np.flatnonzero(beyond > 0.1 * span).max(initial=-1)) + 1
+        cuts.append(last + min(round(GUARD / recording.dt), quarter // 2) if is_cut else 0)
+    first, end = first + cuts[0], end - cuts[1]
     time = recording.time
     return float(time[first]), float(time[end - 1])
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.cbook import boxplot_stats
 from scipy.stats import binomtest, spearmanr
 
 from bench import Study
@@ -103,23 +101,18 @@ def _dots(ax: Axes, at: np.ndarray, values: np.ndarray) -> None:
 
 
 def _boxes(ax: Axes, at: np.ndarray, values: np.ndarray) -> None:
-    """Draw Tukey's box plots, each kind of line at once: eighteen boxes of matplotlib or seaborn are 126 artists."""
+    """Draw Tukey's box plots."""
     places = np.unique(at)
-    if not len(places):
-        return
-    boxes = pd.DataFrame(boxplot_stats([values[at == place] for place in places]))
-    ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
-    line: dict[str, Any] = {"color": "black", "linewidth": 0.6}
-    ax.bar(places, boxes["q3"] - boxes["q1"], 0.6, boxes["q1"], facecolor="none", edgecolor="black", linewidth=0.6)
-    ax.vlines(np.tile(places, 2), [*boxes["whislo"], *boxes["q3"]], [*boxes["q1"], *boxes["whishi"]], **line)
-    caps = np.tile(places, 2)
-    ax.hlines([*boxes["whislo"], *boxes["whishi"]], caps - 0.15, caps + 0.15, **line)
-    ax.hlines(boxes["med"], places - 0.3, places + 0.3, color=style.PALETTE[0], linewidth=1.2, label=LEGEND["boxes"][0])
-    beyond = boxes["fliers"]
-    ax.plot(
-        np.repeat(places, beyond.map(len)), np.concatenate(list(beyond)), "o", markerfacecolor="none",
-        markeredgecolor="black", markersize=2, markeredgewidth=0.4, label=LEGEND["boxes"][1],
+    ax.use_sticky_edges = False  # the end of a box is no limit of the axis
+    thin, line = {"linewidth": 0.6}, {"color": style.PALETTE[0], "linewidth": 1.2}
+    beyond = {"marker": "o", "markersize": 2, "markeredgewidth": 0.4}
+    drawn = ax.boxplot(
+        [values[at == place] for place in places], positions=places, widths=0.6, manage_ticks=False, boxprops=thin,
+        whiskerprops=thin, capprops=thin, medianprops=line, flierprops=beyond,
     )  # fmt: skip
+    for kind, label in (("medians", LEGEND["boxes"][0]), ("fliers", LEGEND["boxes"][1])):
+        for artist in drawn[kind][:1]:
+            artist.set_label(label)
 
 
 def _expected(ax: Axes, truth: pd.DataFrame) -> None:

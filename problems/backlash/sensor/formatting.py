@@ -1,4 +1,4 @@
-"""Format estimates, trends and calibrations: as lines for a maintenance engineer, as a table, and as JSON."""
+"""Format estimates, trends and calibrations: as lines for a maintenance engineer, and as a table."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ from bench.helpers import print_line
 from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
 from problems.backlash.sensor.estimate import Estimate, Settings, why_undecided
 from problems.backlash.sensor.recording_files import Series
-from problems.backlash.sensor.trend import Trend
+from problems.backlash.sensor.trend import HORIZON, Trend
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
 from problems.backlash.signature.problem import FOUND
 
@@ -34,11 +34,15 @@ NARROW = 110  # columns of a terminal below which a table leaves out what it can
 SHORT, LONG = 22, 50  # letters of a file's name in a narrow table and in a wide one
 STYLES = {"progressed": "bold red", "early": "yellow", "undecided": "yellow", "no backlash": "green"}
 
-BEFORE = ("amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict")
-AFTER = (
-    "amplitude_interval_rps", "period_s", "period_source", "mean_rps", "explained", "p_value", "calibration", "notes",
-)  # fmt: skip
-"""The keys of an estimate in JSON before and after its variables."""
+
+def is_alarm(estimate: Estimate, least: str) -> bool:
+    """Return whether a verdict is "progressed", or, where ``least`` is "early", any on a disturbance that is detected.
+
+    What is undecided as the noise may hide it is no alarm.
+    """
+    if least == "progressed" or estimate.verdict in ("progressed", "no backlash"):
+        return estimate.verdict == "progressed"
+    return estimate.amplitude_rps > 0.0
 
 
 def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = None) -> list[str]:
@@ -217,54 +221,6 @@ def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
     return lines
 
 
-def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
-    """Return an outcome as a JSON object; unknown values are null."""
-    if isinstance(outcome, Failed):
-        return {"file": str(outcome.path), "error": outcome.error}
-    estimate = outcome.estimate
-    content = {
-        "file": str(outcome.path),
-        **{name: getattr(estimate, name) for name in BEFORE},
-        **estimate.variables,
-        **{name: getattr(estimate, name) for name in AFTER},
-    }
-    if runs := outcome.runs:
-        content["runs"] = {
-            "optimizer": runs.settings.name,
-            "budget": runs.settings.budget,
-            "amplitudes_rps": runs.sizes_rps.tolist(),
-            "backlashes_rad": runs.backlashes_rad.tolist(),
-            "rmses_rps": runs.values_rps.tolist(),
-            "found": runs.found,
-        }
-    return {key: _finite(value) for key, value in content.items()}
-
-
-def csv_rows(outcomes: Iterable[Estimated | Failed]) -> list[dict[str, Any]]:
-    """Return a row a file with the keys of :func:`json_object`: an interval as two columns, notes joined, no trials."""
-    rows = []
-    for outcome in outcomes:
-        row: dict[str, Any] = {}
-        for key, value in json_object(outcome).items():
-            if key == "notes":
-                row[key] = "; ".join(value)
-            elif isinstance(value, list):
-                row |= {f"{key}_low": value[0], f"{key}_high": value[1]}
-            elif key != "runs":
-                row[key] = value
-        rows.append(row)
-    return rows
-
-
-def _finite(value: Any) -> Any:
-    """Return a value with null for every number that is not finite, as JSON has none."""
-    if isinstance(value, dict):
-        return {key: _finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on the size of a disturbance and of the gap that causes it."""
     percent = f"{100 * settings.confidence:g}%"
@@ -341,6 +297,8 @@ def _limit(trend: Trend) -> str:
         return f"has been passed in {_when(series, trend.since)}"
     if trend.reached is None:
         return f"is not predicted to be reached: the latest {trend.latest} recordings show no significant growth"
+    if trend.is_distant:
+        return f"is not reached within {HORIZON / 12:g} years if the growth of the latest {trend.latest} continues"
     when, (early, late) = trend.reached
     until = f"to {series.label(late)}" if math.isfinite(late) else "or never"
     return (

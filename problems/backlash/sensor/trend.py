@@ -21,6 +21,7 @@ from problems.backlash.sensor.estimate import Estimate, Interval, Settings
 from problems.backlash.sensor.recording_files import Series, series
 
 FEWEST = 3  # recordings that a slope needs
+HORIZON = 120.0  # months from the last recording, beyond which a prediction says nothing of a joint
 LATEST = 6  # recordings that predict a limit at least, where there are as many: five cannot be significant at 1%
 
 
@@ -81,6 +82,12 @@ class Trend:
     since: float | None
     reached: tuple[float, Interval] | None
 
+    @property
+    def is_distant(self) -> bool:
+        """Whether the limit is reached more than ``HORIZON`` months after the last recording."""
+        months = self.series.unit == "month"
+        return months and self.reached is not None and self.reached[0] > self.series.at[-1] + HORIZON
+
 
 def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, confidence: float = 0.95) -> Trend:
     """Return the trend of a series.
@@ -114,15 +121,51 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
     )
 
 
-def trends(estimated: Sequence[Estimated], settings: Settings) -> list[Trend]:
-    """Return the trend of every joint with two recordings or more, the fastest first."""
-    joints = [
-        joint
-        for joint in series([one.path for one in estimated], [one.joint for one in estimated])
-        if len(joint.members) > 1
-    ]
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint and what its recordings show.
+
+    Attributes:
+        series: the joint's name, and the times of its recordings.
+        outcomes: its estimates, in the order of time.
+        trend: None where there is one recording.
+    """
+
+    series: Series
+    outcomes: tuple[Estimated, ...]
+    trend: Trend | None
+
+    @property
+    def latest(self) -> Estimate:
+        """The estimate of the last recording."""
+        return self.outcomes[-1].estimate
+
+    @property
+    def outlook(self) -> tuple[str, float, Interval]:
+        """What is known of the limit, when it is reached, and the range of that time, both NaN where unknown.
+
+        It is "passed", "predicted", "distant" (not within ``HORIZON`` months), "no growth" beyond chance in the latest
+        recordings, or "unknown": there is no half-gap, or fewer than three times.
+        """
+        one, nowhere = self.trend, (math.nan, math.nan)
+        if one is not None and one.since is not None:
+            return "passed", one.since, nowhere
+        if one is not None and one.reached is not None:
+            return "distant" if one.is_distant else "predicted", *one.reached
+        known = one is not None and one.line is not None and one.quantity == "backlash"
+        return "no growth" if known else "unknown", math.nan, nowhere
+
+
+def joints_of(estimated: Sequence[Estimated], settings: Settings) -> list[Joint]:
+    """Return every joint, the one whose gap grows fastest first, those with one recording last."""
     options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
-    return fastest_first(trend(joint, [estimated[i].estimate for i in joint.members], **options) for joint in joints)
+    made = []
+    for each in series([one.path for one in estimated], [one.joint for one in estimated]):
+        outcomes = tuple(estimated[i] for i in each.members)
+        estimates = [outcome.estimate for outcome in outcomes]
+        made.append(Joint(each, outcomes, trend(each, estimates, **options) if len(outcomes) > 1 else None))
+    order = {id(one): place for place, one in enumerate(fastest_first(each.trend for each in made if each.trend))}
+    return sorted(made, key=lambda each: order.get(id(each.trend), len(order)))
 
 
 def fastest_first(trends: Iterable[Trend]) -> list[Trend]:

@@ -99,6 +99,24 @@ def test_joints_of_one_file_have_rows_and_trends_of_their_own(command, stub, ser
     assert "joint5: half-gap 6.000 mrad in 2024-01, 9.000 in 2024-04" in said
 
 
+@pytest.mark.parametrize(("verdicts", "code"), [("1", 0), ("19", 3), ("91", 0), ("1x", 1), ("9x", 3)])
+def test_the_exit_code_follows_the_latest_verdict_of_each_joint(
+    monkeypatch, make_estimate, tmp_path, calibration, verdicts, code, capsys
+):
+    """3 for an alarm, 1 for a recording that failed, 0 else; 2 is bad input's."""
+    words = {"1": "early", "9": "progressed"}
+    monkeypatch.setattr(
+        batch, "estimate", lambda recording, _: make_estimate(verdict=words[str(abs(recording.speed[0]))[0]])
+    )
+    for month, verdict in enumerate(verdicts, 1):
+        (tmp_path / f"2024-0{month}.csv").write_text(f"t,v\n0,{verdict}\n1,{verdict}\n2,{verdict}\n3,{verdict}.5\n")
+    app = typer.Typer()
+    app.command()(estimate)
+    options = [str(tmp_path), "--calibration", str(calibration), "--fail-on", "progressed", "--jobs", "1"]
+    assert (app(options, standalone_mode=False) or 0) == code
+    assert ("the latest verdict is progressed" in capsys.readouterr().err) == (code == 3)
+
+
 def test_a_series_ends_with_its_trend_and_a_picture_of_it(command, stub, series):
     said = command(estimate, series, "--plot", series / "trend.svg", "--limit", 0.0035, "--jobs", 1)
     assert [line.split()[1] for line in said.splitlines()[1:6]] == ["file", *(f"2024-0{i}.csv" for i in range(1, 5))]

@@ -1,6 +1,5 @@
-"""Estimates as lines, as a table and as JSON."""
+"""Estimates as lines and as a table."""
 
-import json
 import math
 from pathlib import Path
 
@@ -150,18 +149,6 @@ def test_the_table_fits_eighty_columns_whatever_the_names(make_estimate):
     assert [line.split()[2] for line in lines[2:]] == ["a-robot…t4_2024-01.csv", "a-robot…t4_2024-02.csv"]
 
 
-def test_csv_has_a_column_for_each_end_of_an_interval(make_estimate):
-    outcomes = [
-        Estimated(Path("g"), make_estimate(0.001, notes=("few turns", "drift")), runs()),
-        Failed(Path("b"), "no"),
-    ]
-    first, second = formatting.csv_rows(outcomes)
-    assert (first["interval_rad_low"], first["interval_rad_high"]) == pytest.approx((0.0009, 0.0011))
-    assert first["notes"] == "few turns; drift"
-    assert "runs" not in first
-    assert second == {"file": "b", "error": "no"}
-
-
 def test_a_note_is_told_once_with_its_files(make_estimate):
     names = [f"f{i}" for i in range(8)]
     notes = [("few turns",) if i else ("few turns", "drift") for i in range(8)]
@@ -169,22 +156,6 @@ def test_a_note_is_told_once_with_its_files(make_estimate):
     assert formatting.notes([*outcomes, Failed(Path("x"), "no")], [*names, "x"]) == [
         "note on f0, f1, f2, f3, f4 and 3 more: few turns", "note on f0: drift",
     ]  # fmt: skip
-
-
-def test_a_record_holds_only_what_json_knows(make_estimate):
-    estimate = make_estimate(math.nan, amplitude_interval_rps=(0.1, math.inf), interval_rad=NAN, amplitude_rps=1.0)
-    content = json.loads(
-        json.dumps(formatting.json_object(Estimated(Path("a.csv"), estimate, runs())), allow_nan=False)
-    )
-    assert list(content)[:13] == [
-        "file", "amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict",
-        "A", "t0", "tau", "omega", "v_t", "T1", "T2",
-    ]  # fmt: skip
-    assert content["backlash_rad"] is None
-    assert content["interval_rad"] == [None, None]
-    assert content["amplitude_interval_rps"] == [0.1, None]
-    assert content["runs"]["amplitudes_rps"] == [0.5, 0.6]
-    assert formatting.json_object(Failed(Path("b.csv"), "no")) == {"file": "b.csv", "error": "no"}
 
 
 def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):
@@ -227,3 +198,21 @@ def test_a_trend_is_told_in_sentences(make_estimate, gaps, unit, lines):
         assert line in said
     assert "nan" not in said
     assert ("limit" in said) == (len(gaps) > 2 and not others)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "amplitude", "early", "progressed"),
+    [
+        ("no backlash", 0.0, False, False),
+        ("no backlash", 0.1, False, False),
+        ("early", 0.5, True, False),
+        ("progressed", 1.5, True, True),
+        ("undecided", 1.2, True, False),
+        ("undecided", 0.0, False, False),  # the noise may hide it
+        ("backlash", 0.5, True, False),
+    ],
+)
+def test_an_alarm_is_for_what_is_detected_and_as_bad_as_asked(make_estimate, verdict, amplitude, early, progressed):
+    estimate = make_estimate(verdict=verdict, amplitude_rps=amplitude)
+    assert formatting.is_alarm(estimate, "early") == early
+    assert formatting.is_alarm(estimate, "progressed") == progressed

@@ -1,6 +1,7 @@
 """The page on many recordings."""
 
 import math
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from bench import BenchError
 from problems.backlash.sensor import page
 from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.trend import trends
+from problems.backlash.sensor.trend import joints_of
 
 
 class Words(HTMLParser):
@@ -32,10 +33,15 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     good = [Estimated(Path(name), make_estimate(0.001 + 0.0002 * i)) for i, name in enumerate(names)]
     outcomes = [*good, Failed(Path("bad.csv"), "bad.csv has 0 samples")]
     settings = Settings()
-    path = page.write(tmp_path / "page.html", outcomes, [*names, "bad.csv"], trends(good, settings), settings)
+    path = page.write(tmp_path / "page.html", outcomes, [*names, "bad.csv"], joints_of(good, settings), settings)
     read = Words(path.read_text(encoding="utf-8"))
     text = " ".join(" ".join(read.words).split())
-    assert "5 recordings, 0 with progressed backlash, 1 not estimated." in text
+    assert "1 joint, 0 with progressed backlash at last; 5 recordings, 1 not estimated." in text
+    (row,) = re.findall(r"<tr>.*?</tr>", path.read_text().partition("<tbody>")[2].partition("</tbody>")[0], re.DOTALL)
+    assert re.sub("<.*?>", "|", row.replace("\n", "")).split("|")[2:-1:2] == [
+        "joint", "early", "1.60 (1.50 to 1.70)", "no trend: +0.200 a month (+0.200 to +0.200)",
+        "unknown: no growth in the latest 4 recordings", "2024-04",
+    ]  # fmt: skip
     assert "bad.csv has 0 samples" in text
     assert "half-gap 1.000 mrad in 2024-01, 1.600 in 2024-04" in text
     assert "; the limit of 2.1 mrad is not predicted to be reached" in text
@@ -47,8 +53,33 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
 def test_without_an_estimate_or_a_place_it_says_so(make_estimate, tmp_path):
     failed = [Failed(Path("bad.csv"), "no")]
     path = page.write(tmp_path / "page.html", failed, ["bad.csv"], [], Settings())
-    assert "1 recording, 0 with progressed backlash, 1 not estimated." in path.read_text(encoding="utf-8")
+    assert "0 joints, 0 with progressed backlash at last; 1 recording, 1 not estimated." in path.read_text(
+        encoding="utf-8"
+    )
     hidden = Estimated(Path("a.csv"), make_estimate(math.nan, interval_rad=(np.nan, np.nan)))
-    assert page.write(tmp_path / "page.html", [hidden], ["a.csv"], [], Settings()).exists()
+    assert page.write(tmp_path / "page.html", [hidden], ["a.csv"], joints_of([hidden], Settings()), Settings()).exists()
     with pytest.raises(BenchError, match="cannot be written"):
         page.write(tmp_path / "no" / "page.html", failed, ["bad.csv"], [], Settings())
+
+
+@pytest.mark.parametrize(
+    ("gaps", "verdict", "tone", "change", "limit"),
+    [
+        ([0.0010, 0.0014, 0.0018, 0.0022], "progressed", "bad", "no trend: +0.400 a month", "passed in 2024-04"),
+        (np.linspace(0.001, 0.0017, 8), "early", "warn", "+0.100 a month", "2024-12 ("),
+        (np.linspace(0.001, 0.00102, 8), "no backlash", "good", "+0.003 a month", "not within 10 years"),
+        ([0.001, 0.0011], "undecided", "warn", "unknown: fewer than three recordings", "unknown"),
+        ([0.001], "early", "warn", "unknown: fewer than three recordings", "unknown"),
+        ([0.001, 0.002, math.nan], "undecided", "warn", "unknown: not every half-gap is known", "unknown"),
+    ],
+)
+def test_a_joint_has_a_row_with_what_is_known_of_it(make_estimate, gaps, verdict, tone, change, limit):
+    outcomes = [
+        Estimated(Path(f"J4_2024-{month:02}.csv"), make_estimate(float(gap), verdict=verdict))
+        for month, gap in enumerate(gaps, 1)
+    ]
+    table = page._joints(joints_of(outcomes, Settings()), Settings())
+    ((name, shown, _, changes, reached, latest),) = ([cell.text for cell in row] for row in table.rows)
+    assert (name, shown, latest) == ("J4", verdict, f"2024-{len(gaps):02}")
+    assert (changes.startswith(change), reached.startswith(limit)) == (True, True)
+    assert table.rows[0][1].tone == tone

@@ -103,3 +103,8 @@ def test_where_a_recording_has_no_backlash_figure_the_amplitude_is_followed(tren
 def test_the_joint_that_grows_fastest_beyond_chance_comes_first(trend_of):
     wild, slow, fast = trend_of([0.001, 0.003, 0.002]), trend_of(GAPS), trend_of(0.0005 + 2 * (GAPS - GAPS[0]))
     assert fastest_first([trend_of(GAPS[:2]), wild, slow, fast])[:3] == [fast, slow, wild]
+
+
+def test_a_limit_that_takes_longer_than_ten_years_is_distant(trend_of):
+    assert not trend_of(GAPS).is_distant
+    assert trend_of(0.001 + (GAPS - GAPS[0]) / 100).is_distant
