@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter, process_time
 from typing import Any
 
@@ -32,12 +32,16 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A planned run: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
+    """A planned run: a cell of the study (problem label, optimizer label), its number from 0, and its seed.
+
+    ``again`` has it made in a process that has made no other trial.
+    """
 
     problem: str
     optimizer: str
     number: int
     seed: int
+    again: bool = field(default=False, compare=False)
 
     @property
     def key(self) -> tuple[str, str, int]:

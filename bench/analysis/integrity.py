@@ -181,8 +181,10 @@ def _storage(stores: Sequence[StoreCheck]) -> CheckResult:
 def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
     if not verifications or not all(verifications):
         return CheckResult("not checked", "Run 'bench verify' with this folder to repeat trials of each cell.")
-    different = [str(line) for noted in verifications for line in noted.get("different") or ()]
-    summary = "; ".join(str(noted.get("sentence")) for noted in verifications)
+    either = (part for noted in verifications for part in (noted.get("at_ends"), noted))
+    parts = [part for part in either if isinstance(part, Mapping) and "sentence" in part]
+    different = [str(line) for part in parts for line in part.get("different") or ()]
+    summary = "; ".join(str(part["sentence"]) for part in parts)
     if different:
         return CheckResult(
             "error", f"{summary}. Not repeated: {listed(different)}. Results depend on more than their seeds."

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from bench.board.archive import LONGEST, Again
 from bench.errors import BenchError
+from bench.execution.again import difference
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
-from bench.execution.verify import HASH_SEED, difference
+from bench.execution.verify import HASH_SEED
 from bench.helpers.text import printable
 from bench.seeds import trial_seed
 from bench.storage.folder import Folder

@@ -102,9 +102,14 @@ def command(
         bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
     verify: Annotated[
-        int,
-        _afterwards(metavar="N", min=0, help="Also make N trials of each cell again (see 'bench verify') before it."),
-    ] = 0,
+        int | None,
+        _afterwards(
+            metavar="N",
+            min=0,
+            help="Make N trials of each cell again (see 'bench verify') before it, 0 for none; default: one trial of "
+            "each optimizer, at the end of the run.",
+        ),
+    ] = None,
     report: Annotated[bool, _afterwards(help="Write the report when the run ends.")] = True,
     against: Against = None,
     open_: Open = False,
@@ -143,14 +148,15 @@ def command(
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
-        _show_estimate(plan(chosen, output, shard=shard, untrusted=untrusted), jobs, console, untrusted)
+        planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None)
+        _show_estimate(planned, jobs, console, untrusted)
         return
     try:
         with Display(console) as display:
             outcome = run(
                 chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
                 scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
-                on_plan=display.plan, on_trial=display.trial, on_look=display.look,
+                verify=verify is None, on_plan=display.plan, on_trial=display.trial, on_look=display.look,
             )  # fmt: skip
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -176,12 +182,16 @@ def command(
     if outcome.undeclared:
         who = listed([f"{label} ({number:,})" for label, number in outcome.undeclared.items()])
         print_line(f"trials that ended before the budget without a declared reason: {who}", "yellow", console)
+    for line in outcome.different:
+        print_line(line, "red", console)
     for file in outcome.edited:
         said = "was edited during the run: all its trials were made with the file as it was at the start"
         print_line(f"{file} {said}; 'bench run' makes no more of them with the new one", "yellow", console)
     if outcome.failed:
         print_error(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
-    if outcome.failed or unsound:
+    if outcome.different:
+        print_error("some trials are not repeated bit by bit: what their optimizers keep from trial to trial, or time")
+    if outcome.failed or unsound or outcome.different:
         sys.exit(1)
 
 

@@ -58,8 +58,15 @@ def command(
         print_line(line, "red", console)
     for line in _killed(folder):
         print_line(line, "yellow", console)
-    if verified := folder.noted(VERIFICATION):
-        line = f"verified {verified.get('verified')}: {verified.get('sentence')}"
+    verified = folder.noted(VERIFICATION)
+    trials, different = folder.repeated()
+    if trials:
+        again = f"made again at the ends of runs: {trials - len(different):,} of {trials:,} are the same bit by bit"
+        print_line(again, "red" if different else None, console)
+    for line in different:
+        print_line(line, "red", console)
+    if "verified" in verified:
+        line = f"verified {verified['verified']}: {verified.get('sentence')}"
         print_line(line, "red" if verified.get("different") else None, console)
     made = folder.store.made()
     for number, record in folder.store.environments().items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 
 from bench.errors import BenchError, nearest
 from bench.execution.dask import Cluster, cluster
@@ -23,5 +23,5 @@ def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContext
     if (backend == "dask") != (scheduler is not None):
         raise BenchError("the dask backend needs --scheduler tcp://HOST:PORT, and no other backend takes one")
     if scheduler is None:
-        return nullcontext(Local(number(jobs)))
+        return Local(number(jobs))
     return cluster(scheduler)

@@ -115,7 +115,7 @@ class Job:
         return self._boxes[problem]
 
     def prepare(self, trial: Trial) -> _Ready:
-        """Load and warm up what a trial needs, by a short trial on this kind of problem, where that is not done yet."""
+        """Load and warm up what a trial needs, by a short trial on a stand-in for the problem, unless that is done."""
         problem, optimizer = trial.problem, trial.optimizer
         problems = self._alone if self._task.apart else self._with_problem(problem)
         ready = self._ready.pop((problems, optimizer), None)
@@ -123,9 +123,8 @@ class Job:
             ready = _Ready(self._with_optimizer(problems, optimizer).branch())
         if problem not in ready.problems:
             ready.problems.add(problem)
-            box = self._boxes[problem] if self._task.apart else None
             try:
-                if ready.server.call(trial_process.warm_up, problem, optimizer, box, **self._warming):
+                if ready.server.call(trial_process.warm_up, optimizer, self._boxes[problem], **self._warming):
                     ready.end_process()  # it must be as warm as others
             except FAILURES:  # the trials will fail with the reason
                 ready.end_process()
@@ -142,9 +141,12 @@ class Job:
         if self._task.apart:
             return self._make_apart(trial, ready)
         began = monotonic()
+        if trial.again:
+            ready.end_process()
         if ready.process is None or ready.process.closed:
-            ready.process = ready.server.process()
+            ready.process, ready.made = ready.server.process(), set()
             ready.left = WORTH * (monotonic() - began)
+        ready.made.add(trial.problem)
         began = monotonic()
         answer = ready.process.call(trial_process.make, trial, **self._limits, printed=PRINTED)
         took = monotonic() - began
@@ -250,6 +252,11 @@ class _Ready:
     problems: set[str] = field(default_factory=set)  # that it was warmed up for
     process: Process | None = None  # makes its trials, as long as they take less than the seconds left
     left: float = 0.0
+    made: set[str] = field(default_factory=set)  # problems of the trials that this process has made
+
+    def before(self, problem: str) -> int:
+        """Return 2 where the next trial's process has made one of the problem, 1 where one of another, 0 for none."""
+        return 0 if self.process is None or self.process.closed else 1 + (problem in self.made)
 
     def end_process(self) -> None:
         if self.process is not None:

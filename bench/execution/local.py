@@ -19,10 +19,26 @@ Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that ma
 
 
 class Local:
-    """A thread for each of ``jobs``, which supervises the processes that make its trials."""
+    """A context of a thread for each of ``jobs``, which supervises the processes that make its trials.
+
+    They are kept for the next trials of the same task.
+    """
 
     def __init__(self, jobs: int) -> None:
         self.jobs = jobs
+        self._task: Task | None = None
+        self._supervisors: list[Supervisor] = []
+
+    def __enter__(self) -> Local:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end()
+
+    def _end(self) -> None:
+        for supervisor in self._supervisors:
+            supervisor.kill()
+        self._supervisors = []
 
     def answers(
         self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
@@ -37,7 +53,9 @@ class Local:
             missing: returns the trials that are not finished at the moment they are reached.
             on_begin: called with the number of a job and the trial that it begins, where that is known.
         """
-        supervisors = [Supervisor(task) for _ in range(self.jobs)]
+        if self._task is not task or not self._supervisors:
+            self._end()
+            self._task, self._supervisors = task, [Supervisor(task) for _ in range(self.jobs)]
         trials = iter(missing())
         made: SimpleQueue[tuple[Trial, Row] | BaseException | None] = SimpleQueue()
         turn = Lock()
@@ -59,16 +77,17 @@ class Local:
                 made.put(error)
             made.put(None)
 
-        threads = _side_by_side(delayed(supervise)(*job) for job in enumerate(supervisors))
+        threads = _side_by_side(delayed(supervise)(*job) for job in enumerate(self._supervisors))
         try:
-            for _ in supervisors:
+            for _ in range(self.jobs):
                 while (answer := made.get()) is not None:
                     if isinstance(answer, BaseException):
                         raise answer
                     yield *answer, machine
+        except BaseException:  # GeneratorExit, too
+            self._end()
+            raise
         finally:
-            for supervisor in supervisors:
-                supervisor.kill()
             list(threads)
 
 

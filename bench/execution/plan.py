@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product, takewhile
 
@@ -43,6 +43,7 @@ class Plan:
     cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
     notes: Sequence[str] = ()  # warnings to print before the run begins
     stopped: dict[tuple[str, str], int] = field(default_factory=dict)  # trials of the cells that looks stopped so far
+    verify: bool = False  # whether one trial of each optimizer is made again at the end
 
     def trials(self) -> Iterator[Trial]:
         """Yield every trial, finished or not, in the order in which they are to be made."""
@@ -87,7 +88,19 @@ class Plan:
             group: sum(cell.wall_s for cell in cells) / sum(cell.done for cell in cells)
             for group, cells in groups.items()
         }
-        return sum(
-            (planned - finished) * means.get((problem, optimizer), means.get((optimizer,), means[()]))
-            for (problem, optimizer), (planned, finished) in self.counts().items()
+        return self.total(
+            lambda problem, optimizer: means.get((problem, optimizer), means.get((optimizer,), means[()]))
         )
+
+    def total(self, seconds: Callable[[str, str], float]) -> float:
+        """Return what all trials to be made take together, of which each takes ``seconds(problem, optimizer)``.
+
+        The one of each optimizer that is made again is one of those that take least.
+        """
+        total, least = 0.0, dict[str, float]()
+        for (problem, optimizer), (planned, finished) in self.counts().items():
+            if planned > finished:
+                took = seconds(problem, optimizer)
+                total += (planned - finished) * took
+                least[optimizer] = min(took, least.get(optimizer, took))
+        return total + (sum(least.values()) if self.verify else 0.0)

@@ -113,6 +113,9 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     part = f"; shard {plan.shard} of them: {count(total, 'run')}" if plan.shard else f" = {count(total, 'run')}"
     done = f", {present:,} of them already done" if present else ""
     print_line(f"study {study.name}: {size}{part} of {study.budget_words}{done}", console=console)
+    if plan.verify and (optimizers := {label for (_, label), (most, done) in counts.items() if most > done}):
+        more = f"{count(len(optimizers), 'run')} more at the end: one of each optimizer is made again and compared"
+        print_line(more, console=console)
     if study.looks:
         print_line(f"looks at {', '.join(map(str, study.looks))} trials: {_decided([], plan)}", console=console)
     for note in plan.notes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
+from bench.execution.again import Repetition
 from bench.execution.backends import open_pool
 from bench.execution.job import Task
 from bench.execution.local import Answer
@@ -41,6 +42,7 @@ class Outcome:
         made: the trials that this run made.
         failed: the trials of the study that failed.
         undeclared: the trials of the study, by optimizer, that ended before the budget and did not declare why.
+        different: a line for each trial that differed when it was made again at the end.
         edited: the files of plug-ins that were edited during the run, all of whose trials were made with the files as
             they were before.
     """
@@ -49,6 +51,7 @@ class Outcome:
     made: int
     failed: int
     undeclared: dict[str, int]
+    different: list[str]
     edited: list[str]
 
 
@@ -63,6 +66,7 @@ def run(
     memory: float | None = None,
     shard: str | None = None,
     untrusted: bool = False,
+    verify: bool = True,
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
     on_look: OnLook | None = None,
@@ -87,6 +91,8 @@ def run(
         untrusted: keep problem, budget and trace of every trial in another process than its optimizer, run all
             plug-ins in a sandbox of bubblewrap (Linux), and limit a trial to 10 minutes and 4 GB where no other limits
             are given.
+        verify: make one trial of each optimizer again at the end, in a fresh process, and note in the folder those that
+            differ (:mod:`bench.execution.again`).
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
@@ -113,7 +119,7 @@ def run(
         repaired = repair(folder, study.trials)  # before anything else reads the store
         before = folder.trials_asked()
         folder.refuse_changes(checked.fingerprints)  # once more, as they may lie in what was repaired
-        plan = _plan(study, folder, part, repaired)
+        plan = _plan(study, folder, part, repaired, verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -134,16 +140,19 @@ def run(
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
 
-        def make(missing: Callable[[], Iterator[Trial]]) -> Iterator[Answer]:
+        def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
             return pool.answers(task, checked.machine, missing, under_way.begin)
 
-        answers = _answers(plan, folder, make, lookers)
-        made = _make(plan, folder, answers, about, interrupts, listeners)
+        answers, repetition = _answers(plan, folder, make, lookers), Repetition()
+        made = _make(plan, folder, answers, about, interrupts, repetition, listeners)
         if not (counted := folder.store.count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
+        with interrupts.allowed():
+            different = repetition.make(folder, make) if verify else []
         failed = sum(cell.failed for cell in folder.store.cells())
-        return Outcome(folder.path, made, failed, folder.store.undeclared(), from_file.changed(task.files))
+        edited = from_file.changed(task.files)
+        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited)
 
 
 def plan(
@@ -152,13 +161,14 @@ def plan(
     *,
     shard: str | None = None,
     untrusted: bool = False,
+    verify: bool = True,
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
     study = folder.extended(study)
     prepare(study, folder, untrusted)
     stored = folder.store.check()
-    plan = _plan(study, folder, part, "" if stored.sound else stored.sentence)
+    plan = _plan(study, folder, part, "" if stored.sound else stored.sentence, verify)
     for key in stored.damaged:
         plan.finished.discard(key)
     return plan
@@ -199,7 +209,7 @@ def _resolved(
     return study, Folder(default_path(study) if output is None else output), part
 
 
-def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Plan:
+def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str, verify: bool) -> Plan:
     """Return the plan of a study in its folder.
 
     Its notes describe the store's damage, and what changed in the environment since the last run.
@@ -216,7 +226,7 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Pla
             f"{', '.join(map(str, blind))} of {study.trials} trials that nothing can be decided there"
         )
     finished, stopped = folder.store.keys(finished_only=True), stopped_cells(study, folder.store)
-    return Plan(study, shard, finished, folder.store.cells(), notes, stopped)
+    return Plan(study, shard, finished, folder.store.cells(), notes, stopped, verify)
 
 
 def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:
@@ -257,6 +267,7 @@ def _make(
     answers: Iterator[Answer],
     about: dict[str, Any],
     interrupts: Interrupts,
+    repetition: Repetition,
     listeners: Sequence[Listener],
 ) -> int:
     """Commit the missing trials as they are made; return their number."""
@@ -273,6 +284,7 @@ def _make(
                 if machine not in numbers:
                     numbers[machine] = writer.environment(json.loads(machine) | about)
                     folder.write_environments()
+                repetition.consider(trial, row)
                 writer.add(trial, row, numbers[machine])
                 plan.finished.add(*trial.key)
                 made += 1

@@ -203,13 +203,17 @@ class Supervisor:
             return self._job
 
     def _made(self, trial: Trial, job: Job) -> Row:
-        """Have a trial made; return its row once its answer is checked and its best point is evaluated again."""
+        """Have a trial made; return its row once its answer is checked and its best point is evaluated again.
+
+        The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`.
+        """
         self._doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
         if isinstance(box, str):
             return failed(box)
         server = job.prepare(trial)
         self._doing = ""
+        after = server.before(trial.problem)
         answer, seconds = job.make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
@@ -219,7 +223,7 @@ class Supervisor:
         else:
             self._doing = "while its best point was evaluated again"
             metrics = self._confirmed(claimed, trial.problem, box, seconds, job)
-        return as_row(replace(claimed, metrics=metrics), box.variables)
+        return as_row(replace(claimed, metrics=metrics), box.variables) | {"after": after}
 
     def _confirmed(self, claimed: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
         """Return the metrics of a claimed result whose best point has that value, by a new evaluator if need be."""

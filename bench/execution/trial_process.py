@@ -113,7 +113,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
         passes(_study().evaluations(problem.dimension), problem.dimension)
-        if (kind := (type(problem.unscored), "")) not in _warm:
+        if (kind := type(problem.unscored)) not in _warm:
             _warm.add(kind)
             counted = scoring.objective(problem, 1, np.random.default_rng(0))
             counted(points := counted.initial(1))
@@ -129,23 +129,24 @@ def load_optimizer(label: str) -> None:
     _settle()
 
 
-def warm_up(problem: str, optimizer: str, box: Box | None = None) -> bool:
-    """Make and discard a short trial, once for each kind of problem, so that no trial waits for a compiler.
+def warm_up(optimizer: str, box: Box) -> bool:
+    """Make and discard a short trial on a sphere in the ``box``, so that no trial waits for a compiler.
 
-    Return whether a trial was made. In a process that holds no problem, a sphere in the ``box`` stands for it.
+    Return whether one was made, which is once. The problem itself stays unseen, as what an optimizer keeps from here
+    reaches all its trials.
     """
     with contextlib.suppress(BaseException):  # the trial itself will report the error
-        study = _study()
-        loaded = _problem(problem) if box is None else FunctionProblem(_sphere, box.lower, box.upper)
-        chosen = study.optimizer(optimizer)
-        kind = type(loaded.unscored), optimizer
-        if kind in _warm:
+        budget = _study().evaluations(len(box.lower))
+        is_warm = optimizer in _warm
+        _warm.add(optimizer)
+        if not is_warm:
+            chosen = _study().optimizer(optimizer)
+            problem = FunctionProblem(_sphere, box.lower, box.upper, integer=box.integer)
+            with _noting():
+                search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
+        passes(budget, len(box.lower))  # the optimizer may have imported numba
+        if is_warm:
             return False
-        _warm.add(kind)
-        budget = study.evaluations(loaded.dimension)
-        with _noting():
-            search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
-            passes(budget, loaded.dimension)  # the optimizer may have imported numba
     _settle()
     return True
 
@@ -287,7 +288,7 @@ def _problem(label: str) -> Problem:
 
 _begun: Study | None = None
 _data: dict[str, str] = {}  # hashes by label
-_warm: set[tuple[type, str]] = set()  # kinds of problems with the optimizer, "" without one
+_warm: set[type | str] = set()  # kinds of problems, and optimizers
 
 
 @contextlib.contextmanager

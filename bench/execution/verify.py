@@ -10,17 +10,16 @@ from os import PathLike
 from joblib import cpu_count
 
 from bench.errors import BenchError
+from bench.execution.again import difference, difference_line
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
-from bench.storage.folder import VERIFICATION, Folder
+from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
 from bench.storage.reading import StoreCheck
-from bench.storage.rows import disagreement, named, stored
-from bench.storage.store import Store
-from bench.trial import Row, Trial
+from bench.trial import Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
 
@@ -50,7 +49,7 @@ class Verification:
     def lines(self) -> Iterator[str]:
         """Yield a line for every trial that differs."""
         for trial, what in self.different.items():
-            yield f"different: {trial.optimizer} on {trial.problem}, trial {trial.number}: {what}"
+            yield difference_line(trial, what)
 
 
 def verify(
@@ -103,7 +102,8 @@ def verify(
     notes = tuple(folder.differences(provenance.machine()))
     outcome = Verification(cells, len(chosen), jobs, different, notes, store)
     noted = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
-    folder.note(VERIFICATION, {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | noted)
+    kept = {key: value for key, value in folder.noted(VERIFICATION).items() if key == AT_ENDS}
+    folder.note(VERIFICATION, kept | {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | noted)
     return outcome
 
 
@@ -126,16 +126,3 @@ def _other_number(folder: Folder) -> int:
     noted = [record.get("jobs") for record in folder.environments()]
     cores = int(cpu_count())
     return cores + 1 if noted[-1:] == [cores] else cores
-
-
-def difference(store: Store, trial: Trial, row: Row) -> str:
-    """Return how a trial made again differs from the stored one, "" where it does not."""
-    before, again = store.find(*trial.key), stored(trial, row)
-    if before is None:
-        return "it is no longer stored"
-    if row["status"] != "ok":
-        return str(row["error"]).partition("\n")[0]
-    name = disagreement(before, again)
-    if name in ("", "trace"):
-        return name and "another course, the same end"
-    return f"{name} was {named(before, name)} and is {named(again, name)}"

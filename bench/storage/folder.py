@@ -29,6 +29,7 @@ STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
 CHECKS = "checks.json"
 VERIFICATION = "verification.json"
+AT_ENDS = "at_ends"  # its part on the trials that runs make again at their ends
 DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
 KILLED = "killed.json"
@@ -157,6 +158,14 @@ class Folder:
     def note(self, name: str, content: Mapping[str, Any]) -> None:
         """Replace a note (:meth:`noted`)."""
         self._write(name, json.dumps(content, indent=1))
+
+    def repeated(self) -> tuple[int, list[str]]:
+        """Return the number of trials that runs have made again at their ends, and a line for each that differed."""
+        part = self.noted(VERIFICATION).get(AT_ENDS)
+        noted = part if isinstance(part, dict) else {}
+        trials, different = noted.get("trials"), noted.get("different")
+        lines = [str(line) for line in different] if isinstance(different, list) else []
+        return trials if isinstance(trials, int) else len(lines), lines
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.

@@ -27,7 +27,10 @@ class Job:
         return Box(("a", "b"), -np.ones(2), np.ones(2), np.zeros(2, bool))
 
     def prepare(self, trial):
-        return None
+        return self
+
+    def before(self, problem):
+        return 0
 
     def make(self, trial, server):
         x = np.array([0.5, 0.25])

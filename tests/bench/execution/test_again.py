@@ -1,0 +1,112 @@
+"""State between trials: the warm-up sees no problem, and each run makes a trial of each optimizer again."""
+
+import pytest
+
+from bench import Results, Study, load_results, run
+from bench.execution.runner import plan
+from bench.storage.folder import VERIFICATION, Folder
+
+LEARNS = """
+best = {}
+
+def learns(objective, rng):
+    key = objective.dimension, objective.budget
+    best.setdefault(key, (float("inf"), None))
+    while True:
+        x = objective.initial(1)[0] if best[key][1] is None else best[key][1] * 0.9
+        f = objective(x)
+        if f < best[key][0]:
+            best[key] = f, x
+
+def honest(objective, rng):
+    while True:
+        objective(objective.initial(10))
+
+seen = []
+
+def remembers(objective, rng):
+    seen.append(objective.lower.tolist())
+    objective.stop(repr(len(seen)))
+    seen.append(objective(objective.lower))
+    objective(objective.initial(1) if seen[1] == 50.0 else objective.lower * 0)
+"""
+
+
+@pytest.fixture
+def file(tmp_path):
+    (tmp_path / "mine.py").write_text(LEARNS)
+    return tmp_path / "mine.py"
+
+
+def study(file, *names, **settings):
+    return Study.from_dict(
+        {"name": "s", "trials": 4, "budget": 60, "problems": [{"name": "sphere-2"}],
+         "optimizers": [{"name": f"{file}:{name}"} for name in names]} | settings
+    )  # fmt: skip
+
+
+def test_an_optimizer_that_learns_from_trial_to_trial_is_named_and_an_honest_one_is_not(file, tmp_path):
+    outcome = run(study(file, "learns", "honest"), tmp_path / "out", n_jobs=1)
+    [line] = outcome.different
+    assert line.startswith("different: learns on sphere-2, trial ")
+    assert outcome.made == len(load_results(tmp_path / "out")) == 8
+    noted = Folder(tmp_path / "out").noted(VERIFICATION)["at_ends"]
+    assert noted == {
+        "trials": 2,
+        "sentence": "1 of 2 trials that runs made again at their ends, one of each optimizer in a fresh process, are "
+        "the same bit by bit",
+        "different": [line],
+    }
+    [finding] = Results(tmp_path / "out").verifications
+    assert finding["at_ends"]["different"] == [line]
+
+
+def test_a_trial_that_came_after_others_is_made_again_with_looks_too(file, tmp_path):
+    looked = study(file, "learns", "honest", trials=8, looks={"trials": [6, 8]})
+    assert len(run(looked, tmp_path / "out", n_jobs=1).different) == 1
+
+
+def test_a_run_that_makes_nothing_repeats_nothing_and_none_is_repeated_without_verify(file, tmp_path):
+    assert run(study(file, "learns"), tmp_path / "out", n_jobs=1, verify=False).different == []
+    assert Folder(tmp_path / "out").noted(VERIFICATION) == {}
+    assert run(study(file, "learns"), tmp_path / "out", n_jobs=1).different == []
+    assert Folder(tmp_path / "out").noted(VERIFICATION) == {}
+
+
+def test_the_warm_up_does_not_evaluate_the_problem(tmp_path):
+    (tmp_path / "mine.py").write_text(LEARNS)
+    (tmp_path / "other.py").write_text(
+        "from bench import FunctionProblem\nvalues = []\n"
+        "def other():\n    return FunctionProblem(lambda x: (x**2).sum(axis=1) + 7, [-5] * 2, [5] * 2, name='other')\n"
+    )
+    made = study(tmp_path / "mine.py", "remembers", trials=1, problems=[{"name": f"{tmp_path / 'other.py'}:other"}])
+    run(made, tmp_path / "out", n_jobs=1)
+    assert load_results(tmp_path / "out")["fun"].item() > 7  # the first value that it has ever seen was a sphere's
+
+
+def test_a_plan_counts_the_trials_that_are_made_again(file, tmp_path, bench_here):
+    text = study(file, "learns", "honest").to_toml()
+    (tmp_path / "study.toml").write_text(text)
+    planned = plan(study(file, "learns", "honest"), tmp_path / "out")
+    assert planned.total(lambda problem, optimizer: 2.0 if optimizer == "learns" else 1.0) == 4 * 2.0 + 4 + 2.0 + 1
+    said = bench_here("run", tmp_path / "study.toml", "--dry-run", "--jobs", 1).stdout
+    assert "2 runs more at the end: one of each optimizer is made again and compared" in said
+    assert "more at the end" not in bench_here("run", tmp_path / "study.toml", "--dry-run", "--verify", 0).stdout
+
+
+def test_the_command_names_them_and_ends_with_1_and_status_repeats_them(file, tmp_path, bench_here):
+    (tmp_path / "study.toml").write_text(study(file, "learns", "honest").to_toml())
+    done = bench_here("run", tmp_path / "study.toml", "-o", tmp_path / "out", "--jobs", 1, "--no-report")
+    assert done.returncode == 1
+    assert "different: learns on sphere-2" in done.stdout
+    assert "different: learns on sphere-2" in bench_here("status", tmp_path / "out").stdout
+
+
+@pytest.mark.parametrize("part", ["[]", '{"trials": "x", "different": 3}', '{"different": [[1]]}'])
+def test_a_note_by_a_stranger_raises_no_other_error(part, file, tmp_path):
+    folder = Folder(tmp_path / "out")
+    run(study(file, "honest"), folder.path, n_jobs=1, verify=False)
+    (folder.path / VERIFICATION).write_text(f'{{"at_ends": {part}}}')
+    trials, different = folder.repeated()
+    assert isinstance(trials, int)
+    assert all(isinstance(line, str) for line in different)
