@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import atexit
 import gc
+import os
 import sys
 from importlib import import_module
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -36,6 +37,8 @@ for _name in (
     app.command(_name.rstrip("_"))(import_module(f"bench.cli.{_name}").command)
 app.add_typer(archive.archive, name="archive")
 
+BUILT_IN = {info.name for info in app.registered_commands} | {info.name for info in app.registered_groups}
+"""The commands of the harness, whose names no plug-in can take."""
 
 WITHOUT_PLUGINS = (["doctor"], ["--version"])
 """Beginnings of command lines that work where plug-ins cannot be found, and help to find out why."""
@@ -56,7 +59,7 @@ def main() -> None:
     atexit.register(gc.disable)  # the collection at the end of a process would look through them once more
     try:
         _add_commands()
-        sys.exit(app(prog_name="bench", standalone_mode=False))
+        sys.exit(_called())
     except BenchError as error:
         print_error(str(error))
         sys.exit(2)
@@ -69,10 +72,30 @@ def main() -> None:
         if sentence := usage(error):
             print_error(sentence)
         sys.exit(2)
+    finally:
+        for package, reason in registry.unreadable.items():
+            print_error(f"plug-ins of {package} are left out, as its entry_points.txt cannot be read: {reason}")
+
+
+def _called() -> Any:
+    """Call the command; return its exit code.
+
+    Raises:
+        BenchError: where code of a plug-in ended it as if it had succeeded, so that nobody takes that for a success.
+    """
+    try:
+        return app(prog_name="bench", standalone_mode=False)
+    except SystemExit as ended:
+        if ended.code or "_BENCH_COMPLETE" in os.environ:
+            raise
+        raise BenchError("a plug-in called sys.exit, so the command ended before it was done") from ended
 
 
 def _add_commands() -> None:
-    """Add the sub-commands of plug-ins; raises BenchError for foreign modules of the distribution's generic names."""
+    """Add the sub-commands of plug-ins; raises BenchError for foreign modules of the distribution's generic names.
+
+    One that cannot be added is named on standard error, and everything else works.
+    """
     try:
         names = list(registry.entries("commands"))
     except BenchError:
@@ -80,15 +103,25 @@ def _add_commands() -> None:
             return
         raise
     for name in names:
-        _add_command(name)
+        if name in BUILT_IN:
+            package = registry.package("commands", name)
+            print_error(f"the command {name!r} of {package} is left out: it has the name of a command of bench")
+        else:
+            _add_command(name)
 
 
 def _add_command(name: str) -> None:
     """Add a plug-in's sub-command; one that fails to load raises its error when it is called, and breaks no other."""
     try:
         command = registry.load("commands", name)
-    except BenchError as error:
-        message = str(error)
+        if not callable(command):
+            raise BenchError(f"the plug-in {name!r} of bench.commands is no function but a {type(command).__name__}")
+        if not isinstance(command, typer.Typer):
+            (alone := typer.Typer()).command(name)(command)
+            typer.main.get_command(alone)  # raises where typer cannot read its annotations
+    except Exception as error:
+        cause = str(error) if isinstance(error, BenchError) else f"{type(error).__name__}: {error}"
+        message = f"the command {name!r} cannot be called: {cause}"
 
         def command() -> None:
             raise BenchError(message)

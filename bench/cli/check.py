@@ -48,7 +48,9 @@ def command(
     if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
             raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
-        sys.exit(0 if check_folder(Path(name), console, jobs, anew, untrusted) else 1)
+        if not check_folder(Path(name), console, jobs, anew, untrusted):
+            sys.exit(1)
+        return
     with console.status(f"checking {name}"):
         checkup = check_optimizer(
             name,

@@ -56,7 +56,8 @@ def command(
         print(json.dumps({"sound": not broken, "findings": [asdict(finding) for finding in findings]}, indent=1))
     else:
         _show(findings, Console())
-    sys.exit(1 if broken else 0)
+    if broken:
+        sys.exit(1)
 
 
 def examine(folder: Path | None = None) -> Iterator[Diagnosis]:

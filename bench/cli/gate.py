@@ -74,4 +74,5 @@ def command(
     console.print(table)
     for note in verdict.notes:
         print_line(note, console=console)
-    sys.exit(0 if allow_undecided and outcome == "undecided" else CODES[outcome])
+    if code := 0 if allow_undecided and outcome == "undecided" else CODES[outcome]:
+        sys.exit(code)

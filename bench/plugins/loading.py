@@ -90,7 +90,7 @@ def load_problem(name: str, /, **options: Any) -> Problem:
             plugin = registry.load("problems", family)
             on_grid = f"{name}-".startswith(f"{family}-") and hasattr(plugin, "grid")  # it loads more than it lists
             names = [name] if on_grid else plugin.names()
-        except Exception as error:  # a broken family must not block another's problem
+        except (Exception, SystemExit) as error:  # a broken family must not block another's problem
             if name.startswith(family):
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
@@ -132,7 +132,7 @@ def _like_optimizer(name: str) -> str:
     names = list(registry.entries("optimizers"))
     if not near(name, names, cutoff=0.6):
         for entry in filter(is_built_in, tuple(names)):
-            with suppress(Exception):  # a library that is missing or broken
+            with suppress(Exception, SystemExit):  # a library that is missing or broken
                 plugin = registry.load("optimizers", entry)
                 names += plugin.names() if registry.is_family(plugin) else []
     return nearest(name, names, f"; known: {', '.join(sorted(registry.entries('optimizers')))}")
@@ -144,11 +144,11 @@ def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any])
         return loader(name, **options)
     except BenchError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise BenchError(f"{name!r} cannot be loaded: {type(error).__name__}: {_first_line(error)}") from error
 
 
-def _first_line(error: Exception) -> str:
+def _first_line(error: BaseException) -> str:
     return (str(error) or type(error).__name__).splitlines()[0]
 
 

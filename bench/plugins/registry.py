@@ -51,7 +51,10 @@ def entries(group: str) -> dict[str, EntryPoint]:
     """
     _refuse_foreign_modules()
     plugins: dict[str, EntryPoint] = {}
-    for entry in entry_points(group=f"bench.{group}"):
+    for entry in _readable(f"bench.{group}"):
+        if not entry.pattern.match(entry.value):
+            unreadable[entry.dist.name if entry.dist else entry.name] = f"{entry.value!r} is no 'module:object'"
+            continue
         first = plugins.setdefault(entry.name, entry)
         if first.value != entry.value:
             raise BenchError(
@@ -61,12 +64,35 @@ def entries(group: str) -> dict[str, EntryPoint]:
     return plugins
 
 
+def _readable(group: str) -> list[EntryPoint]:
+    """Return the entry points of a group, without those of packages whose entry points cannot be read."""
+    try:
+        return [*entry_points(group=group)]
+    except Exception:  # of any package: its file may hold anything, and the others' are then read one by one
+        packages: dict[str, list[EntryPoint]] = {}
+        for installed in distributions():
+            try:
+                packages.setdefault(installed.name, [*installed.entry_points.select(group=group)])
+            except Exception as error:
+                unreadable[installed.name] = f"{type(error).__name__}: {error}"
+        return [entry for those in packages.values() for entry in those]
+
+
+unreadable: dict[str, str] = {}
+"""Why the entry points of installed packages could not be read so far, by the package's name."""
+
+
 @cache
 def load(group: str, name: str) -> Any:
-    """Return the object behind an entry point; raises BenchError when its package fails to import."""
+    """Return the object behind an entry point; raises BenchError when its package fails to import.
+
+    A package that ends the process where it is imported (``sys.exit``) fails, too.
+    """
     try:
         return entries(group)[name].load()
-    except Exception as error:  # an import may raise anything
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # an import may raise anything
         raise BenchError(
             f"the plug-in {name!r} of bench.{group} ({entries(group)[name].value}) failed to load: "
             f"{type(error).__name__}: {error}"

@@ -74,7 +74,7 @@ def is_of_suite(problem: str) -> bool:
     """Return whether a problem's name is that of a suite's problem, a family with a grid; the problem is not loaded."""
     families = registry.entries("problems")
     for family in (suite for suite in families if problem.startswith(f"{suite}-")):
-        with suppress(Exception):  # a broken family, or the name of another one
+        with suppress(Exception, SystemExit):  # a broken family, or the name of another one
             grid = registry.grid(family)
             if grid and grid.member(problem):
                 return True
@@ -84,7 +84,7 @@ def is_of_suite(problem: str) -> bool:
 def _all_names() -> Iterator[str]:
     """Yield the names of every problem that can be listed, and of all that are on a grid."""
     for family in registry.entries("problems"):
-        with suppress(Exception):  # a broken family must not hide another's problems
+        with suppress(Exception, SystemExit):  # a broken family must not hide another's problems
             yield from (registry.grid(family) or registry.load("problems", family)).names()
 
 
