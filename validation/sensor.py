@@ -2,12 +2,19 @@
 
     python validation/sensor.py [--draws 10] [--resamples 200]
     python validation/sensor.py --elsewhere
+    python validation/sensor.py --healthy [--draws 10]
+    python validation/sensor.py --worn [--draws 10]
 
 The recordings are those of levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many
 signals of noise alone: white, coloured, and with the load's ripple of a joint without backlash. Print the relative
 errors of the amplitude and of the fit's |A|, the errors of the backlash, how often the intervals hold the truth, and
 the right, open and wrong verdicts. With --elsewhere, print the errors of the backlash, in 1e-6 rad, where the default
 calibration is used for joints with another motor speed or gear ratio, without noise.
+
+With --healthy, print how often a joint without a gap gets a verdict of backlash, a row a family of disturbances, and a
+column a source of the time of a load turn. With --worn, print the same of joints with a gap: how often it is found,
+missed or left open, the errors of the half-gap, and how often its interval holds it; of joints with friction by a
+calibration of that joint and by the default one. A rate has its standard error.
 """
 
 import argparse
@@ -17,21 +24,31 @@ from time import perf_counter
 
 import numpy as np
 import pandas as pd
+from scipy.signal import lfilter
 
 from problems.backlash import EARLY_RAD
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, estimate
-from problems.backlash.signature.calibration import sensor_calibration
+from problems.backlash.sensor.response import response
+from problems.backlash.signature.calibration import calibrate, sensor_calibration
 from problems.backlash.signature.datasets import noisy, peak_to_peak
+
+TIME = 0.002 * np.arange(2401)  # s
+ALARMS = ("early", "progressed", "backlash")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--draws", type=int, default=10)
     parser.add_argument("--resamples", type=int, default=200)
-    parser.add_argument("--elsewhere", action="store_true")
+    for name in ("--elsewhere", "--healthy", "--worn"):
+        parser.add_argument(name, action="store_true")
     options = parser.parse_args()
+    if options.healthy or options.worn:
+        for line in (false_alarms if options.healthy else found_gaps)(options.draws):
+            print(line, flush=True)
+        return
     if options.elsewhere:
         print(elsewhere().round(0).astype(int).to_string())
         return
@@ -113,6 +130,142 @@ def healthy(draws):
         for kind, recordings in signals.items():
             verdicts = [estimate(recording, settings).verdict for recording in recordings]
             yield f"{kind}, {noise}", verdicts.count("no backlash"), len(verdicts)
+
+
+def tones(rng, count, low=3.0, high=60.0):
+    """Return steady tones of 0.1 to 1 rps and log-uniform frequencies in Hz."""
+    frequency, size = np.exp(rng.uniform(*np.log([low, high]), count)), rng.uniform(0.1, 1.0, count)
+    phase = rng.uniform(0, 2 * pi, count)
+    return (size * np.sin(2 * pi * np.outer(TIME, frequency) + phase)).sum(axis=1)
+
+
+def harmonics(rng, numbers, size=0.1):
+    """Return harmonics of the load turn, of one size in rps and random phases."""
+    return size * np.sin(2 * pi * np.outer(TIME, numbers) / 0.4 + rng.uniform(0, 2 * pi, len(numbers))).sum(axis=1)
+
+
+def resonant(rng, poles):
+    """Return noise of 0.1 rps (rms) that is white noise through a filter with these poles and their conjugates."""
+    conjugated = np.concatenate([poles, poles[np.imag(poles) != 0].conj()])
+    made = lfilter([1.0], np.poly(conjugated).real, rng.standard_normal(len(TIME) + 5000))[5000:]
+    return 0.1 * made / made.std()
+
+
+def by_quality(rng, low, high):
+    """Return noise that rings at 3 to 40 Hz with a log-uniform quality."""
+    frequency, quality = np.exp(rng.uniform(*np.log([3, 40]))), np.exp(rng.uniform(*np.log([low, high])))
+    s = 2 * pi * frequency * (-1 / (2 * quality) + 1j * np.sqrt(1 - 1 / (4 * quality**2)))
+    return resonant(rng, np.exp([s * 0.002]))
+
+
+def by_order(rng, order):
+    """Return autoregressive noise of an order, of random stable poles."""
+    poles = rng.uniform(0.5, 0.98, order // 2) * np.exp(1j * rng.uniform(0, 0.6, order // 2))
+    return resonant(rng, np.concatenate([poles, rng.uniform(-0.5, 0.98, order % 2)]))
+
+
+HEALTHY = {
+    "white noise": lambda rng: 0.1 * rng.standard_normal(len(TIME)),
+    "tone, 3 to 60 Hz": lambda rng: tones(rng, 1),
+    "tone of 0.8 rps at 22.5 Hz": lambda rng: 0.8 * np.sin(2 * pi * 22.5 * TIME + rng.uniform(0, 2 * pi)),
+    "tone near the ringing, 18 to 25 Hz": lambda rng: tones(rng, 1, 18, 25),
+    "two tones, 3 to 60 Hz": lambda rng: tones(rng, 2),
+    "three tones, 10 to 40 Hz": lambda rng: tones(rng, 3, 10, 40),
+    "hum, 50 Hz and 25 Hz": lambda rng: tones(rng, 1, 49.9, 50.1) + tones(rng, 1, 24.95, 25.05),
+    "harmonic of the load turn, 1 to 20": lambda rng: harmonics(rng, rng.integers(1, 21, 1)),
+    "four harmonics, 1 to 20": lambda rng: harmonics(rng, rng.choice(20, 4, replace=False) + 1),
+    "odd harmonics 1 to 19": lambda rng: harmonics(rng, np.arange(1, 20, 2), 0.05),
+    "harmonics 1 to 20": lambda rng: harmonics(rng, np.arange(1, 21), 0.05),
+    "harmonic and tone": lambda rng: harmonics(rng, rng.integers(1, 21, 1)) + tones(rng, 1),
+    "resonant noise, Q 1 to 10": lambda rng: by_quality(rng, 1, 10),
+    "resonant noise, Q 10 to 30": lambda rng: by_quality(rng, 10, 30),
+    "resonant noise, Q 30 to 100": lambda rng: by_quality(rng, 30, 100),
+    "AR noise, order 1": lambda rng: by_order(rng, 1),
+    "AR noise, order 2": lambda rng: by_order(rng, 2),
+    "AR noise, order 5": lambda rng: by_order(rng, 5),
+    "drift, a random walk": lambda rng: np.cumsum(0.003 * rng.standard_normal(len(TIME))),
+}
+
+
+def rate(flags):
+    """Return a share in per cent with its standard error, as text."""
+    share = np.mean(flags)
+    return f"{100 * share:3.0f} ± {100 * np.sqrt(share * (1 - share) / len(flags)):2.0f}"
+
+
+def false_alarms(draws):
+    """Yield a line a family: the shares of alarms and of open verdicts, with a gear ratio and without."""
+    ripple = simulate(half_gap=0.0).speed
+    yield f"{'family':36}  alarm, undecided with --gear-ratio; without ({draws} recordings each), per cent"
+    for family, make in HEALTHY.items():
+        verdicts = {40.0: [], None: []}
+        for draw in range(draws):
+            rng = np.random.default_rng([draw, 44])
+            speed = ripple + make(rng) + rng.uniform(0.1, 0.5) * rng.uniform(-0.5, 0.5, len(ripple))
+            for ratio, found in verdicts.items():
+                found.append(estimate(Recording(0.0, 0.002, speed), Settings(gear_ratio=ratio, resamples=0)).verdict)
+        cells = (
+            f"{rate([verdict in ALARMS for verdict in found])}, {rate([verdict == 'undecided' for verdict in found])}"
+            for found in verdicts.values()
+        )
+        yield f"{family:36}  {'; '.join(cells)}"
+
+
+def found_gaps(draws):
+    """Yield a line a kind of joint and noise."""
+    yield f"{'joint, half-gaps in mrad, noise in rps':52}  detected, missed, undecided; error median, most; >10 %; held"
+    for share in (0.02, 0.07, 0.14, 0.21, 0.35):
+        joint = Joint(coulomb_friction=share * Joint().gravity_torque)
+        for name, calibration in (("own", calibrated(joint)), ("default", sensor_calibration())):
+            settings = Settings(gear_ratio=40.0, calibration=calibration)
+            yield gap_line(
+                f"friction {share:.0%}, {name} calibration", joint, (0.7, 1.5, 2.6, 3.5), 0.2, draws, settings
+            )
+    for gaps in ((0.15,), (0.3,), (0.7, 1.5), (2.6, 3.5)):
+        for noise in (0.1, 0.3, 0.75):
+            yield gap_line("default", Joint(), gaps, noise, draws, Settings())
+    for beside in (0.3, 0.8):
+        yield gap_line(f"default, tone of {beside} rps", Joint(), (0.5, 1.5), 0.2, draws, Settings(), beside)
+    for change in ({"gear_ratio": 60.0}, {"gear_ratio": 25.0}, {"omega_ref": 2 * pi * 60}, {"load_inertia": 0.6}):
+        joint = Joint(**change)
+        settings = Settings(gear_ratio=joint.gear_ratio, calibration=calibrated(joint))
+        name = f"{next(iter(change))} {next(iter(change.values())):.4g}, own calibration"
+        yield gap_line(name, joint, (0.7, 1.5), 0.2, draws, settings)
+    settings = Settings(gear_ratio=40.0)
+    yield gap_line("viscous friction of 14%", Joint(viscous_friction=0.129), (0.7, 1.5), 0.2, draws, settings)
+
+
+def calibrated(joint):
+    gaps = np.linspace(0.3e-3, 4.3e-3, 9)
+    fitted, scatter = response(joint, gaps, jobs=1)
+    return replace(calibrate(joint, gaps), fitted=fitted, scatter=scatter)
+
+
+def gap_line(name, joint, gaps, noise, draws, settings, beside=0.0):
+    """Return the line on recordings of a joint with these half-gaps in mrad, a tone of ``beside`` rps included."""
+    verdicts, errors, held = [], [], []
+    for gap in gaps:
+        motion = simulate(joint, half_gap=gap / 1e3, duration=13 * joint.turn)
+        for draw in range(draws):
+            rng = np.random.default_rng([draw, round(1e3 * gap), round(1e3 * noise)])
+            first = int(rng.integers(joint.turn / 0.002))
+            speed = motion.speed[first:][: round(12 * joint.turn / 0.002) + 1]
+            speed = speed + noise * rng.uniform(-0.5, 0.5, len(speed))
+            if beside:
+                phase, frequency = rng.uniform(0, 2 * pi), np.exp(rng.uniform(*np.log([3, 60])))
+                speed = speed + beside * np.sin(2 * pi * frequency * 0.002 * np.arange(len(speed)) + phase)
+            found = estimate(Recording(0.0, 0.002, speed), replace(settings, resamples=40))
+            verdicts.append(found.verdict)
+            if found.verdict in ALARMS and not np.isnan(found.backlash_rad):
+                errors.append(abs(1e3 * found.backlash_rad / gap - 1))
+                held.append(found.interval_rad[0] <= gap / 1e3 <= found.interval_rad[1])
+    shares = "; ".join(
+        rate([verdict in kinds for verdict in verdicts]) for kinds in (ALARMS, ("no backlash",), ("undecided",))
+    )
+    of = (
+        f"{np.median(errors):.1%}, {np.max(errors):.1%}; {rate(np.array(errors) > 0.1)}; {rate(held)}" if errors else ""
+    )
+    return f"{f'{name}, {gaps}, {noise}':52}  {shares}; {of}"
 
 
 if __name__ == "__main__":

@@ -28,8 +28,8 @@ def calibrate(
     ] = "cubic",
     fits: Annotated[
         bool,
-        typer.Option("--fits", help="Also compute how strong the fits to each gap are; takes some seconds a gap."),
-    ] = False,
+        typer.Option(help="Compute how strong the fits to each gap are, too, which takes a second or so a gap."),
+    ] = True,
     jobs: Annotated[int, typer.Option(help="Worker processes for the fits; -1 takes every core.")] = -1,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="The .toml file to write the calibration to.")
@@ -42,7 +42,7 @@ def calibrate(
     """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
 
     The default, the thesis's joint at its levels 2 to 11, reproduces eq. 4.7. The amplitude of the best fit to a
-    recording is some per cent off; --fits adds this difference to the calibration.
+    recording is some per cent off; a calibration holds this difference, unless --no-fits leaves it out.
     """
     from problems.backlash.joint import Joint, load_joint
     from problems.backlash.joint.writing import check_output
@@ -76,7 +76,7 @@ def _command(joint: Path | None, levels: str | None, gaps: str | None, method: s
     """Return the command that makes the same calibration."""
     options = {"--joint": joint, "--levels": levels, "--gaps": gaps, "--method": method}
     words = (str(word) for pair in options.items() if pair[1] is not None for word in pair)
-    return shlex.join(["bench", "calibrate", *words, *(["--fits"] if fits else [])])
+    return shlex.join(["bench", "calibrate", *words, *([] if fits else ["--no-fits"])])
 
 
 def _levels(text: str) -> list[float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -136,6 +137,10 @@ def simulate(
             + (" in less than one load turn" if sweep is None and run.fine.time[-1] < 0.999 * made.turn else "")
             + (" at full speed" if sweep is not None else "")
             + (f", noise of {noise:g} rps peak to peak" if noise else "")
+            + (
+                f"; friction of {made.friction:.0%} of gravity's torque never opens the gap"
+                * (1 <= made.friction < inf)
+            )
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from math import pi, radians, sin
+from math import inf, pi, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +73,12 @@ class Joint:
     def turn(self) -> float:
         """The duration of one load turn, s: the period Tf of the disturbance (0.4 s in the thesis)."""
         return 2 * pi * self.gear_ratio / self.omega_ref
+
+    @property
+    def friction(self) -> float:
+        """The friction at the load at the reference speed, as a part of gravity's torque; from 1 on no gap opens."""
+        torque = self.coulomb_friction + self.viscous_friction * self.omega_ref / self.gear_ratio
+        return torque / self.gravity_torque if self.gravity_torque else inf
 
 
 def half_gap(level: int) -> float:

@@ -19,7 +19,7 @@ from bench.optimizer import Optimizer
 from bench.seeds import trial_seed
 from bench.typing import Floats
 from problems.backlash.recordings import NoRecordingError, Recording
-from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infer_gap, infer_peak, signature_problem
+from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infer_gap, infer_peak
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
 
@@ -209,7 +209,7 @@ def repeat(estimate: Estimate, settings: Settings, runs: RunSettings) -> Repeate
     """
     from bench import solve
 
-    problem = signature_problem(estimate.recording, settings, estimate.period_s)
+    problem = estimate.problem
     optimizer = runs.optimizer()
     results = []
     for number in range(runs.runs):

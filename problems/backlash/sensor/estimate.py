@@ -22,8 +22,9 @@ from problems.backlash.recordings.period import find_period, period_from_gear
 from problems.backlash.recordings.sampling import averaged_down
 from problems.backlash.recordings.screen import drift, screen, screen_clipping, screen_values, warnings
 from problems.backlash.sensor.evidence import SIGNIFICANT, detectable, p_value, resampled
+from problems.backlash.sensor.load_turn import Halves, LoadTurn, fold, halves
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
-from problems.backlash.signature.model import OMEGA, A, strength
+from problems.backlash.signature.model import OMEGA, T0, TAU, A, strength
 from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 
 Interval = tuple[float, float]
@@ -31,6 +32,11 @@ Interval = tuple[float, float]
 USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where neither signal nor calibration gives one
 MOST_RESAMPLES = 1_000_000
 COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
+HIDDEN_RAD = 3e-4  # rad; the largest half-gap that noise may hide behind the verdict "no backlash"
+WEAK_RAD = 2 * TOLERANCE_RAD  # rad; below it the best fit is more of the load's ripple than of impacts
+WEAK = 0.7, 1.5  # the interval of such an amplitude, in units of it
+WHOLE = 0.01  # the largest distance of a ratio of two periods from a whole number
+PARTS = {2: "half", 3: "a third of", 5: "a fifth of", 7: "a seventh of", 9: "a ninth of"}
 
 
 @dataclass(frozen=True)
@@ -82,16 +88,18 @@ class Inference:
     """What a reference fit implies of the backlash of a joint.
 
     Attributes:
-        p_value: that noise alone gives so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
+        p_value: that noise alone gives so good impacts (:class:`problems.backlash.sensor.load_turn.LoadTurn`), or for
+            less than two load turns so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
         amplitude_rps: the peak of the disturbance, inferred from the fit by the calibration; the fit's |A| outside the
             calibration or where it has no fits, and 0 where no disturbance can be distinguished from noise.
         amplitude_interval_rps: its confidence interval, the estimate always inside; from 0 to the smallest detectable
             amplitude where it is 0.
         backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
-        verdict: "no backlash", "early" or "progressed"; "undecided" where the interval contains the limit or noise may
-            hide a backlash above it, or, without a calibration, a disturbance of any size; "backlash" where there is no
-            calibration of this joint at this speed.
+        verdict: "no backlash", "early" or "progressed"; "undecided" where the interval contains the limit, noise may
+            hide a half-gap above ``HIDDEN_RAD``, or, without a calibration, a disturbance of any size, and where what
+            repeats every load turn is no train of impacts, or one of a joint with another friction than the
+            calibration's; "backlash" where there is no calibration of this joint at this speed.
         notes: remarks on the recording or the estimate, a sentence each.
     """
 
@@ -113,10 +121,13 @@ class Estimate(Inference):
         explained: the share of the signal's variance that the fit explains, 0 to 1.
         variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
         period_s: T_f.
-        period_source: "given", "gear ratio", "signal" or "assumed".
+        period_source: "given", "gear ratio", "calibration", "signal" or "assumed".
+        delay_s: T_d, the time from the fit's first oscillation to its second one: half of T_f unless friction delays
+            one of them.
         mean_rps: the mean speed.
         calibration: the name of the calibration; "" for none, and where that of the settings is of another joint or
             speed than the recording.
+        problem: the fit as a problem, whose recording has its impacts evenly apart.
         recording: the fitted part of the recording.
         fitted: (N,) the speed of the fit in rps.
     """
@@ -126,8 +137,10 @@ class Estimate(Inference):
     variables: dict[str, float]
     period_s: float
     period_source: str
+    delay_s: float
     mean_rps: float
     calibration: str
+    problem: SignatureFit
     recording: Recording
     fitted: Floats
 
@@ -143,59 +156,102 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     screen_clipping(recording)  # an average would hide it
     recording, averaged = averaged_down(recording)
     screen(recording, nominal_rps=settings.nominal_rps)
-    period, source = period_of(recording, settings)
+    period, source, remarks = period_of(recording, settings)
     turn = None if settings.single else period
     screen(recording, period=turn)
     notes = [*filter(None, [averaged]), *warnings(recording, period=turn)]
     recording = part(recording, settings, period)
-    problem = signature_problem(recording, settings, period)
+    problem, folded, parts = to_fit(recording, settings, period)
     x = problem.reference(constrained=settings.constrained).x
-    fitted = problem.model(x)
-    residual = problem.signal - fitted
-    if source == "assumed" and not settings.single:
-        notes.append(f"no period was found in the signal; {problem.period:g} s is assumed (--period gives another)")
+    fitted = parts.model(recording.time, x) if parts else problem.model(x)
+    fitted += problem.mean_rps
+    residual = recording.speed - fitted
     calibration = settings.calibration
-    ratio = gear_ratio_of(problem, settings, source)
+    ratio = settings.gear_ratio or (abs(problem.mean_rps) * period if source in ("given", "signal") else None)
     if calibration and (differences := calibration.differences(problem.mean_rps, ratio)):
         notes.append(
             f"the recording has {' and '.join(differences)} as the calibration, so no half-gap is inferred; calibrate "
             "this joint at this speed (bench calibrate --joint), and give --calibration"
         )
         calibration = None
-    inferred = infer_backlash(problem, replace(settings, calibration=calibration))
+    friction = calibration.other_friction(folded.friction) if calibration and folded and parts else ""
+    if friction:
+        calibration = None
+    inferred = infer_backlash(problem, replace(settings, calibration=calibration), folded)
+    if friction:
+        inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, friction))
+    if source == "assumed" and not settings.single and inferred.verdict == "no backlash":
+        inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, *remarks))
+        remarks = []
+    variables = dict(zip(problem.variables, map(float, x), strict=True))
+    delay = period / 2
+    if parts:
+        variables["t0"], second = parts.onsets(float(x[T0]))[:2].tolist()
+        delay = second - variables["t0"]
     return Estimate(
-        **(vars(inferred) | {"notes": (*notes, *inferred.notes)}),
+        **(vars(inferred) | {"notes": (*notes, *remarks, *inferred.notes)}),
         rmse_rps=float(np.sqrt(np.mean(residual**2))),
-        explained=max(0.0, 1.0 - float(residual.var() / problem.signal.var())),
-        variables=dict(zip(problem.variables, map(float, x), strict=True)),
-        period_s=problem.period,
+        explained=max(0.0, 1.0 - float(residual.var() / recording.speed.var())),
+        variables=variables,
+        period_s=period,
         period_source=source,
+        delay_s=delay,
         mean_rps=problem.mean_rps,
         calibration=calibration.name or "without a name" if calibration else "",
+        problem=problem,
         recording=recording,
-        fitted=problem.mean_rps + fitted,
+        fitted=fitted,
     )
 
 
-def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
-    """Return the time of one load turn in s, and its source."""
+def period_of(recording: Recording, settings: Settings) -> tuple[float, str, list[str]]:
+    """Return the time of one load turn in s, its source, and remarks on it.
+
+    A calibration's gear ratio gives it at the calibration's speed, unless the signal has impacts of another period.
+    """
     if settings.period is not None:
-        return settings.period, "given"
+        return settings.period, "given", []
     if settings.gear_ratio is not None:
-        return period_from_gear(recording, settings.gear_ratio), "gear ratio"
+        return period_from_gear(recording, settings.gear_ratio), "gear ratio", []
     if settings.single:  # one oscillation shows no period
-        return USUAL_PERIOD, "assumed"
-    if (period := find_period(recording)) is not None:
-        return period, "signal"
-    usual_ratio = settings.calibration.gear_ratio if settings.calibration else None
-    return period_from_gear(recording, usual_ratio) if usual_ratio is not None else USUAL_PERIOD, "assumed"
+        return USUAL_PERIOD, "assumed", []
+    found, usual, calibration = find_period(recording), None, settings.calibration
+    if calibration and calibration.gear_ratio is not None and not calibration.differences(recording.speed.mean(), None):
+        usual = period_from_gear(recording, calibration.gear_ratio)
+    if found is None:
+        period, source = (USUAL_PERIOD, "assumed") if usual is None else (usual, "calibration")
+        remark = f"no period was found in the signal; {period:g} s is {_ASSUMED[source]} (--period gives another)"
+        return period, source, [remark]
+    if usual is None or abs(found / usual - 1) <= WHOLE:
+        return found, "signal", []
+    if _impacting(recording, found) and not _impacting(recording, usual):  # another joint than the calibration's
+        return found, "signal", []
+    part_of = next((word for number, word in PARTS.items() if abs(number * found / usual - 1) <= WHOLE), "not")
+    remark = (
+        f"the signal repeats after {found:.4g} s, {part_of} the load turn of {usual:.4g} s by the calibration's ratio"
+    )
+    return usual, "calibration", [f"{remark}, which is taken"]
 
 
-def gear_ratio_of(problem: SignatureFit, settings: Settings, source: str) -> float | None:
-    """Return the motor turns a load turn, given or from the time of a load turn; None where that is assumed."""
-    if settings.gear_ratio is not None or source == "assumed":
-        return settings.gear_ratio
-    return abs(problem.mean_rps) * problem.period
+_ASSUMED = {"assumed": "assumed", "calibration": "taken from the calibration's gear ratio"}
+
+
+def _impacting(recording: Recording, period: float) -> bool:
+    return recording.duration >= 2 * period and fold(recording, period).impacting
+
+
+def to_fit(
+    recording: Recording, settings: Settings, period: float
+) -> tuple[SignatureFit, LoadTurn | None, Halves | None]:
+    """Return the fit of a recording as a problem in rps, its load turn, and its parts where T_d is not T_f / 2.
+
+    There is no load turn for a single oscillation or less than two turns.
+    """
+    folded = None if settings.single or recording.duration < 2 * period * (1 - 1e-9) else fold(recording, period)
+    if folded is None or not folded.impacting or folded.impacts.delay == 0.5:
+        return signature_problem(recording, settings, period), folded, None
+    parts = halves(recording, folded)
+    return signature_problem(parts.joined, settings, 2 * parts.length), folded, parts
 
 
 def part(recording: Recording, settings: Settings, period: float) -> Recording:
@@ -223,30 +279,48 @@ def signature_problem(recording: Recording, settings: Settings, period: float) -
     return SignatureFit("recording", recording, period=period, turns=turns, single=settings.single)
 
 
-def infer_backlash(problem: SignatureFit, settings: Settings) -> Inference:
-    """Infer amplitude, half-gap and verdict from the reference fit of a problem in rps."""
+def infer_backlash(problem: SignatureFit, settings: Settings, folded: LoadTurn | None = None) -> Inference:
+    """Infer amplitude, half-gap and verdict from the reference fit of a problem in rps and the folded load turn."""
     x = problem.reference(constrained=settings.constrained).x
-    p = p_value(problem, problem.model(x))
-    return _undetected(problem, p, settings) if p > SIGNIFICANT else _detected(problem, x, p, settings)
+    if folded is None:
+        p = p_value(problem, problem.model(x))
+        return _undetected(p, detectable(problem), settings) if p > SIGNIFICANT else _detected(problem, x, p, settings)
+    if folded.p_value > SIGNIFICANT:
+        return _undetected(folded.p_value, folded.detectable, settings)
+    if folded.impacting:
+        return _detected(problem, x, folded.p_value, settings, folded)
+    if folded.steady and (rest := folded.without_tones()):
+        note = f"a steady tone of {folded.loudest:.4g} Hz, no impacts, is what repeats every load turn"
+        return _undetected(rest.p_value, rest.detectable, settings, note)
+    note = (
+        f"impacts explain {folded.share:.0%} of what repeats every load turn, and steady tones more: remove these"
+        if folded.steady
+        else f"the disturbance is asymmetric: impacts explain only {folded.share:.0%} of what repeats every load turn"
+    )
+    unknown = (math.nan, math.nan)
+    return Inference(folded.p_value, abs(float(x[A])), unknown, math.nan, unknown, "undecided", (note,))
 
 
-def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inference:
+def _undetected(p: float, most: float, settings: Settings, *notes: str) -> Inference:
     """Return the inference from noise alone: amplitude 0, and what the noise may hide as the end of the intervals."""
-    most, least = detectable(problem), infer_gap(0.0, settings.calibration)
-    # a smaller half-gap than the tolerance is never distinguished from none
-    largest = float(np.maximum(infer_gap(most, settings.calibration), TOLERANCE_RAD))
-    inferred = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", ())
     calibration = settings.calibration
+    least = infer_gap(0.0, calibration)
+    # a smaller half-gap than the tolerance is never distinguished from none
+    largest = float(np.maximum(infer_gap(most, calibration), TOLERANCE_RAD))
+    inferred = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", notes)
     if calibration is None:
-        # A disturbance as large as the signal would stay hidden: nothing was tested.
-        return replace(inferred, verdict="undecided") if most > np.ptp(problem.signal) / 2 else inferred
-    if 60 * most <= calibration.range[1] and not largest > settings.limit_rad:
+        short = "the recording is too short or too noisy to show a backlash of any size; record more load turns"
+        return inferred if math.isfinite(most) else replace(inferred, verdict="undecided", notes=(*notes, short))
+    hidden = min(settings.limit_rad, HIDDEN_RAD)
+    if 60 * most <= calibration.range[1] and not largest > hidden:
         return inferred
-    note = f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad"
-    return replace(inferred, verdict="undecided", notes=(note,))
+    note = f"the noise may hide a backlash above {1e3 * hidden:g} mrad"
+    return replace(inferred, verdict="undecided", notes=(*notes, note))
 
 
-def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Inference:
+def _detected(
+    problem: SignatureFit, x: Floats, p: float, settings: Settings, folded: LoadTurn | None = None
+) -> Inference:
     """Return the inference from a detected disturbance."""
     calibration, rng = settings.calibration, np.random.default_rng(settings.seed)
     notes = []
@@ -258,17 +332,26 @@ def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) ->
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))
         outside = (1 - settings.confidence) / 2
-        # Refits of a signal that the signature fits badly are larger than the fit. An interval that is widened to its
-        # estimate covers the truth no less often.
         low, high = (float(end) for end in np.quantile(peaks, [outside, 1 - outside]))
-        low, high = min(low, amplitude), max(high, amplitude)
-    gap = infer_gap(amplitude, calibration)
+        # Refits of a signal that the signature fits badly are larger than the fit. An interval that is widened to
+        # where it lies without this bias, and to its estimate, covers the truth no less often.
+        bias = float(np.median(peaks)) - amplitude
+        low, high = min(low, low - bias, amplitude), max(high, high - bias, amplitude)
     slow = float(x[OMEGA]) * problem.period / 2 < 2 * math.pi
+    if folded and (slow or infer_gap(amplitude, calibration) < WEAK_RAD):
+        amplitude, slow = max(amplitude, folded.amplitude), False
+        low, high = min(low, WEAK[0] * amplitude), max(high, WEAK[1] * amplitude)  # NaN where there is no interval
+        notes.append("the impacts are as weak as the load's ripple, so the half-gap is uncertain")
+    gap = infer_gap(amplitude, calibration)
     if calibration and math.isnan(gap):
         limits = " to ".join(f"{end / 60:.3g}" for end in calibration.range)
         notes.append(f"the amplitude is outside the calibrated range ({limits} rps), so no backlash is estimated")
     if slow:
         notes.append("the disturbance is slower than one oscillation a half turn: it is the load's ripple, not impacts")
+    if not slow and x[TAU] <= problem.lower[TAU] * (1 + 1e-6):
+        notes.append(
+            f"the damping is at its bound of {x[TAU]:g} 1/s: the oscillation hardly decays before the next one"
+        )
     gaps = (infer_gap(low, calibration), infer_gap(high, calibration))
     verdict = _verdict(amplitude, settings, slow=slow)
     verdicts = {verdict} | {_verdict(end, settings, slow=slow) for end in (low, high) if not math.isnan(end)}

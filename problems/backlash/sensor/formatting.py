@@ -12,7 +12,7 @@ from rich.text import Text
 
 from bench.helpers import print_line
 from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
-from problems.backlash.sensor.estimate import Estimate, Settings, why_undecided
+from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import HORIZON, Trend
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
@@ -26,7 +26,10 @@ UNIT = {
 PER = {"month": "a month", "number": "for each 1 of the number in the names", "file": "a recording"}
 BY = {"month": "month", "number": "number in the file's name", "file": "recording"}
 WORD = {"month": "", "number": "number ", "file": "recording "}
-SOURCE = {"gear ratio": "from the gear ratio", "signal": "found in the signal"}
+SOURCE = {
+    "gear ratio": "from the gear ratio", "calibration": "from the calibration's gear ratio",
+    "signal": "found in the signal",
+}  # fmt: skip
 SHOWN = 5  # files named with a note at most
 NARROWEST = 40  # columns of a terminal to which lines are broken at least
 WIDTH = 160  # columns of a table that is not printed on a terminal
@@ -61,7 +64,7 @@ def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = N
         rows += zip(("calibration", "", ""), calibration_of(settings), strict=False)
     if outcome.runs:
         rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, estimate)]
-    rows += [("note", note) for note in estimate.notes]
+    rows += [("note", note) for note in estimate.notes[: -1 if estimate.verdict == "undecided" else None]]
     column = max(len(name) for name, _ in rows)
     lines = [f"{outcome.path}: {_verdict(estimate, settings)}", *(f"  {name:{column}}  {text}" for name, text in rows)]
     return lines if width is None else [part for line in lines for part in broken(line, width, column + 4)]
@@ -230,6 +233,8 @@ def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
         why = "the amplitude is outside the calibration" if estimate.calibration else "needs a calibration"
         if settings.calibration and not estimate.calibration:
             why = "the calibration is of another joint or speed"
+        if estimate.verdict == "undecided" and estimate.calibration:
+            why = "see the verdict"
         return [*rows, ("half-gap", f"not estimated: {why}")]
     gap, ends = estimate.backlash_rad, estimate.interval_rad
     return [
@@ -277,12 +282,9 @@ def _hidden(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
 
 def _verdict(estimate: Estimate, settings: Settings) -> str:
     limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
-    hidden = f"the noise may hide a backlash above {limit}"
     needed = "needs a calibration of this joint at this speed"
-    if not estimate.calibration:
-        hidden = "the recording is too short or too noisy to show a backlash of any size; record more load turns"
     return {
-        "undecided": f"UNDECIDED: {why_undecided(settings) if estimate.amplitude_rps else hidden}",
+        "undecided": f"UNDECIDED: {estimate.notes[-1] if estimate.notes else 'the data allow no verdict'}",
         "no backlash": "no backlash detected" + ("" if estimate.calibration else f"; what the noise may hide {needed}"),
         "early": f"early backlash, up to {limit}",
         "progressed": f"PROGRESSED BACKLASH, above {limit}",

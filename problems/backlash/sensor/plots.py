@@ -118,11 +118,12 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
 def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
     """Draw all half turns over one another, every second one inverted, their mean and the fit's oscillation."""
     x = np.array([estimate.variables[name] for name in VARIABLES])
-    half, dt = estimate.period_s / 2, estimate.recording.dt
-    since = estimate.recording.time - estimate.variables["t0"]
-    number = np.floor(since / half)
-    sign = math.copysign(1.0, estimate.variables["A"]) * np.where(number % 2 == 0, 1.0, -1.0)
-    phase = since - number * half
+    turn, delay, dt = estimate.period_s, estimate.delay_s, estimate.recording.dt
+    half = max(delay, turn - delay)
+    since = (estimate.recording.time - estimate.variables["t0"]) % turn
+    second = since >= delay
+    sign = math.copysign(1.0, estimate.variables["A"]) * np.where(second, -1.0, 1.0)
+    phase = since - delay * second
     folded = sign * (estimate.recording.speed - estimate.mean_rps - estimate.variables["v_t"])
     ax.plot(
         phase, folded, ".", color=SIGNAL, markersize=1.5, rasterized=len(phase) > style.MANY_POINTS,
@@ -135,7 +136,7 @@ def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
         label="their mean",
     )  # fmt: skip
     fine = np.linspace(0.0, half, 1001)[1:-1]
-    wave = oscillation(fine, x) - oscillation(fine + half, x)  # the one before may last into this half turn
+    wave = oscillation(fine, x) - oscillation(fine + turn - half, x)  # the one before may last into this half turn
     ax.plot(fine, math.copysign(1.0, estimate.variables["A"]) * wave, color=FIT, linewidth=1.0)
     title = "time in s since the half turn's beginning; every second half turn inverted"
     ax.set(xlim=(0.0, half), xlabel=title, ylabel="disturbance in rps")

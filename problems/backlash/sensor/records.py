@@ -9,7 +9,8 @@ from problems.backlash.sensor.trend import Joint
 
 BEFORE = ("amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict")
 AFTER = (
-    "amplitude_interval_rps", "period_s", "period_source", "mean_rps", "explained", "p_value", "calibration", "notes",
+    "amplitude_interval_rps", "period_s", "period_source", "delay_s", "mean_rps", "explained", "p_value",
+    "calibration", "notes",
 )  # fmt: skip
 """The keys of an estimate in JSON before and after its variables."""
 

@@ -24,8 +24,8 @@ from bench.numbers import require_jobs
 from bench.typing import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
+from problems.backlash.sensor.estimate import Settings, to_fit
 from problems.backlash.signature.model import strength
-from problems.backlash.signature.problem import SignatureFit
 
 RATE = 500.0  # Hz; the sampling rate of the recordings
 TURNS = 12  # load turns of a recording, as the published ones have
@@ -61,6 +61,6 @@ def _fits(joint: Joint, gap: float) -> Floats:
     for i in range(FITS):
         first = int(turn * i / FITS) * stride + stride * i // FITS
         speed = made.fine.speed[first::stride][:count]
-        problem = SignatureFit("response", Recording(0.0, 1 / RATE, speed), period=joint.turn, turns=TURNS)
+        problem, *_ = to_fit(Recording(0.0, 1 / RATE, speed), Settings(calibration=None), joint.turn)
         strengths[i] = strength(problem.reference().x)
     return strengths

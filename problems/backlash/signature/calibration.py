@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 import tomli_w
+from scipy.interpolate import PchipInterpolator
 
 from bench.errors import BenchError, nearest
 from bench.helpers import replacing
-from bench.numbers import require_positive
+from bench.numbers import is_finite, require_positive
 from bench.typing import Floats
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap
@@ -38,6 +39,8 @@ FEWEST = {"monotone": 2, "cubic": 4}
 # that differs by 1% in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
 # 7.2.1; one that differs by 2%, by up to 3.5e-4 rad ('python validation/sensor.py --elsewhere').
 NEAR = 0.01
+JOINT = ("gear_ratio", "speed_rps", "friction")  # what a calibration knows of its joint
+ALIKE = 0.08  # the largest difference of two frictions, as parts of gravity's torque, that counts as none
 FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 
 
@@ -57,6 +60,7 @@ class Calibration:
         scatter: (m,) rpm: the standard deviation of those strengths over the positions of the samples; None likewise.
         gear_ratio: motor turns a load turn of its joint; None if unknown.
         speed_rps: the motor speed at which it holds, rps; None if unknown.
+        friction: the friction at the load as a part of gravity's torque; None if unknown.
 
     Raises:
         BenchError: for too few pairs, pairs that do not increase, a cubic that does not grow between them, and fitted
@@ -71,6 +75,7 @@ class Calibration:
     scatter: Floats | None = None
     gear_ratio: float | None = None
     speed_rps: float | None = None
+    friction: float | None = None
 
     def __post_init__(self) -> None:
         if self.method not in FEWEST:
@@ -90,6 +95,8 @@ class Calibration:
         for name in ("gear_ratio", "speed_rps"):
             if (value := getattr(self, name)) is not None:
                 require_positive(f"the {name} of a calibration", value)
+        if self.friction is not None and not (is_finite(self.friction) and self.friction >= 0):
+            raise BenchError(f"the friction of a calibration must be finite and not negative, not {self.friction!r}")
         self._check_fits()
         if self.method == "cubic" and not self._cubic_grows():
             raise BenchError(
@@ -109,7 +116,7 @@ class Calibration:
     def backlash(self, amplitude: float) -> float:
         """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range."""
         if self.method == "monotone":
-            return self._curve(abs(amplitude))
+            return float(self._curve(abs(amplitude)))
         return 1e-6 * float(np.polyval(self.coefficients, abs(amplitude))) if self.in_range(amplitude) else np.nan
 
     def expected(self, fitted: float) -> float:
@@ -117,7 +124,7 @@ class Calibration:
 
         A calibration without fits returns the strength itself.
         """
-        return fitted if self._response is None else self._response(fitted)
+        return fitted if self._response is None else float(self._response(fitted))
 
     def relative_scatter(self, fitted: float) -> float:
         """Return the standard deviation of fits at a fit's strength in rpm, relative to it; 0 if unknown.
@@ -139,6 +146,16 @@ class Calibration:
         if self.speed_rps is not None and not _near(abs(speed_rps), self.speed_rps):
             differing.append(f"a motor speed of {abs(speed_rps):.4g} rps, not {self.speed_rps:g}")
         return differing
+
+    def other_friction(self, friction: float) -> str:
+        """Return in a sentence that a friction, as a part of gravity's torque, is not its own; "" where it may be."""
+        if self.friction is None or abs(friction - self.friction) <= ALIKE:
+            return ""
+        return (
+            f"the impacts are as unevenly apart as with friction of {friction:.0%} of gravity's torque, and the "
+            f"calibration has {self.friction:.0%}; calibrate this joint with its friction (bench calibrate --joint), "
+            "and give --calibration"
+        )
 
     @cached_property
     def coefficients(self) -> Floats:
@@ -175,7 +192,7 @@ class Calibration:
             "amplitude_rpm": self.amplitude.tolist(),
             "half_gap_rad": self.half_gap.tolist(),
         }
-        content |= {key: value for key in ("gear_ratio", "speed_rps") if (value := getattr(self, key)) is not None}
+        content |= {key: value for key in JOINT if (value := getattr(self, key)) is not None}
         if self.fitted is not None and self.scatter is not None:
             content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
         remark = f"# {self.formula()}\n" if self.method == "cubic" else ""
@@ -222,7 +239,7 @@ class Calibration:
         if self.fitted is None or self.scatter is None or len(shapes) > 1:
             raise BenchError(
                 "fitted amplitudes and their scatter come together, one of each a half-gap; "
-                "'bench calibrate --fits' makes them"
+                "'bench calibrate' makes them"
             )
         self._check_growing(self.fitted, "fitted amplitude")
         if not (np.isfinite(self.scatter).all() and (self.scatter >= 0).all() and self.fitted[0] > 0):
@@ -237,53 +254,16 @@ class Calibration:
         return bool((np.polyval(slope, [*self.range, np.clip(vertex, *self.range)]) > 0).all())
 
     @cached_property
-    def _curve(self) -> Pchip:
-        return Pchip(self.amplitude, self.half_gap)
+    def _curve(self) -> PchipInterpolator:
+        return PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)
 
     @cached_property
-    def _response(self) -> Pchip | None:
-        return None if self.fitted is None else Pchip(self.fitted, self.amplitude)
-
-
-class Pchip:
-    """The piecewise cubic through growing points, which grows as well (Fritsch and Butland 1984, doi:10.1137/0905021).
-
-    The formulas are those of ``scipy.interpolate.PchipInterpolator``, which takes longer to import than most fits.
-
-    Args:
-        x: (m,) increasing, m >= 2.
-        y: (m,) the values there, increasing.
-    """
-
-    def __init__(self, x: Floats, y: Floats) -> None:
-        h = np.diff(x)
-        slope = np.diff(y) / h
-        w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
-        inside = 1 / ((w1 / slope[:-1] + w2 / slope[1:]) / (w1 + w2))  # the harmonic mean of the slopes beside a point
-        d = np.concatenate([[_end(h, slope)], inside, [_end(h[::-1], slope[::-1])]])
-        t = (d[:-1] + d[1:] - 2 * slope) / h
-        self._x = x
-        self._c = y[:-1], d[:-1], (slope - d[:-1]) / h - t, t / h  # by ascending powers
-
-    def __call__(self, x: float) -> float:
-        """Return the value at ``x``; NaN outside the points."""
-        if not self._x[0] <= x <= self._x[-1]:
-            return np.nan
-        i = min(int(np.searchsorted(self._x, x, side="right")), len(self._x) - 1) - 1
-        s = x - self._x[i]
-        c0, c1, c2, c3 = (float(c[i]) for c in self._c)
-        return float(c0 + c1 * s + c2 * (s * s) + c3 * (s * s * s))
+    def _response(self) -> PchipInterpolator | None:
+        return None if self.fitted is None else PchipInterpolator(self.fitted, self.amplitude, extrapolate=False)
 
 
 def _near(value: float, calibrated: float) -> bool:
     return abs(value / calibrated - 1) <= NEAR
-
-
-def _end(h: Floats, slope: Floats) -> float:
-    """Return the three-point derivative at the first point, or 0 where that is negative."""
-    if len(h) == 1:
-        return float(slope[0])
-    return max(float(((2 * h[0] + h[1]) * slope[0] - h[0] * slope[1]) / (h[0] + h[1])), 0.0)
 
 
 def polynomial(coefficients: Sequence[float] | Floats) -> str:
@@ -303,6 +283,11 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
     """
     if not 2 <= len(half_gaps) <= MOST_GAPS:
         raise BenchError(f"a calibration takes from 2 to {MOST_GAPS} simulated half-gaps, not {len(half_gaps)}")
+    if joint.gravity_torque and joint.friction >= 1:
+        raise BenchError(
+            f"no calibration: friction of {joint.friction:.0%} of gravity's torque keeps the gears on one flank, so no "
+            "gap opens and none can be seen; turn the joint slower, or load it"
+        )
     gaps = np.array(half_gaps, dtype=np.float64)
     amplitude = 60 * np.array([simulated(gap, joint).peak for gap in gaps.tolist()], dtype=np.float64)
     if amplitude.max() < FAINTEST:
@@ -313,7 +298,7 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
     extent = f"half-gaps {gaps.min():g} … {gaps.max():g} rad"
     return Calibration(
         amplitude, gaps, method, f"{described(joint)}, simulated, {extent}",
-        gear_ratio=joint.gear_ratio, speed_rps=joint.nominal_speed,
+        gear_ratio=joint.gear_ratio, speed_rps=joint.nominal_speed, friction=joint.friction,
     )  # fmt: skip
 
 
@@ -336,8 +321,8 @@ def sensor_calibration() -> Calibration:
 def load_calibration(path: str | Path) -> Calibration:
     """Return the calibration of a TOML file: its name and method, amplitudes in rpm and half-gaps in rad.
 
-    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out; so may ``gear_ratio``
-    and ``speed_rps``, which recordings are not compared with then.
+    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate' writes, may be left out; so may ``gear_ratio``,
+    ``speed_rps`` and ``friction``, which recordings are not compared with then.
 
     Raises:
         BenchError: for a file that cannot be read or is not a calibration.
@@ -345,7 +330,7 @@ def load_calibration(path: str | Path) -> Calibration:
     where = f"calibration {path}"
     content = read_toml(path, where)
     allowed = {
-        "name", "method", "gear_ratio", "speed_rps", "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
+        "name", "method", *JOINT, "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
     }  # fmt: skip
     for key in content:
         if key not in allowed:
@@ -354,7 +339,7 @@ def load_calibration(path: str | Path) -> Calibration:
     fitted, scatter = (
         _numbers(content, key, where) if key in content else None for key in ("fitted_rpm", "scatter_rpm")
     )
-    joint = content.get("gear_ratio"), content.get("speed_rps")
+    joint = (content.get(key) for key in JOINT)
     try:
         method, name = content.get("method", "monotone"), str(content.get("name", path))
         return Calibration(amplitude, gaps, method, name, fitted, scatter, *joint)

@@ -10,7 +10,7 @@ from problems.backlash.signature.calibration import load_calibration
 
 
 def test_the_default_gives_the_thesis_s_cubic_its_range_and_its_distance_from_equation_4_7(command):
-    said = command(calibrate)
+    said = command(calibrate, "--no-fits")
     assert said.startswith("default joint, simulated, half-gaps 0.0003 … 0.0021 rad\n")
     assert "        0.275503          0.000300\n" in said
     assert "delta = 1e-6 (-0.0015 A^3 + 0.4073 A^2 + 10.7968 A + 17.0994) rad, A in rpm; at most 2e-07 rad" in said
@@ -23,7 +23,7 @@ def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path)
     output = tmp_path / "calibration.toml"
     said = command(
         calibrate, "--joint", tmp_path / "joint.toml", "--gaps", "0.0005:0.0015:3", "--method", "monotone",
-        "--output", output, "--plot", tmp_path / "figures",
+        "--no-fits", "--output", output, "--plot", tmp_path / "figures",
     )  # fmt: skip
     assert "eq. 4.7" not in said
     assert "delta =" not in said
@@ -37,7 +37,7 @@ def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path)
 
 
 def test_levels_are_those_of_the_thesis(command, tmp_path):
-    command(calibrate, "--levels", "3:6", "--output", tmp_path / "a.toml")
+    command(calibrate, "--levels", "3:6", "--no-fits", "--output", tmp_path / "a.toml")
     assert load_calibration(tmp_path / "a.toml").half_gap.tolist() == [half_gap(level) for level in range(3, 7)]
 
 
@@ -51,7 +51,7 @@ def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_
         return np.array([22.75, 41.5]), np.array([0.5, 1.25])
 
     monkeypatch.setattr(response, "response", known)
-    given = ["--gaps", "0.0005:0.0011:2", "--method", "monotone", "--fits"]
+    given = ["--gaps", "0.0005:0.0011:2", "--method", "monotone"]
     said = command(calibrate, *given, "--jobs", 1, "--output", tmp_path / "a.toml")
     assert asked == [(Joint(), [0.0005, 0.0011], 1)]
     assert "amplitude in rps   half-gap in rad   fit in rps   its scatter\n" in said
@@ -61,7 +61,7 @@ def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_
     assert made.expected(22.75) == pytest.approx(24.3547, abs=1e-4)
     assert made.relative_scatter(22.75) == 0.5 / 22.75
 
-    command(calibrate, *given[:-1], "--output", tmp_path / "b.toml")
+    command(calibrate, *given, "--no-fits", "--output", tmp_path / "b.toml")
     assert len(asked) == 1
     assert load_calibration(tmp_path / "b.toml").fitted is None
 

@@ -159,3 +159,10 @@ def test_without_gravity_there_is_no_disturbance(command, tmp_path):
     said = command(simulate, tmp_path / "a.csv", "--level", 20, "--gravity-angle", 0, "--duration", 0.5)
     assert "peak disturbance 0.0000 rps" in said
     assert load_joint(gravity_angle_deg=0.0) == Joint(gravity_torque=0.0)
+
+
+def test_a_gap_that_friction_never_opens_is_named(command, tmp_path):
+    said = command(simulate, tmp_path / "a.csv", "--half-gap", 0.001, "--viscous", 5, "--duration", 0.4)
+    assert "friction of 544% of gravity's torque never opens the gap" in said
+    usual = command(simulate, tmp_path / "b.csv", "--half-gap", 0.001, "--gravity-angle", 0, "--duration", 0.4)
+    assert "friction" not in usual

@@ -67,9 +67,10 @@ def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_t
     assert "none detected; the noise hides any below 0.1000 rps" in said
     assert "the noise hides any up to 0.100 mrad (0.34 arc minutes)" in said
     for most, hidden in ((1.2, 0.0022), (9.0, math.nan)):
-        open_ = quiet | {"verdict": "undecided"}
+        open_ = quiet | {"verdict": "undecided", "notes": ("it drifts", "the noise may hide a backlash above 0.3 mrad")}
         loud = make_estimate(0.0, **open_, amplitude_interval_rps=(0.0, most), interval_rad=(0.0, hidden))
-        assert words(loud).startswith("a.csv: UNDECIDED: the noise may hide a backlash above the limit")
+        assert words(loud).startswith("a.csv: UNDECIDED: the noise may hide a backlash above 0.3 mrad\n")
+        assert words(loud).count("may hide") == 1
     assert words(make_estimate(0.002, width=0.001)).startswith("a.csv: early backlash")
     from_one = Settings(calibration=Calibration(np.array([10.0, 100.0]), np.array([0.001, 0.004])))
     below = words(make_estimate(math.nan, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=NAN), from_one)
@@ -79,9 +80,10 @@ def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_t
 
 def test_without_a_calibration_a_headline_does_not_hide_what_was_not_tested(make_estimate):
     quiet = {"amplitude_rps": 0.0, "calibration": "", "backlash_rad": math.nan, "interval_rad": NAN}
-    said = [words(make_estimate(verdict=verdict, **quiet)) for verdict in ("no backlash", "undecided")]
+    short = ("the recording is too short",)
+    said = [words(make_estimate(verdict=verdict, notes=short, **quiet)) for verdict in ("no backlash", "undecided")]
     assert said[0].startswith("a.csv: no backlash detected; what the noise may hide needs a calibration of this joint")
-    assert said[1].startswith("a.csv: UNDECIDED: the recording is too short or too noisy to show a backlash")
+    assert said[1].startswith("a.csv: UNDECIDED: the recording is too short\n")
 
 
 def test_lines_are_broken_to_the_width_of_a_terminal_and_stay_whole_elsewhere(make_estimate):
@@ -100,10 +102,10 @@ def test_the_joint_that_a_verdict_holds_for_is_named(make_estimate):
 
 
 def test_an_undecided_verdict_and_a_calibration_of_another_joint_are_named(make_estimate):
-    near = make_estimate(0.0021, verdict="undecided")
-    assert words(near).startswith("a.csv: UNDECIDED: the interval of the half-gap contains the limit of 2.1 mrad\n")
-    short = Settings(calibration=Calibration(np.array([3.0, 30.0]), np.array([0.0, 0.001])))
-    assert "UNDECIDED: the calibration ends at 1 mrad, below the limit of 2.1 mrad" in words(near, short)
+    near = make_estimate(0.0021, verdict="undecided", notes=("it drifts", "it is near"))
+    assert words(near).startswith("a.csv: UNDECIDED: it is near\n")
+    unknown = make_estimate(math.nan, verdict="undecided", amplitude_rps=1.0, interval_rad=NAN, notes=("asymmetric",))
+    assert "half-gap     not estimated: see the verdict" in words(unknown)
     other = words(make_estimate(0.001, backlash_rad=math.nan, interval_rad=NAN, verdict="backlash", calibration=""))
     assert "half-gap   not estimated: the calibration is of another joint or speed" in other
     assert "calibration  " not in other

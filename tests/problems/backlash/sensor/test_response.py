@@ -39,7 +39,7 @@ def test_its_first_line_is_the_command_that_makes_it(shipped):
     assert (program, name) == ("bench", "calibrate")
     assert arguments[0] == "--gaps"
     assert _gaps(arguments[1]) == shipped.half_gap.tolist()
-    assert arguments[2:] == ["--method", shipped.method, "--fits"]
+    assert arguments[2:] == ["--method", shipped.method]
 
 
 @pytest.mark.parametrize(("level", "draw"), [(3, 0), (18, 0)])
@@ -55,12 +55,13 @@ def test_it_takes_off_most_of_what_a_noisy_fit_is_wrong_by(shipped, level, draw)
 def test_the_recordings_of_a_half_gap_differ_in_their_start_and_in_where_their_samples_fall(monkeypatch):
     recordings, joint = [], Joint(omega_ref=600.0)
 
-    def keep(name, recording, *, period, turns):
+    def keep(recording, settings, period):
         recordings.append(recording)
-        assert (period, turns) == (joint.turn, 12)
-        return SimpleNamespace(reference=lambda: SimpleNamespace(x=np.array([-len(recordings) / 60, 0.0, 15.0])))
+        assert (period, settings.turns) == (joint.turn, None)
+        x = np.array([-len(recordings) / 60, 0.0, 15.0])
+        return SimpleNamespace(reference=lambda: SimpleNamespace(x=x)), None, None
 
-    monkeypatch.setattr(response, "SignatureFit", keep)
+    monkeypatch.setattr(response, "to_fit", keep)
     fitted, scatter = response.response(joint, [0.001])
     assert (fitted, scatter) == (pytest.approx([4.5]), pytest.approx([np.std(np.arange(1, 9))]))
     turn = joint.turn * 500

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
 
 from bench.errors import BenchError
 from problems.backlash.joint import Joint, half_gap
@@ -12,7 +11,6 @@ from problems.backlash.signature import datasets, figures
 from problems.backlash.signature.calibration import (
     EQUATION_4_7,
     Calibration,
-    Pchip,
     calibrate,
     default_calibration,
     load_calibration,
@@ -239,18 +237,16 @@ def test_the_figures_show_the_pairs_the_thesis_s_cubic_and_every_level(tmp_path,
     assert bars[1].patches[4].get_height() == pytest.approx(60 * datasets.dataset(5).peak)
 
 
-@pytest.mark.parametrize("points", [2, 3, 4, 25])
-def test_a_monotone_curve_is_that_of_scipy(points):
-    rng = np.random.default_rng(points)
-    for _ in range(20):
-        x = np.cumsum(rng.exponential(size=points) + 1e-3)
-        y = np.cumsum(rng.exponential(size=points) ** 4)
-        between = np.concatenate([x, rng.uniform(x[0], x[-1], 50)])
-        ours, theirs = Pchip(x, y), PchipInterpolator(x, y, extrapolate=False)
-        np.testing.assert_allclose([ours(value) for value in between], theirs(between), rtol=1e-13, atol=1e-13)
+def test_a_gap_that_friction_never_opens_cannot_be_calibrated():
+    with pytest.raises(BenchError, match="friction of 544% of gravity's torque keeps the gears on one flank"):
+        calibrate(Joint(viscous_friction=5.0), [0.001, 0.002])
 
 
-def test_there_is_no_monotone_curve_outside_the_points():
-    curve = Pchip(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 9.0]))
-    assert np.isnan([curve(0.999), curve(3.001), curve(np.nan)]).all()
-    assert (curve(1.0), curve(3.0)) == (1.0, 9.0)
+def test_a_calibration_holds_for_its_joint_s_friction(tmp_path):
+    made = calibrate(Joint(coulomb_friction=2.0), [0.001, 0.002])
+    assert made.friction == pytest.approx(2.0 / 14.43)
+    made.save(tmp_path / "a.toml")
+    again = load_calibration(tmp_path / "a.toml")
+    assert again.friction == made.friction
+    assert (again.other_friction(0.2), again.other_friction(0.0) != "") == ("", True)
+    assert pairs([1.0, 2.0]).other_friction(0.5) == ""
