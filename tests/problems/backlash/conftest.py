@@ -23,8 +23,7 @@ def make_estimate():
             "calibration": "a joint", "notes": (),
             "recording": Recording(0.0, 0.002, fitted), "fitted": fitted,
         }  # fmt: skip
-        values |= others
-        problem = SignatureFit("recording", values["recording"], period=0.4, turns=3)
-        return Estimate(**({"problem": problem} | values))
+        problem = SignatureFit("recording", Recording(0.0, 0.002, fitted), turns=3)
+        return Estimate(**({"problem": problem} | values | others))
 
     return make

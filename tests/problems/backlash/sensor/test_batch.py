@@ -133,7 +133,7 @@ def test_a_run_has_found_the_best_fit_within_a_percent_of_its_rmse(found, make_e
     values = found.runs.values_rps
     second = sorted(values)[1]
     for rmse, count in ((second / 1.009, 2), (second / 1.011, 1), (min(values) / 1.011, 0)):
-        estimate = make_estimate(recording=found.estimate.recording, period_s=0.4, rmse_rps=rmse)
+        estimate = make_estimate(problem=found.estimate.problem, rmse_rps=rmse)
         assert repeat(estimate, NONE, RunSettings("random-search", runs=3, budget=400)).found == count
 
 
