@@ -127,17 +127,18 @@ def travel(skip: int, keep: int, step: float, stroke: float, ramp: float) -> Flo
 @njit(cache=True, error_model="numpy")
 def derivative(
     t: float, state: Floats, joint: tuple[float, ...], delta: float, theta0: float, out: Floats,
-    stroke: float = np.inf, ramp: float = 0.0,
+    sweep: tuple[float, float] | None = None,
 ) -> None:  # fmt: skip
     """Write the time derivative of state = (q, q', p, p', z) at t (s) to out, both of shape (5,).
 
-    joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the reference motion at t = 0, rad, which
-    `reference` describes with stroke and ramp.
+    joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the reference motion at t = 0, rad. A sweep
+    is its stroke and ramp in s (`reference`); None is constant speed, compiled on its own, as it takes half the time.
     """
     N, omega_ref, Jm, Jl, mgl, Ks, Ds, alpha, Kv, ki, kpp, viscous, coulomb, _ = joint
     q, dq, p, dp, z = state
-    gone, speed, acceleration = reference(t, stroke, ramp)
-    acceleration *= omega_ref
+    gone, speed = t, 1.0
+    if sweep is not None:
+        gone, speed, acceleration = reference(t, sweep[0], sweep[1])
     dtheta = q / N - p  # (4.1)
     domega = dq / N - dp  # (4.2)
     tau_l = gap_torque(dtheta, domega, delta, Ks, Ds, alpha)
@@ -147,16 +148,19 @@ def derivative(
     tau_g = mgl * np.sin(theta0 + omega_ref / N * gone + p)
     friction = viscous * omega_l + coulomb * np.sign(omega_l)
     out[0] = dq
-    out[1] = (tau_m - tau_l / N) / Jm + Jl / (N * N * Jm) * acceleration
+    out[1] = (tau_m - tau_l / N) / Jm
     out[2] = dp
-    out[3] = (tau_l - tau_g - friction) / Jl - acceleration / N
+    out[3] = (tau_l - tau_g - friction) / Jl
     out[4] = e
+    if sweep is not None:
+        out[1] += Jl / (N * N * Jm) * omega_ref * acceleration
+        out[3] -= omega_ref / N * acceleration
 
 
 @njit(cache=True, error_model="numpy")
 def integrate(
     start: Floats, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int,
-    stroke: float = np.inf, ramp: float = 0.0,
+    sweep: tuple[float, float] | None = None,
 ) -> Floats:  # fmt: skip
     """Return the states (keep, 5) after skip, skip + 1, … steps of the classical Runge-Kutta method from start (5,)."""
     states = np.empty((keep, 5))
@@ -166,16 +170,16 @@ def integrate(
         if i >= skip:
             states[i - skip] = state
         t = i * step
-        derivative(t, state, joint, delta, theta0, k1, stroke, ramp)
+        derivative(t, state, joint, delta, theta0, k1, sweep)
         for j in range(5):
             stage[j] = state[j] + step / 2 * k1[j]
-        derivative(t + step / 2, stage, joint, delta, theta0, k2, stroke, ramp)
+        derivative(t + step / 2, stage, joint, delta, theta0, k2, sweep)
         for j in range(5):
             stage[j] = state[j] + step / 2 * k2[j]
-        derivative(t + step / 2, stage, joint, delta, theta0, k3, stroke, ramp)
+        derivative(t + step / 2, stage, joint, delta, theta0, k3, sweep)
         for j in range(5):
             stage[j] = state[j] + step * k3[j]
-        derivative(t + step, stage, joint, delta, theta0, k4, stroke, ramp)
+        derivative(t + step, stage, joint, delta, theta0, k4, sweep)
         for j in range(5):
             state[j] += step / 6 * (k1[j] + 2 * k2[j] + 2 * k3[j] + k4[j])
     return states
@@ -249,7 +253,9 @@ def simulate(
     constants = tuple(map(float, astuple(joint)))  # an int would make numba compile the kernel again
     start = resting_state(joint, half_gap, theta0, still=sweep is not None)
     steps = float(step), skip - lead, keep
-    states = integrate(start, constants, float(half_gap), float(theta0), *steps, float(stroke), float(ramp))
+    states = integrate(
+        start, constants, float(half_gap), float(theta0), *steps, None if sweep is None else (stroke, float(ramp))
+    )
     if not np.isfinite(states).all():
         raise BenchError(
             f"simulate: the integration diverges with a step of {step!r} s; take a smaller step or a less stiff joint."
