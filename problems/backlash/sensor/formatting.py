@@ -300,7 +300,10 @@ def _limit(trend: Trend) -> str:
     if trend.reached is None:
         return f"is not predicted to be reached: the latest {trend.latest} recordings show no significant growth"
     if trend.is_distant:
-        return f"is not reached within {HORIZON / 12:g} years if the growth of the latest {trend.latest} continues"
+        return (
+            f"is not reached within {HORIZON / 12:g} years if the growth of the latest {trend.latest} recordings "
+            "continues"
+        )
     when, (early, late) = trend.reached
     until = f"to {series.label(late)}" if math.isfinite(late) else "or never"
     return (
