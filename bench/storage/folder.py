@@ -53,10 +53,22 @@ class Folder:
         self.store = Store(self.path)
 
     def study(self) -> Study:
-        """Return the frozen study; raises BenchError where the folder holds none."""
+        """Return the frozen study.
+
+        Raises:
+            BenchError: where the folder holds none, or another one than the store's trials were made with.
+        """
         if not self._begun:
             raise BenchError(f"{self.path} holds no {STUDY}; give the folder that 'bench run' wrote")
-        return Study.load(self.path / STUDY)
+        study = Study.load(self.path / STUDY)
+        for record in self._readable_environments():
+            if (made := record.get("study", study.identity())) != study.identity():
+                raise BenchError(
+                    f"{self.path / STUDY} was changed: the trials beside it were made with the study of hash {made}, "
+                    f"and its hash is {study.identity()} now; put back the {STUDY} that the run wrote, and give a "
+                    "changed study another --output"
+                )
+        return study
 
     @property
     def untrusted(self) -> bool:
@@ -116,16 +128,19 @@ class Folder:
 
     def fingerprints(self) -> Fingerprints:
         """Return the fingerprints of the data and the code that trials were made with, as the store notes them."""
-        environments: list[dict[str, Any]] = []
-        with suppress(DamagedStoreError):  # a run repairs the store before it makes trials
-            environments = self.environments()
         fingerprints: tuple[dict[str, str], dict[str, str]] = {}, {}
-        for record in environments:
+        for record in self._readable_environments():
             for key, labels in zip(("data", "code"), fingerprints, strict=True):
                 noted = record.get(key)
                 for label, fingerprint in noted.items() if isinstance(noted, dict) else ():
                     labels.setdefault(label, fingerprint)
         return Fingerprints(*fingerprints)
+
+    def _readable_environments(self) -> list[dict[str, Any]]:
+        """Return the environments, none where the store is damaged: a run repairs it before it makes trials."""
+        with suppress(DamagedStoreError):
+            return self.environments()
+        return []
 
     def refuse_changes(self, found: Fingerprints) -> None:
         """Raise BenchError for data or code that changed since trials were made with it."""

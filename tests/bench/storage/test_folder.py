@@ -1,0 +1,73 @@
+"""A folder keeps its study beside the trials that it was made with."""
+
+import pytest
+
+from bench import BenchError, Study, load_results, run
+from bench.storage.folder import Folder
+
+STUDY = {
+    "name": "tiny", "trials": 2, "budget": 20,
+    "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}],
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, testing_plugins):
+    path = tmp_path_factory.mktemp("folder") / "out"
+    run(Study.from_dict(STUDY), path, n_jobs=1)
+    return path
+
+
+@pytest.fixture
+def edited(folder):
+    """Return the folder while a text of its study is replaced by another one."""
+    file = folder / "study.toml"
+    written = file.read_text()
+
+    def edit(old, new):
+        assert old in written
+        file.write_text(written.replace(old, new))
+        return folder
+
+    yield edit
+    file.write_text(written)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["report", "out"], ["status", "out"], ["export", "out", "--format", "csv"], ["verify", "out"], ["check", "out"],
+        ["run", "out/study.toml", "-o", "out"], ["merge", "out", "-o", "merged"], ["pack", "out"], ["rm", "out"],
+    ],
+    ids=lambda words: words[0],
+)  # fmt: skip
+def test_a_study_that_was_edited_beside_its_trials_is_refused_in_one_sentence(command, edited, bench_here):
+    path = edited("budget = 20", "budget = 5000")
+    done = bench_here(*command, cwd=path.parent)
+    assert done.returncode == 2, done.stdout
+    (sentence,) = done.stderr.strip().splitlines()
+    assert "study.toml was changed: the trials beside it were made with the study of hash" in sentence
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('name = "scatter"', 'name = "scatter", agents = 3'),
+        ("seed = 0", "seed = 1"),
+        ('name = "sphere-2"', 'name = "sphere-3", label = "sphere-2"'),
+    ],
+)
+def test_every_setting_that_decides_a_trial_is_compared(old, new, edited):
+    path = edited(old, new)
+    with pytest.raises(BenchError, match="was changed"):
+        load_results(path)
+
+
+def test_what_decides_no_trial_may_be_edited(edited):
+    path = edited('title = ""', 'title = "A title"')
+    assert len(load_results(path)) == 2
+
+
+def test_nothing_is_lost_by_an_edit_that_is_taken_back(folder):
+    assert Folder(folder).study().budget == 20
+    assert len(load_results(folder)) == 2
