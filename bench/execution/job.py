@@ -29,6 +29,7 @@ from typing import Any
 from bench.errors import PROBLEM_FAILED
 from bench.execution import apart, trial_process
 from bench.execution.answers import Box, RefusedError
+from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
 from bench.plugins import from_file, loading, registry
 from bench.sandbox import bubblewrap
@@ -41,7 +42,6 @@ from bench.trial import Trial
 LOADING = 300.0  # seconds for loading plug-ins, for a warm-up, and for evaluating a point
 SILENCE = 3.0  # least seconds of a warm-up in which nothing is imported or compiled
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
-KEPT = 64  # warmed-up optimizers; more are warmed up again when their turn comes
 WORTH = 50.0  # times the seconds of its start: a process is replaced once its trials have taken longer
 TIMEOUT, MEMORY = 600.0, 4_000_000_000  # wall seconds and bytes of a trial of code that nobody trusts, unless given
 BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least one point: more than its point takes again
@@ -59,6 +59,7 @@ class Task:
     hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
     apart: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
     untrusted: bool = False  # whether they are, all processes run in a sandbox, and trials have limits by default
+    kept: int = KEPT  # warmed-up optimizers of a job at most
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
     files: from_file.Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
     data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
@@ -130,7 +131,7 @@ class Job:
                 ready.end_process()
                 ready.server = self._with_optimizer(problems, optimizer).branch()
         self._ready[problems, optimizer] = ready
-        while len(self._ready) > KEPT:
+        while len(self._ready) > self._task.kept:
             _, oldest = self._ready.popitem(last=False)
             oldest.end_process()
             oldest.server.close()

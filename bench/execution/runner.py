@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
+from bench.execution import open_files
 from bench.execution.again import Repetition
 from bench.execution.backends import open_pool
 from bench.execution.job import Task
@@ -114,6 +115,7 @@ def run(
             folder.extended(study)  # refuses another study before anything is loaded, and once more where it is locked
             checked = prepare(study, folder, untrusted)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
+            kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
         study = folder.claim(study)
         repaired = repair(folder, study.trials)  # before anything else reads the store
@@ -126,7 +128,7 @@ def run(
         if on_plan is not None:
             on_plan(plan)
         held_bytes = _bytes(memory, pool.jobs, backend)
-        task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes)
+        task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes, kept=kept)
         about = provenance.run(
             study,
             checked.fingerprints,

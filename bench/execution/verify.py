@@ -10,6 +10,7 @@ from os import PathLike
 from joblib import cpu_count
 
 from bench.errors import BenchError
+from bench.execution import open_files
 from bench.execution.again import difference, difference_line
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
@@ -90,7 +91,8 @@ def verify(
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
-        task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS)
+        kept = open_files.kept(study, pool.jobs)
+        task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=kept)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
             if what := difference(folder.store, trial, row):
