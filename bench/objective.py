@@ -13,7 +13,7 @@ from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
 from bench.helpers.compiled import compiled
-from bench.helpers.text import printable
+from bench.helpers.text import printable, said
 from bench.numbers import require_whole
 from bench.problem import Problem
 from bench.typing import Flags, Floats
@@ -148,7 +148,7 @@ class Objective:
 
         A study refuses the reason ``"budget"`` of a trial that has evaluations left.
         """
-        self._stop_reason = printable(" ".join(str(reason).split()), _LONGEST_REASON)
+        self._stop_reason = printable(" ".join(said(reason).split()), _LONGEST_REASON)
 
     def __call__(self, x: ArrayLike) -> Any:
         """Return the (n,) values of (n, d) points, or the float of one (d,) point.

@@ -112,7 +112,8 @@ def search(
 ) -> Result:
     """Run one optimizer once, as :func:`solve` does, in a process whose BLAS is limited to one thread already.
 
-    See :class:`bench.objective.Objective` for ``on_refusal``.
+    See :class:`bench.objective.Objective` for ``on_refusal``. The result has no metrics: its best point is described by
+    whoever keeps it, within a limit of time.
 
     Raises:
         ProblemError: when the problem raises at a point in the box.
@@ -129,7 +130,7 @@ def search(
             raise
         returned = None
     wall, cpu = perf_counter() - wall, process_time() - cpu
-    return result(objective, problem, seed, wall, cpu, returned)
+    return result(objective, seed, wall, cpu, returned)
 
 
 def run(optimizer: Optimizer, objective: Any, rng: np.random.Generator) -> object:
@@ -140,13 +141,13 @@ def run(optimizer: Optimizer, objective: Any, rng: np.random.Generator) -> objec
         return None
 
 
-def result(
-    objective: Objective, problem: Problem, seed: int, wall: float, cpu: float, returned: object = None
-) -> Result:
+def result(objective: Objective, seed: int, wall: float, cpu: float, returned: object = None) -> Result:
     """Return the result of a search that has ended, from its objective and its wall and processor seconds.
 
+    Its best point is not described: its metrics are empty.
+
     Raises:
-        ProblemError: when the problem raised, or cannot describe the best point.
+        ProblemError: when the problem raised.
         RuntimeError: without an evaluation; what the optimizer ``returned`` may explain it.
     """
     if objective.raised is not None:
@@ -155,10 +156,6 @@ def result(
         lazy = inspect.isgenerator(returned) or inspect.isawaitable(returned) or inspect.isasyncgen(returned)
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
-    try:
-        metrics = problem.describe(objective.best_point.copy())
-    except Exception as error:
-        raise ProblemError(error) from error
     stop = "budget" if objective.remaining == 0 else objective.stop_reason
     return Result(
         x=objective.best_point,
@@ -170,7 +167,7 @@ def result(
         objective_time=objective.seconds,
         stop="undeclared" if stop is None else stop,
         outside_box=objective.outside_box,
-        metrics=metrics,
+        metrics={},
         seed=seed,
     )
 

@@ -13,6 +13,7 @@ from rich.text import Text
 from bench.cli import completion
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
+from bench.sandbox.messages import describe_error
 
 BESIDE = 4  # problems of one table
 
@@ -56,7 +57,7 @@ def command(
         except BenchError:
             raise
         except Exception as error:  # a plug-in may raise anything
-            raise BenchError(f"{name} cannot be evaluated: {type(error).__name__}: {error}") from error
+            raise BenchError(f"{name} cannot be evaluated: {describe_error(error)}") from error
     frame = pd.DataFrame.from_dict(rows, orient="index").rename_axis("problem")
     if csv is not None:
         with replacing(csv) as temporary:

@@ -14,6 +14,8 @@ from bench.cli import completion
 from bench.cli.console import Constraints, Parameters, ProblemParameters, Untrusted
 from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
+from bench.helpers.text import said
+from bench.sandbox.messages import describe_error
 
 if TYPE_CHECKING:
     from bench.study.budget import Budget
@@ -62,7 +64,7 @@ def command(
         table.add_row(Text(f"  {name}"), f"{value:.10g}")
     for name, value in row["metrics"].items():
         table.add_row(Text(name), f"{value:.6g}")
-    table.add_row("evaluations", f"{row['nfev']} (stopped by: {row['stop']})")
+    table.add_row("evaluations", Text(f"{row['nfev']} (stopped by: {row['stop']})"))
     objective = row["objective_s"]
     table.add_row("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer")
     Console().print(table)
@@ -81,13 +83,13 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
     chosen.check_budget(spent, optimizer[0])
     try:
         found = solve(loaded, chosen, budget=spent, **settings)
-        return as_row(found, tuple(loaded.variables)) | {"noisy": loaded.noisy}
+        return as_row(found, tuple(map(said, loaded.variables))) | {"noisy": loaded.noisy}
     except BenchError:
         raise
     except ProblemError as error:
-        return {"status": "failed", "problem": True, "error": f"{problem[0]} failed: {error}"}
+        return {"status": "failed", "problem": True, "error": f"{problem[0]} failed: {describe_error(error.raised)}"}
     except Exception as error:  # a plug-in may raise anything
-        return {"status": "failed", "error": f"{type(error).__name__}: {error}"}
+        return {"status": "failed", "error": describe_error(error)}
 
 
 def _row_apart(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:

@@ -14,6 +14,7 @@ from bench.study.budget import shortened
 PROBLEMS = 3
 SHARE = 20  # of the budget that a short trial has, as 1 / SHARE
 LEAST = 1_000  # evaluations of a short trial, where the budget has as many
+LONGEST = 60.0  # seconds of a short trial, which fails where it takes longer
 
 
 def calibrated_seconds(plan: Plan, jobs: int, untrusted: bool = False) -> float | None:
@@ -21,14 +22,14 @@ def calibrated_seconds(plan: Plan, jobs: int, untrusted: bool = False) -> float 
 
     Each optimizer makes one trial with a twentieth of the budget on up to three problems, at equal steps. The time of a
     trial is taken as proportional to its evaluations. An optimizer whose short trials fail, as where its population
-    exceeds their budget, counts as the mean of the others.
+    exceeds their budget or they take longer than a minute, counts as the mean of the others.
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
     budget = shortened(study.budget, SHARE, LEAST)
     short = replace(study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, tuning=None)
     with TemporaryDirectory() as place:
-        made = run(short, Path(place) / "short", n_jobs=jobs, untrusted=untrusted, verify=False)
+        made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
         folder = Folder(made.folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import replace
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -13,11 +15,12 @@ from bench.numbers import require_seed
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
+from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.study import Study
-from bench.trial import Result, Row, Trial, search
+from bench.trial import Result, Row, Trial, numbers, search
 
 
 def solve(
@@ -80,7 +83,14 @@ def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed:
 def make_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int) -> Result:
     """Make one run as a trial is made, on any problem.
 
-    A process of :mod:`bench.sandbox` ends where the optimizer keeps asking for values after the end of its budget.
+    Where the problem's ``describe`` fails, the result has no metrics, and a warning gives the reason. A process of
+    :mod:`bench.sandbox` ends where the optimizer keeps asking for values after the end of its budget.
     """
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        return search(problem, optimizer, budget, seed, end_if_stuck)
+        found = search(problem, optimizer, budget, seed, end_if_stuck)
+        try:
+            metrics = numbers(problem.describe(found.x.copy()))
+        except Exception as error:  # what was found is not lost by it
+            warnings.warn(f"{problem.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
+            metrics = {}
+    return replace(found, metrics=metrics)

@@ -192,10 +192,13 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
     seconds = apart.serve(objective, end)
     try:
-        kept = result(objective, problem, trial.seed, seconds, 0.0)
+        kept = result(objective, trial.seed, seconds, 0.0)
     except ProblemError as error:
         return {"error": _failure(error)}
-    return as_answer(kept) | {"metrics": numbers(kept.metrics)}
+    try:
+        return as_answer(kept) | {"metrics": numbers(problem.describe(kept.x.copy()))}
+    except Exception as error:
+        return {"error": _failure(ProblemError(error))}
 
 
 def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:

@@ -50,6 +50,14 @@ def printable(text: str, limit: int) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in cut)
 
 
+def said(value: object) -> str:
+    """Return a plug-in's value as text, which its own code makes; where that raises, the name of its type."""
+    try:
+        return str(value)
+    except Exception:
+        return f"<{type(value).__name__}>"
+
+
 def option(value: Any) -> str:
     """Return the value of a plug-in's option as text: a text as it is, others as JSON where they have such a form."""
     return value if isinstance(value, str) else json.dumps(value, default=str)

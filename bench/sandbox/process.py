@@ -48,6 +48,9 @@ _ONE_THREAD = dict.fromkeys(
 ) | {"JE_ARROW_MALLOC_CONF": "background_thread:false"}  # fmt: skip
 # The last one is of pyarrow, which pandas imports where it is installed: a process with its thread cannot be forked.
 
+_PAUSE = (
+    1.0  # seconds that a wait is late after which this process was stopped, as all are where a cluster suspends a job
+)
 _LOOK = 0.2  # seconds between looks at a busy process: is it alive, how much memory does it hold, has it printed?
 _GRACE = 0.5  # seconds for a process that has closed its channel to end
 _ANSWER = 10.0  # seconds for a process that waits for nothing but requests to answer one
@@ -135,6 +138,7 @@ class Process:
         self._process = None
         self._pid = self._number = 0
         self._closed = self._lost = False
+        self._stopped = False  # at the last look
         self.note: Any = None  # the last one of the present call (bench.sandbox.server.note)
         return end
 
@@ -230,11 +234,14 @@ class Process:
         end, look = now + (inf if seconds is None else seconds), now + _LOOK
         until = min(end, now + (inf if silence is None else silence))
         while True:
+            began, wait = now, max(0.0, min(look, until) - now)
             try:
-                message = self._channel.receive(max(0.0, min(look, until) - now))
+                message = self._channel.receive(wait)
             except BrokenChannelError:
                 raise self._died_error() from None
             now = monotonic()
+            if (paused := now - began - wait) > _PAUSE:  # the others may be continued a little later than this process
+                end, until, look = end + paused, until + paused, now + _LOOK
             if message is not None:
                 kind, value = self._load(*message)
                 if kind == "value":
@@ -289,7 +296,8 @@ class Process:
         held = self._look()
         if held is None:  # a fork that still holds the channel hides its end
             raise self._died_error()
-        if held == tree.STOPPED:
+        was_stopped, self._stopped = self._stopped, held == tree.STOPPED
+        if was_stopped and self._stopped:  # for more than a moment, as where all are stopped one after another
             self.close()
             raise LostError("it was stopped")
         if memory is not None and held > memory:

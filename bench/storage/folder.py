@@ -227,15 +227,13 @@ class Folder:
                 raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
             hold.acquire()
         except Timeout as error:
-            holder = self._holder()
-            who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""
-            raise BenchError(
-                f"another run {who}is writing to {self.path}; wait for its end or give another --output"
-            ) from error
+            raise self._taken(self._holder()) from error
         except (OSError, NotImplementedError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             raise BenchError(f"the output folder {self.path} cannot be written: {reason}") from error
         try:
+            if (holder := self.running()) and holder["host"] == provenance.host():  # whose lock was removed
+                raise self._taken(holder)
             if killed := self.killed():
                 self.note(KILLED, {"runs": killed})
             holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}
@@ -271,6 +269,10 @@ class Folder:
                 return holder
             sleep(0.05)
         return None
+
+    def _taken(self, holder: dict[str, Any] | None) -> BenchError:
+        who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""
+        return BenchError(f"another run {who}is writing to {self.path}; wait for its end or give another --output")
 
     def _damaged(self, name: str) -> BenchError:
         why = ": 'bench status --check' writes it again" if name == STORE else ""

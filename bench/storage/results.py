@@ -22,6 +22,7 @@ from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
+from bench.sandbox.messages import describe_error
 from bench.scoring import Scored
 from bench.storage.folder import DESCRIPTIONS, VERIFICATION, Folder
 from bench.storage.reading import READ, StoreCheck
@@ -275,7 +276,7 @@ class Results:
         except BenchError as error:
             return ProblemFacts(reason=str(error))
         except Exception as error:  # a plug-in may raise anything
-            return ProblemFacts(reason=f"{type(error).__name__}: {error}")
+            return ProblemFacts(reason=describe_error(error))
 
 
 def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:

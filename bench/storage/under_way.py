@@ -35,7 +35,7 @@ class UnderWay:
 
 @contextmanager
 def noting(folder: Path, holder: Mapping[str, Any]) -> Iterator[UnderWay]:
-    """Yield the file of a run by the process ``holder``; it stays where the run is killed, and only there."""
+    """Yield the file of a run by the process ``holder``; its content stays where the run is killed, and only there."""
     path = folder / FILE
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
@@ -46,8 +46,11 @@ def noting(folder: Path, holder: Mapping[str, Any]) -> Iterator[UnderWay]:
             overwrite(file, 0, json.dumps(holder), _LINE)
         yield UnderWay(file)
     finally:
+        with suppress(OSError):  # where the folder has become read-only, the empty file stays
+            os.ftruncate(file, 0)
         os.close(file)
-        path.unlink(missing_ok=True)
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
 def holder(folder: Path) -> dict[str, Any]:

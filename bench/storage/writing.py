@@ -53,7 +53,7 @@ class Writer:
         """Commit all that is written in this context, or nothing of it.
 
         Raises:
-            BenchError: where another program has removed or replaced the store's file.
+            BenchError: where another program has removed or replaced the store's file, or writes to it, too.
         """
         try:
             with self._connection:
@@ -61,9 +61,14 @@ class Writer:
                 self._committed = Committed(self._committed.commits + 1, self._committed.trials + self._more)
                 self._connection.execute("UPDATE committed SET commits = ?, trials = ?", self._committed)
                 self._more = 0
-        except BaseException:
+        except BaseException as error:
             self._read()  # without the cells and names of rows that were not committed
-            raise
+            if not isinstance(error, sqlite3.IntegrityError):
+                raise
+            raise BenchError(
+                f"another run writes to the store {self._path}, as where .lock was removed from its folder; what it "
+                "holds is kept: wait for the end of the other run, and run the same command again"
+            ) from error
         if _identity(self._path) != self._file:
             raise BenchError(
                 f"the store {self._path} was removed or replaced while it was written, and its last trials are lost; "

@@ -1,11 +1,14 @@
 """How long a study takes, from short trials."""
 
+from dataclasses import replace
+
 import pytest
 
 from bench import Study
 from bench.execution.calibration import LEAST, SHARE, calibrated_seconds
 from bench.execution.runner import plan
 from bench.study.budget import shortened
+from bench.study.entries import Entry
 
 
 def study(budget, problems=("sphere-2", "sphere-3"), optimizers=("scatter", "early"), **changes):
@@ -35,3 +38,9 @@ def test_it_counts_every_missing_trial_by_its_evaluations(tmp_path, testing_plug
 def test_without_a_short_trial_that_succeeds_there_is_none(tmp_path, testing_plugins):
     lost = study(60, problems=("sphere-2",), optimizers=("hostile",))
     assert calibrated_seconds(plan(lost, tmp_path / "a"), 1) is None
+
+
+def test_a_search_without_an_end_is_stopped(tmp_path, testing_plugins, monkeypatch):
+    monkeypatch.setattr("bench.execution.calibration.LONGEST", 1.0)
+    endless = replace(study(60, problems=("sphere-2",)), optimizers=(Entry("hostile", "hostile", {"deed": "spin"}),))
+    assert calibrated_seconds(plan(endless, tmp_path / "a"), 1) is None

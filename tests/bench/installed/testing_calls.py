@@ -43,6 +43,12 @@ def sleep(seconds):
     time.sleep(seconds)
 
 
+def wait(path):
+    """Return once the file exists."""
+    while not Path(path).exists():
+        time.sleep(0.01)
+
+
 def work(path):
     """Send notes until the file exists; return the number sent."""
     sent = 0

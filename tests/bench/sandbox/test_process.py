@@ -8,7 +8,9 @@ from contextlib import suppress
 from pathlib import Path
 from textwrap import dedent
 from threading import Thread
+from time import sleep
 
+import psutil
 import pytest
 
 from bench.sandbox.messages import describe_error, end_of_output
@@ -285,6 +287,74 @@ def test_notes_prolong_no_time_limit(calls, clocked, tmp_path):
         clocked.call(calls.work, str(tmp_path / "never"), seconds=9.0, silence=1.5)
     assert 9 <= Clocked.received <= 10
     assert not clocked.alive
+
+
+class Paused(Process):
+    """A process whose owner is stopped for 1,000 seconds in the middle of its first wait."""
+
+    def _set_up(self):
+        end = super()._set_up()
+        receive, stopped = self._channel.receive, iter([1000.0])
+
+        def late(seconds):
+            message = receive(seconds)
+            Paused.now += seconds + next(stopped, 0.0)
+            return message
+
+        self._channel.receive = late
+        return end
+
+
+@pytest.fixture
+def paused(monkeypatch):
+    Paused.now = 0.0
+    monkeypatch.setattr("bench.sandbox.process.monotonic", lambda: Paused.now)
+    with Paused() as process:
+        yield process
+
+
+@pytest.mark.parametrize("limits", [{"seconds": 60.0}, {"seconds": None, "silence": 60.0}], ids=["limit", "silence"])
+def test_the_time_for_which_all_processes_were_stopped_counts_against_no_limit(calls, paused, tmp_path, limits):
+    path = tmp_path / "enough"
+    Thread(target=lambda: wait_for(lambda: Paused.now > 1001) and path.touch()).start()
+    paused.call(calls.wait, str(path), **limits)
+    assert Paused.now > 1000
+
+
+def test_after_it_a_limit_holds_as_before(calls, paused):
+    with pytest.raises(TimeExceededError, match=r"^2 s$"):
+        paused.call(calls.sleep, 10 * LONG, seconds=2.0)
+    assert 1002 <= Paused.now < 1004
+
+
+SUSPENDED = """
+import sys, testing_calls
+from bench.sandbox.process import Process
+with Process() as process:
+    process.start(testing_calls.wait, sys.argv[1])
+    print("begun", flush=True)
+    process.finish(seconds=2.0)
+"""
+
+
+@pytest.mark.slow
+@LINUX
+def test_a_suspension_by_signals_counts_against_no_limit(calls, tmp_path):
+    path = tmp_path / "enough"
+    owner = subprocess.Popen([sys.executable, "-c", SUSPENDED, path], stdout=subprocess.PIPE)
+    with owner:
+        assert owner.stdout.readline() == b"begun\n"
+        sleep(0.5)
+        all_of_them = [psutil.Process(owner.pid), *psutil.Process(owner.pid).children(recursive=True)]
+        assert len(all_of_them) > 1
+        for each in all_of_them:
+            each.suspend()
+        sleep(3.0)
+        for each in all_of_them:
+            each.resume()
+        sleep(0.3)
+        path.touch()
+        assert owner.wait(LONG) == 0
 
 
 def test_one_that_does_not_read_its_call_holds_nobody_up(calls, process, monkeypatch):

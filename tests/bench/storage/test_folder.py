@@ -1,9 +1,12 @@
 """A folder keeps its study beside the trials that it was made with."""
 
+import os
+
 import pytest
 
 from bench import BenchError, Study, load_results, run
 from bench.storage.folder import Folder
+from bench.trial import Trial
 
 STUDY = {
     "name": "tiny", "trials": 2, "budget": 20,
@@ -71,3 +74,30 @@ def test_what_decides_no_trial_may_be_edited(edited):
 def test_nothing_is_lost_by_an_edit_that_is_taken_back(folder):
     assert Folder(folder).study().budget == 20
     assert len(load_results(folder)) == 2
+
+
+def test_a_run_whose_lock_was_removed_still_keeps_others_out(tmp_path):
+    folder = Folder(tmp_path)
+    with folder.lock():
+        (tmp_path / ".lock").unlink()
+        with (
+            pytest.raises(BenchError, match=rf"another run \(process {os.getpid()} .* is writing to"),
+            Folder(tmp_path).lock(),
+        ):
+            pass
+        assert folder.running()["pid"] == os.getpid()
+    with Folder(tmp_path).lock():
+        pass
+
+
+def test_two_writers_of_one_trial_end_in_one_sentence_and_lose_nothing(tmp_path):
+    trial = Trial("sphere", "gwo", 3, seed=99)
+    row = {"status": "ok", "fun": 1.0, "nfev": 5, "x": {"a": 1.0}, "metrics": {}}
+    (tmp_path / "study.toml").touch()
+    store = Folder(tmp_path).store
+    with store.writer() as first, store.writer() as second:
+        first.add(trial, row)
+        with pytest.raises(BenchError, match=r"another run writes to the store .* run the same command again"):
+            second.add(trial, row)
+    assert store.find(*trial.key)["fun"] == 1.0
+    assert store.check().sound

@@ -1,0 +1,81 @@
+"""What ``bench solve`` prints of plug-ins with hostile texts and functions: a search that has ended is not lost."""
+
+import pytest
+
+OPTIMIZER = """
+from dataclasses import dataclass
+from bench import Optimizer
+
+class Unspeakable:
+    def __str__(self):
+        raise RuntimeError("no text")
+
+class UnspeakableError(Unspeakable, Exception):
+    pass
+
+@dataclass(frozen=True)
+class Markup(Optimizer):
+    def minimize(self, objective, rng):
+        objective(objective.initial(4))
+        objective.stop("[/tol] [bold]done")
+
+@dataclass(frozen=True)
+class Silent(Optimizer):
+    def minimize(self, objective, rng):
+        objective(objective.initial(4))
+        objective.stop(Unspeakable())
+
+@dataclass(frozen=True)
+class Raising(Optimizer):
+    def minimize(self, objective, rng):
+        raise UnspeakableError
+"""
+PROBLEM = """
+import numpy as np
+from bench import Problem
+
+class Vague(Problem):
+    name, optimum = "vague", None
+    variables = ("[/a]", "b")
+    lower, upper = np.full(2, -1.0), np.full(2, 1.0)
+
+    def evaluate(self, x):
+        return (x**2).sum(axis=1)
+
+    def describe(self, x):
+        raise RuntimeError("no figures")
+"""
+
+
+@pytest.fixture
+def solve(bench_here, tmp_path):
+    (tmp_path / "o.py").write_text(OPTIMIZER)
+    (tmp_path / "p.py").write_text(PROBLEM)
+    return lambda problem, optimizer: bench_here("solve", problem, f"o.py:{optimizer}", "--budget", 20, cwd=tmp_path)
+
+
+def test_a_stop_reason_is_printed_as_it_is(solve):
+    done = solve("sphere-2", "Markup")
+    assert done.returncode == 0
+    assert "4 (stopped by: [/tol] [bold]done)" in done.stdout
+
+
+def test_a_stop_reason_without_a_text_loses_no_search(solve):
+    done = solve("sphere-2", "Silent")
+    assert done.returncode == 0
+    assert "4 (stopped by: <Unspeakable>)" in done.stdout
+
+
+def test_an_error_without_a_text_is_one_sentence(solve):
+    done = solve("sphere-2", "Raising")
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert "failed on sphere-2: UnspeakableError: its message cannot be read" in done.stderr
+
+
+def test_a_best_point_that_cannot_be_described_is_printed_with_a_warning(solve):
+    with pytest.warns(UserWarning, match="vague does not describe its best point: RuntimeError: no figures"):
+        done = solve("p.py:Vague", "Markup")
+    assert done.returncode == 0
+    assert "best value" in done.stdout
+    assert "[/a]" in done.stdout
