@@ -50,6 +50,11 @@ def printable(text: str, limit: int) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in cut)
 
 
+def is_formula(text: str) -> bool:
+    """Return whether a spreadsheet would compute a text of a CSV file: "-restart" it would not, "-SUM(1)" it would."""
+    return text.startswith("=") or bool(re.match(r"[+@-].*(\||\w\()", text))
+
+
 def said(value: object) -> str:
     """Return a plug-in's value as text, which its own code makes; where that raises, the name of its type."""
     try:

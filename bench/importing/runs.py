@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.helpers.text import printable
+from bench.helpers.text import is_formula, printable
 from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
 from bench.objective import Trace
 from bench.study.entries import LONGEST_LABEL
@@ -165,8 +165,8 @@ def evaluation(text: str) -> int:
 def label(text: object, where: str) -> str:
     """Return the name of a problem or an optimizer as a label; raises BenchError for one that cannot be."""
     name = str(text).strip()
-    if not name or not name.isprintable() or len(name) > LONGEST_LABEL:
-        raise BenchError(f"{where} has a name that is empty, too long or not printable: {shown(name)}")
+    if not name or not name.isprintable() or len(name) > LONGEST_LABEL or is_formula(name):
+        raise BenchError(f"{where} has a name that is empty, too long, not printable or a formula: {shown(name)}")
     return name
 
 

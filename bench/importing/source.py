@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
 import hashlib
+import io
 import lzma
 import re
 import shutil
@@ -11,12 +14,13 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import IO
+from typing import IO, Any
 
 from bench.errors import BenchError
+from bench.packing.unpack import BOMB, HARMLESS
 
 MOST_BYTES = 4 * 10**9
 """Bytes that are read of a folder or unpacked from an archive."""
@@ -118,27 +122,66 @@ def sha256_of(path: Path) -> str:
         raise BenchError(f"{path} cannot be read: {error.strerror}") from error
 
 
+class _Bounded(io.RawIOBase):
+    """The content of a tar archive, of which no more is unpacked than results hold, whatever its headers declare."""
+
+    def __init__(self, path: Path) -> None:
+        self._name, self._most = path.name, max(HARMLESS, BOMB * path.stat().st_size)
+        self._file = path.open("rb")
+        self._content: Any = self._file
+        for opened in (gzip.open, bz2.open, lzma.open):
+            with suppress(OSError, EOFError, *_DAMAGED):
+                self._file.seek(0)
+                opened(self._file).read(1)
+                self._file.seek(0)
+                self._content = opened(self._file)
+                break
+        self._content.seek(0)
+
+    def read(self, size: int = -1) -> bytes:
+        self._refuse_bomb(self.tell() + max(size, 0))
+        return bytes(self._content.read(size))
+
+    def seek(self, place: int, whence: int = 0) -> int:
+        self._refuse_bomb(place if whence == 0 else 0)
+        return int(self._content.seek(place, whence))
+
+    def tell(self) -> int:
+        return int(self._content.tell())
+
+    def close(self) -> None:
+        self._file.close()
+        super().close()
+
+    def _refuse_bomb(self, size: int) -> None:
+        if size > self._most:
+            raise _bomb(self._name)
+
+
+def _bomb(name: str) -> BenchError:
+    return BenchError(f"{name} unpacks to more than {BOMB} times its size, as no results do; it is not unpacked")
+
+
 Member = tuple[str, int, IO[bytes] | None]
 """Name, size and content of a member of an archive that is no folder; None stands for a link or a device."""
 
 
 def _archive_reader(path: Path) -> Callable[[Path], Iterator[Member]] | None:
     """Return what reads an archive, None for another file; an archive that was cut short is known by its name."""
-    with suppress(EOFError):
-        if tarfile.is_tarfile(path):
-            return _tar_members
+    with suppress(EOFError, *_DAMAGED), closing(_Bounded(path)) as content, tarfile.TarFile(fileobj=content):
+        return _tar_members
     if zipfile.is_zipfile(path) or path.suffix == ".zip":
         return _zip_members
     return _tar_members if re.search(r"\.(tgz|tar(\.\w+)?)$", path.name) else None
 
 
 def _tar_members(path: Path) -> Iterator[Member]:
-    with tarfile.open(path) as archive:
+    with closing(_Bounded(path)) as bounded, tarfile.TarFile(fileobj=bounded) as archive:
         for member in archive:
             if not member.isdir():
                 yield member.name, member.size, archive.extractfile(member) if member.isfile() else None
         for _ in range(_PADDING):  # a compressed file that was cut shows it only at its end
-            if archive.fileobj is None or not archive.fileobj.read(_CHUNK):
+            if not bounded.read(_CHUNK):
                 break
 
 
@@ -160,6 +203,8 @@ def _unpack(path: Path, members: Iterator[Member], folder: Path) -> None:
                 raise BenchError(f"{path.name} holds {name!r}, which is no file; links are not imported")
             files, size = files + 1, size + declared
             _limit(path.name, files, size)
+            if size > HARMLESS and size > BOMB * path.stat().st_size:
+                raise _bomb(path.name)
             target.parent.mkdir(parents=True, exist_ok=True)
             with target.open("wb") as file:
                 shutil.copyfileobj(content, file, _CHUNK)

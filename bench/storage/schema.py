@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 from collections.abc import Iterator, Sequence
+from contextlib import closing
+from functools import cache
 from typing import Any
 
 from bench.storage.committed import Committed
@@ -41,6 +44,33 @@ def layout(connection: sqlite3.Connection) -> int | None:
     """Return the layout of a store, None of one without tables."""
     empty = not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
     return None if empty else int(connection.execute("PRAGMA user_version").fetchone()[0])
+
+
+def strange(connection: sqlite3.Connection, *, rescue: bool = False) -> str:
+    """Return the name of what is not ours in a store of our layout: a table, an index, a view or a trigger; or "".
+
+    A stranger's view may have no end, and triggers and generated columns compute whenever they are read or written.
+    With ``rescue``, damage to our own is passed over. What is missing is found where it is read.
+    """
+    found = {*connection.execute(_STRUCTURE)}
+    foreign = {each for each in found if _computes(*each)} if rescue else found - _ours()
+    return min((name.decode(errors="replace") for _, name, _ in foreign), default="")
+
+
+_STRUCTURE = "SELECT CAST(type AS BLOB), CAST(name AS BLOB), CAST(sql AS BLOB) FROM sqlite_master"
+
+
+@cache
+def _ours() -> frozenset[tuple[bytes, bytes, bytes | None]]:
+    with closing(sqlite3.connect(":memory:")) as connection:
+        prepare(connection, Committed())
+        return frozenset(connection.execute(_STRUCTURE))
+
+
+def _computes(kind: bytes, name: bytes, sql: bytes | None) -> bool:
+    if kind in (b"view", b"trigger"):
+        return name != b"trials"  # which is read by people alone
+    return re.search(rb"\bAS\b", sql or b"", re.IGNORECASE) is not None
 
 
 def prepare(connection: sqlite3.Connection, begun: Committed) -> None:

@@ -18,7 +18,7 @@ from bench.storage import committed
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS, KEY
-from bench.storage.schema import ONE, VERSION, found, layout, prepare
+from bench.storage.schema import ONE, VERSION, found, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
 
@@ -232,6 +232,11 @@ class Store:
                         f"the store {self.path} was written in layout {version}, and this version reads layout "
                         f"{VERSION}; export it with the version that wrote it ('bench export --format csv') and import "
                         "that, or run the study into another folder"
+                    )
+                if version is not None and (name := strange(connection, rescue=rescue)):
+                    raise BenchError(
+                        f"the store {self.path} holds {printable(name, LONGEST)!r} in another form than 'bench run' "
+                        f"writes it, so nothing of it is read; {BEYOND_REPAIR}"
                     )
                 yield connection
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message

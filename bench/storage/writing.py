@@ -19,6 +19,7 @@ from bench.trial import Trial
 
 _INTO = ("cell", "trial", "digest", "names", *MEASURED)
 _INSERT = f"INSERT INTO results ({', '.join(_INTO)}) VALUES ({', '.join('?' * len(_INTO))})"
+_TWICE = "SQLITE_CONSTRAINT_PRIMARYKEY", "SQLITE_CONSTRAINT_UNIQUE"  # of a row that is there already
 _NUMBERED = {"cells": ("problem", "optimizer"), "names": (*VECTORS.values(),)}
 """The tables of texts that rows refer to by number, and their columns."""
 
@@ -63,7 +64,7 @@ class Writer:
                 self._more = 0
         except BaseException as error:
             self._read()  # without the cells and names of rows that were not committed
-            if not isinstance(error, sqlite3.IntegrityError):
+            if getattr(error, "sqlite_errorname", "") not in _TWICE:
                 raise
             raise BenchError(
                 f"another run writes to the store {self._path}, as where .lock was removed from its folder; what it "

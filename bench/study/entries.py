@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bench.errors import BenchError
-from bench.helpers.text import listed
+from bench.helpers.text import is_formula, listed
 from bench.plugins import loading, selection
 from bench.study.sweep import expanded
 
@@ -66,6 +66,11 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
             entries += [Entry(name, *combination) for combination in combinations]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
+        if formulas := [entry.label for entry in entries if is_formula(entry.label)]:
+            raise BenchError(
+                f"study {where}: a spreadsheet would compute the label {formulas[0][:40]!r} of the {key} as a formula; "
+                "give the table another 'label'"
+            )
         if long := [entry.label for entry in entries if len(entry.label) > LONGEST_LABEL]:
             raise BenchError(
                 f"study {where}: the label {long[0][:40]!r}… of the {key} has {len(long[0]):,} characters, more than "

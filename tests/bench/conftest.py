@@ -108,7 +108,9 @@ def shadows(tmp_path, monkeypatch):
         ball = FunctionProblem(lambda x: (x * x).sum(axis=1), [-STEP, -STEP], [1.0, 1.0], name="ball")
     """)
     monkeypatch.chdir(tmp_path)
-    return tmp_path
+    yield tmp_path
+    for name in ("beside", "stride"):  # other tests have files of these names
+        sys.modules.pop(name, None)
 
 
 @pytest.fixture

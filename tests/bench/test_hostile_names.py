@@ -10,7 +10,7 @@ from bench.storage.merge import merge
 
 LABELS = [
     "../../escaped", "/etc/escaped", "..", "<script>alert(1)</script>", "\\input{/etc/passwd}", "$(touch escaped)",
-    "a'); DROP TABLE results;--", "con", "x" * 200, "\N{PILE OF POO} é 漢", "=cmd|' /C calc'!A0",
+    "a'); DROP TABLE results;--", "con", "x" * 200, "\N{PILE OF POO} é 漢", "-restart +2",
     '" onmouseover="alert(1)', "%s %(x)s {0} {{7*7}}", "a;b,c d", "&amp; & ~#_^",
 ]  # fmt: skip
 
@@ -27,6 +27,17 @@ def place(tmp_path_factory):
     )  # fmt: skip
     run(study, place / "a" / "b" / "out", n_jobs=1)
     return place
+
+
+@pytest.mark.parametrize(
+    "label", ["=cmd|' /C calc'!A0", "=1", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0", "@SUM(1)", "-SUM(A1:A2)"]
+)
+@pytest.mark.parametrize("key", ["problems", "optimizers"])
+def test_a_label_that_a_spreadsheet_would_compute_is_refused(label, key):
+    study = {"name": "names", "trials": 2, "budget": 30, "problems": ["sphere-2"], "optimizers": ["scatter"]}
+    named = {"name": study[key][0], "label": label}
+    with pytest.raises(BenchError, match="a spreadsheet would compute the label"):
+        Study.from_dict(study | {key: [named]})
 
 
 def files(place):

@@ -1,6 +1,7 @@
 """What ``bench doctor`` and ``bench --version`` print, and how doctor finds what is broken."""
 
 import json
+import os
 import subprocess
 import sys
 from importlib.metadata import version
@@ -127,8 +128,9 @@ def test_the_store_of_a_folder_is_checked(states, tmp_path, bench_here):
 def test_doctor_runs_where_a_foreign_module_stops_every_other_command(tmp_path):
     (tmp_path / "optimizers.py").write_text("")
     command = [sys.executable, "-m", "bench"]
-    done = subprocess.run([*command, "doctor"], cwd=tmp_path, capture_output=True, text=True)
+    there = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(tmp_path)}, "capture_output": True}
+    done = subprocess.run([*command, "doctor"], **there, text=True)
     assert done.returncode == 1
     assert "broken: names, optimizers: the module 'optimizers' found at" in done.stdout
     assert "Traceback" not in done.stderr
-    assert subprocess.run([*command, "--version"], cwd=tmp_path, capture_output=True).returncode == 0
+    assert subprocess.run([*command, "--version"], **there).returncode == 0

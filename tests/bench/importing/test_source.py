@@ -1,6 +1,9 @@
 """Archives stay within their folder and within limits, and a format is recognised or named as unknown."""
 
+import bz2
+import gzip
 import io
+import lzma
 import tarfile
 import zipfile
 
@@ -93,3 +96,43 @@ def test_a_folder_with_content_is_not_overwritten(tmp_path):
     (tmp_path / "out" / "precious").write_text("")
     with pytest.raises(BenchError, match="is there already and not empty"):
         import_results(packed(tmp_path), tmp_path / "out")
+
+
+def member(kind):
+    """Return the header of a tar archive's member, whose content has a million bytes."""
+    about = tarfile.TarInfo("runs.csv")
+    about.type, about.size = kind, 1_000_000
+    return about.tobuf(tarfile.USTAR_FORMAT)
+
+
+@pytest.mark.parametrize("suffix", ["xz", "gz", "bz2"])
+@pytest.mark.parametrize(
+    "kind", [tarfile.REGTYPE, tarfile.XHDTYPE, tarfile.GNUTYPE_LONGNAME, b"5"], ids=["file", "pax", "name", "folder"]
+)
+def test_a_tar_archive_that_grows_as_no_results_do_is_not_unpacked(tmp_path, monkeypatch, suffix, kind):
+    monkeypatch.setattr(source, "HARMLESS", 100_000)
+    file = tmp_path / f"runs.tar.{suffix}"
+    opened = {"xz": lzma.open, "gz": gzip.open, "bz2": bz2.open}[suffix]
+    with opened(file, "wb") as content:
+        content.write(member(kind) + bytes(1_000_000) + bytes(1024))
+    with pytest.raises(BenchError, match=r"unpacks to more than 200 times its size, as no results do"):
+        import_results(file, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_nor_is_such_a_zip_archive(tmp_path, monkeypatch):
+    monkeypatch.setattr(source, "HARMLESS", 100_000)
+    with zipfile.ZipFile(tmp_path / "runs.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("runs.csv", bytes(1_000_000))
+    with pytest.raises(BenchError, match=r"unpacks to more than 200 times its size"):
+        import_results(tmp_path / "runs.zip", tmp_path / "out")
+
+
+def test_an_honest_archive_may_grow(tmp_path):
+    file = tmp_path / "runs.tar.xz"
+    with tarfile.open(file, "w:xz") as archive:
+        about = tarfile.TarInfo("runs.csv")
+        about.size = len(TABLE)
+        archive.addfile(about, io.BytesIO(TABLE.encode()))
+    import_results(file, tmp_path / "out")
+    assert len(Results(tmp_path / "out").frame)

@@ -109,7 +109,7 @@ def test_cells_count_by_status_and_keys_distinguish_finished_from_lost(store):
 def test_a_lost_trial_is_replaced_and_a_finished_one_never(store):
     fill(store, 0, row=LOST)
     fill(store, 0, row=finished(0.5))
-    with pytest.raises(BenchError, match="UNIQUE constraint"), store.writer() as writer:
+    with pytest.raises(BenchError, match="another run writes to the store"), store.writer() as writer:
         writer.add(trial(0), finished(0.7))
     assert [row["fun"] for row in store.rows()] == [0.5]
 
@@ -337,3 +337,37 @@ def study_of_store(tmp_path):
         for each in range(100):
             writer.add(trial(each), finished(), number)
     return study, folder
+
+
+ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT"
+"""A query without an end."""
+ROW = "i AS cell, i AS trial, x'' AS digest, NULL AS names, NULL AS environment, 'ok' AS status"
+
+
+@pytest.mark.parametrize(
+    "statements",
+    [
+        ["ALTER TABLE results RENAME TO r", f"CREATE VIEW results AS {ENDLESS} {ROW} FROM n"],
+        ["DROP TABLE cells", f"CREATE VIEW cells AS {ENDLESS} i AS id, 'p' AS problem, 'o' AS optimizer FROM n"],
+        ["CREATE TRIGGER t AFTER UPDATE ON committed BEGIN DELETE FROM results; END"],
+        ["ALTER TABLE environments ADD COLUMN more AS (hex(zeroblob(1000000)))"],
+        ["CREATE INDEX i ON results (hex(fun))"],
+    ],
+    ids=["endless rows", "endless labels", "trigger", "generated column", "index"],
+)
+def test_a_store_with_what_a_stranger_computes_in_it_is_not_read(statements, store):
+    fill(store, 0)
+    for statement in statements:
+        outside(store.path, statement)
+    for use in (store.check, store.cells, store.environments, lambda: fill(store, 1)):
+        with pytest.raises(BenchError, match="in another form than 'bench run' writes it, so nothing of it is read"):
+            use()
+
+
+@pytest.mark.parametrize("kind", ["VIEW", "TRIGGER"])
+def test_nor_is_it_rescued(kind, store):
+    fill(store, 0)
+    ends = {"VIEW": f"v AS {ENDLESS} i FROM n", "TRIGGER": "t AFTER UPDATE ON committed BEGIN DELETE FROM results; END"}
+    outside(store.path, f"CREATE {kind} {ends[kind]}")
+    with pytest.raises(BenchError, match="nothing of it is read"), store.reader(rescue=True):
+        pass
