@@ -91,8 +91,8 @@ def verify(
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
-        kept = open_files.kept(study, pool.jobs)
-        task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=kept)
+        most = open_files.kept(study, pool.jobs)
+        task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=most)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
             if what := difference(folder.store, trial, row):
