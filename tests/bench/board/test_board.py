@@ -355,7 +355,7 @@ def test_a_trial_that_cannot_be_made_is_marked_with_the_reason(bench_here, tmp_p
 
 
 def test_no_trial_is_made_without_a_sandbox(two, tmp_path, monkeypatch):
-    monkeypatch.setattr("bench.board.again.shutil.which", lambda name: None)
-    with pytest.raises(BenchError, match="needs bubblewrap, which is not installed here"):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    with pytest.raises(BenchError, match=r"needs bubblewrap .* which is not installed here"):
         write_board(two, tmp_path / "board", verify=1)
     assert not (tmp_path / "board").exists()

@@ -16,7 +16,7 @@ import pytest
 from bench import Results, Study, load_problem, load_results, run
 from bench.execution.job import Task
 from bench.execution.supervisor import check
-from bench.plugins.from_file import fingerprint
+from bench.plugins.from_file import contents, fingerprint
 from bench.sandbox import process
 
 pytestmark = [
@@ -179,7 +179,8 @@ def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
         found.append(check(Task.of(Study.from_dict(made))))
     (alone, beside) = (each.fingerprints for each in found)
     assert beside.data == alone.data
-    assert beside.code == alone.code | {"forger": fingerprint(f"{tmp_path}/forger.py:mine")}
+    forger = f"{tmp_path}/forger.py:mine"
+    assert beside.code == alone.code | {"forger": fingerprint(forger, contents([forger]))}
     assert json.loads(found[0].machine) == json.loads(found[1].machine)
 
 
