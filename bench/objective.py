@@ -273,7 +273,9 @@ class Objective:
 
 
 def floats(numbers: ArrayLike, what: str) -> Floats:
-    """Return an array of float64; raises TypeError where numpy would drop imaginary parts or parse strings."""
+    """Return an array of float64; raises TypeError where numpy would drop imaginary parts or a mask, or parse texts."""
+    if isinstance(numbers, np.ma.MaskedArray):
+        raise TypeError(f"{what} must be plain numbers; fill the masked ones with inf or another value")
     array = np.asarray(numbers)
     if array.dtype.kind not in "fiubO":
         raise TypeError(f"{what} must be real numbers, not {array.dtype}")

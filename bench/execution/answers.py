@@ -126,10 +126,15 @@ def confirm(claimed: Result, box: Box, again: Any) -> dict[str, float]:
     described = metrics(again)
     if not box.holds(claimed.x):  # nor has any point of the trial
         return described
-    value, spread = again.get("fun"), again.get("spread")
-    if type(value) is not float or type(spread) is not float:
+    value, spread, noise = again.get("fun"), again.get("spread"), again.get("noise", 0.0)
+    if type(value) is not float or type(spread) is not float or type(noise) is not float:
         raise RefusedError("its best point has no value")
     value = inf if isnan(value) else value
+    if noise > ROUNDING * abs(value):
+        raise RefusedError(
+            f"its problem has noise that it does not declare: the value {value!r} of the best point differs by "
+            f"{noise:.2g} when the point is evaluated again; set noisy = True, and return true values from noiseless"
+        )
     # Nothing here may depend on the trace, whose first value an optimizer can choose.
     allowed = ROUNDING * abs(value) + _SPREADS * spread if isfinite(value) else 0.0
     if not (value == claimed.fun or abs(value - claimed.fun) <= allowed):

@@ -202,17 +202,22 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
 
 
 def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
-    """Return the value and the metrics of a point of a problem, and by how much the value differs in ``batches``."""
+    """Return the value and the metrics of a point of a problem.
+
+    With ``batches``, return also by how much the value differs among batches of the point (``spread``), and when it is
+    evaluated alone once more (``noise``).
+    """
     problem, point = _problem(label), np.array(x, dtype=np.float64)
+    spread = noise = 0.0
     try:
         value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
         metrics = numbers(problem.describe(point.copy()))
-        spread = 0.0
         for size in _BATCHES if batches else ():
             spread = max(spread, float(np.ptp([value, *problem.evaluate(np.tile(point, (size, 1)))])))
+            noise = max(noise, float(np.ptp([value, *problem.evaluate(point[np.newaxis].copy())])))
     except Exception as error:
         raise ProblemError(error) from error
-    return {"fun": value, "metrics": metrics, "spread": spread}
+    return {"fun": value, "metrics": metrics, "spread": spread, "noise": noise}
 
 
 def as_answer(result: Result) -> dict[str, Any]:

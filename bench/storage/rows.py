@@ -79,7 +79,8 @@ def typed(row: Mapping[str, Any]) -> list[Any]:
     if unknown := row.keys() - {*COLUMNS}:
         raise ValueError(f"a row has no column {min(unknown)!r}")
     values = (None if row.get(name) is None else kind(row[name]) for name, kind in KINDS.items())
-    return [None if value != value else value for value in values]
+    # 0.0 for -0.0, whose sign SQLite does not keep.
+    return [None if value != value else value + 0.0 if type(value) is float else value for value in values]
 
 
 def binding(*texts: bytes | None) -> bytes:

@@ -22,7 +22,7 @@ def problem(monkeypatch):
 def test_a_point_is_evaluated_alone_unless_batches_are_asked_for(problem):
     sizes = []
     problem(lambda x: sizes.append(len(x)) or x.sum(axis=1))
-    found = {"fun": 0.75, "metrics": {}, "spread": 0.0}
+    found = {"fun": 0.75, "metrics": {}, "spread": 0.0, "noise": 0.0}
     assert trial_process.evaluate("any", [0.5, 0.25], False) == found
     assert sizes == [1]
     assert trial_process.evaluate("any", [0.5, 0.25], True) == found
@@ -41,7 +41,7 @@ def test_a_problem_that_writes_into_its_points_moves_none(problem):
         return values
 
     problem(write)
-    assert trial_process.evaluate("any", [0.5, 0.25], True) == {"fun": 0.75, "metrics": {}, "spread": 0.0}
+    assert trial_process.evaluate("any", [0.5, 0.25], True) == {"fun": 0.75, "metrics": {}, "spread": 0.0, "noise": 0.0}
 
 
 def test_what_the_problem_raises_at_a_best_point_is_its_own_error(problem):
