@@ -82,6 +82,7 @@ def test_minus_zero_is_stored_as_zero_and_damages_no_row(folder, frame):
 
 
 def test_masked_values_are_refused_instead_of_the_numbers_under_the_mask(frame):
+    assert frame.loc["masked", "status"].eq("failed").all()
     assert frame.loc["masked", "error"].str.contains("values of problem 'masked' must be plain numbers").all()
 
 
