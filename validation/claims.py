@@ -4,9 +4,10 @@
 
 The functions are those of the page. *Any claim* is a winner, a difference over all problems or one on a problem, at the
 levels that the design gets; all optimizers are equal, or the best two of them are, in the sense of A12. *Further
-problems* is the one-sided share of samples of problems with which the test claims a mean of A12 other than 0.5, for a
-population of problems whose mean is 0.5, and the share of 95% intervals that hold the mean. *These problems* is the
-same for problems whose A12 differ, but have the mean 0.5. In brackets: standard errors.
+problems* is the share of samples of problems with which the test claims that the mean of A12 is higher or lower than
+it is, 0.5, one-sided and so at most 0.025, and the share of 95% intervals that hold it; shown is the worst of several
+numbers of problems and trials. *These problems* is the same for problems at hand whose A12 differ, and are 0.5 in the
+mean. In brackets: standard errors.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import norm, wilcoxon
 
 from bench import analysis
 from bench.analysis import bounded
 from bench.analysis.across import p_of_means
-from bench.analysis.direction import Effects, effects, intervals, mean_of, p_values, stacked
+from bench.analysis.direction import Effects, effects, intervals, mean_of, p_values, stacked, stratified
 from bench.analysis.error_rates import Stratum, claims
 from bench.typing import Flags, Floats
 
@@ -83,6 +84,12 @@ POPULATIONS = (  # shares and values of A12 of a problem, of mean 0.5
     ((0.1, 0.9), (0.95, 0.45)), ((0.05, 0.95), (0.975, 0.475)), ((0.5, 0.5), (1.0, 0.0)), ((0.5, 0.5), (0.8, 0.2)),
     ((0.6, 0.2, 0.2), (0.5, 0.9, 0.1)), ((0.7, 0.2, 0.1), (0.6, 0.35, 0.1)),
 )  # fmt: skip
+NUMBERS = (2, 5, 7, 10, 18, 24, 29, 50)
+DESIGNS = ((5, 3), (10, 5), (10, 15), (20, 51))  # problems and trials
+POWER = (  # optimizers, problems, trials, mean and SD over problems of the shift of the others
+    (2, 24, 15, 0.2, 0.0), (2, 24, 15, 0.2, 0.5), (2, 24, 15, 0.2, 1.0), (2, 10, 15, 0.3, 0.5), (5, 24, 15, 0.3, 0.5),
+    (5, 18, 30, 0.3, 1.0), (2, 24, 15, 1.0, 0.5),
+)  # fmt: skip
 
 
 def main(studies: int) -> None:
@@ -94,34 +101,37 @@ def main(studies: int) -> None:
         for problems in (1, 24):
             found = false_claims(equal, len(sizes), problems, min(sizes), studies, sizes=sizes)
             row(name, len(sizes), problems, min(sizes), *map(share, found))
-    for variance in (0.2, 0.5, 0.8):
-        for k, problems, trials in ((2, 1, 3), (2, 24, 5), (5, 24, 3)):
-            shared = false_claims(equal, k, problems, trials, studies, instances=5, variance=variance)
-            row(f"5 instances, {variance} between", k, problems, trials, *map(share, shared))
-    header("further problems", "N", "n", "too low", "too high", "interval")
+    for k, problems, trials in ((2, 1, 3), (2, 24, 5), (5, 24, 3)):
+        shared = false_claims(equal, k, problems, trials, studies, instances=5)
+        row("5 instances, any variance between", k, problems, trials, *map(share, shared))
+    header("further problems, N 2 to 50", "too low", "too high", "interval")
     for shares, values in POPULATIONS:
-        for problems in (2, 5, 7, 10, 18, 24, 29, 50):
-            for trials in (15, 51) if problems in (10, 29) else (51,):
-                beyond = further(shares, values, problems, trials, studies)
-                row(f"{values} on {shares}", problems, trials, *map(share, beyond))
-    header("clusters of blocks, declared", "size", "blocks", "too low", "too high", "interval")
+        every = [further(shares, values, problems, trials, studies) for problems in NUMBERS for trials in (15, 51)]
+        row(f"{values} on {shares}", *worst(every, (max, max, min)))
+    header("blocks of 24 problems, declared", "alike", "too low", "too high", "interval")
     for size in (2, 4, 8):
-        row("normal shifts, SD 1", size, 24 // size, *map(share, clusters(size, 24 // size, studies)))
-    header("these problems", "N", "n", "claimed", "interval")
+        row("normal shifts, SD 1", size, *map(share, clusters(size, 24 // size, studies)))
+    header("these problems, N 5 to 20, n 3 to 51", "claimed", "interval")
     for shares, values in POPULATIONS:
-        for problems, trials in ((5, 3), (10, 5), (10, 15), (20, 51)):
-            row(
-                f"{values} on {shares}", problems, trials,
-                *map(share, these(values, shares, problems, trials, studies)),
-            )  # fmt: skip
+        held = [these(values, shares, problems, trials, studies) for problems, trials in DESIGNS]
+        row(f"{values} on {shares}", *worst(held, (max, min)))
     header("interval, one problem, spread 10", "n", "A12 = .5", "A12 = .7", "A12 = .9")
     for trials in (3, 5, 10, 15, 30, 51):
         row("normal", trials, *(share(one_problem(true, trials, studies)) for true in (0.5, 0.7, 0.9)))
-    header("power", "k", "N", "n", "found", "found further")
-    for k, problems, trials, shift in ((2, 24, 15, 0.15), (2, 10, 15, 0.25), (5, 24, 15, 0.2)):
-        row(f"shift {shift} SD", k, problems, trials, *map(share, power(k, problems, trials, shift, studies)))
+    header("found", "k", "N", "n", "these", "further too", "signed ranks")
+    for k, problems, trials, shift, spread_of in POWER:
+        row(f"shift {shift} SD, between problems {spread_of}", k, problems, trials,
+            *map(share, power(k, problems, trials, shift, spread_of, studies)))  # fmt: skip
     first, second = np.zeros((studies, 51)), successes(0.85)(np.random.default_rng(1), 1, studies, 51)[0]
-    row("success 1 against 0.85", 2, 1, 51, share(p_values(effects(first, second)) <= analysis.ALPHA), "")
+    row("success 1 against 0.85", 2, 1, 51, share(p_values(effects(first, second)) <= analysis.ALPHA), "", "")
+    header("found with 5 instances of 5 trials", "between", "by instance", "across them")
+    for variance in (0.2, 0.5, 0.8):
+        row("one problem", variance, *map(share, by_instance(variance, studies)))
+
+
+def worst(every: Sequence[Sequence[Flags]], which: Sequence[Callable[..., Flags]]) -> list[str]:
+    """Return for each kind of flags the share of the design where it is largest, or smallest."""
+    return [share(take(flags, key=np.mean)) for flags, take in zip(zip(*every, strict=True), which, strict=True)]
 
 
 def header(*names: str) -> None:
@@ -139,7 +149,7 @@ def share(flags: Flags) -> str:
 
 def false_claims(
     draw: Draw, k: int, problems: int, trials: int, studies: int,
-    sizes: Sequence[int] = (), instances: int = 1, variance: float = 0.0,
+    sizes: Sequence[int] = (), instances: int = 1,
 ) -> tuple[Flags, Flags, Flags, Flags]:  # fmt: skip
     """Return which studies claim anything false; with two tied best, any claim between these two, or a winner."""
     rng, pairs = np.random.default_rng((k, problems, trials)), k * (k - 1) // 2
@@ -149,8 +159,7 @@ def false_claims(
     def strata() -> list[Stratum]:
         drawn: list[Stratum] = []
         for _ in range(instances):
-            values = draw(rng, k, studies, max(sizes, default=trials)) * (1 - variance) ** 0.5
-            values = values + variance**0.5 * rng.standard_normal((studies, 1))
+            values = draw(rng, k, studies, max(sizes, default=trials))
             drawn.append([own[:, :size] for own, size in zip(values, sizes or [trials] * k, strict=True)])
         return drawn
 
@@ -203,17 +212,33 @@ def one_problem(true: float, trials: int, studies: int, ratio: float = 10.0) -> 
     return np.asarray((low <= true) & (true <= high))
 
 
-def power(k: int, problems: int, trials: int, shift: float, studies: int) -> list[Flags]:
-    """Return which studies name the first of k optimizers the winner, and whether on further problems too."""
+def power(k: int, problems: int, trials: int, shift: float, spread_of: float, studies: int) -> list[Flags]:
+    """Return which studies name the first of k optimizers the winner, whether for further problems too, and by ranks.
+
+    The last is Wilcoxon's signed-rank test of problems against each rival, adjusted over the pairs, at half of the
+    level. The others are worse by ``shift`` in the mean, by more on some problems and better on others.
+    """
     rng, pairs = np.random.default_rng(1), k * (k - 1) // 2
     level = analysis.levels([trials] * problems, pairs, pairs * problems).across
     values = rng.standard_normal((problems, k, studies, trials))
-    values[:, 1:] += shift
+    values[:, 1:] += (shift + spread_of * norm.ppf((np.arange(problems) + 0.5) / problems))[:, None, None, None]
     every = [stacked([effects(of[0], of[rival]) for of in values]) for rival in range(1, k)]
-    shown = [(p_of_means(found) <= level) & (found.a12.mean(axis=0) > 0.5) for found in every]
-    beyond = [bounded.p_values(found.a12) <= level for found in every]
-    won = np.all(shown, axis=0)
-    return [won, won & np.all(beyond, axis=0)]
+    above = np.all([found.a12.mean(axis=0) > 0.5 for found in every], axis=0)
+    won = above & np.all([p_of_means(found) <= level for found in every], axis=0)
+    beyond = won & np.all([bounded.p_values(found.a12) <= level for found in every], axis=0)
+    ranks = [wilcoxon(found.a12 - 0.5, axis=0, method="approx").pvalue * pairs <= 0.025 for found in every]
+    return [won, beyond, above & np.all(ranks, axis=0)]
+
+
+def by_instance(variance: float, studies: int, instances: int = 5, trials: int = 5) -> list[Flags]:
+    """Return which studies find a difference of one SD of runs on an instance, within instances and across them."""
+    rng = np.random.default_rng(1)
+    values = rng.standard_normal((2, studies, instances, trials)) * (1 - variance) ** 0.5
+    values += rng.standard_normal((studies, instances, 1)) * variance**0.5
+    values[1] += (1 - variance) ** 0.5
+    within = stratified([effects(values[0, :, place], values[1, :, place]) for place in range(instances)])
+    across = effects(values[0].reshape(studies, -1), values[1].reshape(studies, -1))
+    return [p_values(found) <= 0.01 for found in (within, across)]
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ A12 (1 - A12), the form of its largest possible value (Birnbaum and Klose 1957, 
 a (1 - a). That is the approach of Schüürhuis, Konietschke and Brunner (2025, Biometrical Journal 67,
 doi:10.1002/bimj.70096), whose test controls its level where that of Brunner and Munzel does not. So the interval never
 leaves 0 to 1, and holds those a that the test does not reject. Quantiles are those of the normal distribution, which
-kept the level in simulations where those of Student's t made the test needlessly weak (validation/error_rates.py).
+kept the level in simulations where those of Student's t made the test needlessly weak (validation/intervals.py).
 
 Two bounds keep both honest where samples are small or separated. The ratio is at least three quarters of that of two
 equal distributions, which is four times the variance of A12 if the values at hand, with their ties, are dealt to the

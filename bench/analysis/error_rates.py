@@ -22,7 +22,7 @@ from bench.typing import Flags, Floats
 
 MOST = 12  # optimizers that are simulated
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
-WORK = 20_000_000  # values of pairs of samples in all: a few seconds
+WORK = 50_000_000  # values of pairs of samples in all: a few seconds
 DRAWS = 1_000  # of a simulated power
 POWER = 0.8
 STEPS = 9  # of a bisection: A12 to 0.001
