@@ -30,6 +30,7 @@ from problems.backlash import EARLY_RAD
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, estimate
+from problems.backlash.sensor.load_turn import fold
 from problems.backlash.sensor.response import response
 from problems.backlash.signature.calibration import calibrate, sensor_calibration
 from problems.backlash.signature.datasets import noisy, peak_to_peak
@@ -194,21 +195,24 @@ def rate(flags):
 
 
 def false_alarms(draws):
-    """Yield a line a family: the shares of alarms and of open verdicts, with a gear ratio and without."""
+    """Yield a line a family: how often impacts are seen in it, and which verdicts follow with and without a ratio."""
     ripple = simulate(half_gap=0.0).speed
-    yield f"{'family':36}  alarm, undecided with --gear-ratio; without ({draws} recordings each), per cent"
+    yield f"{'family':36}  impacts with --gear-ratio ({5 * draws} recordings), per cent;"
+    yield f"{'':36}  alarm, undecided with --gear-ratio; without it ({draws} recordings)"
     for family, make in HEALTHY.items():
-        verdicts = {40.0: [], None: []}
-        for draw in range(draws):
+        verdicts, impacts = {40.0: [], None: []}, []
+        for draw in range(5 * draws):
             rng = np.random.default_rng([draw, 44])
             speed = ripple + make(rng) + rng.uniform(0.1, 0.5) * rng.uniform(-0.5, 0.5, len(ripple))
-            for ratio, found in verdicts.items():
-                found.append(estimate(Recording(0.0, 0.002, speed), Settings(gear_ratio=ratio, resamples=0)).verdict)
+            recording = Recording(0.0, 0.002, speed)
+            impacts.append(fold(recording, 0.4).impacting)  # there is no alarm without them
+            for ratio, found in verdicts.items() if draw < draws else ():
+                found.append(estimate(recording, Settings(gear_ratio=ratio, resamples=0)).verdict)
         cells = (
             f"{rate([verdict in ALARMS for verdict in found])}, {rate([verdict == 'undecided' for verdict in found])}"
             for found in verdicts.values()
         )
-        yield f"{family:36}  {'; '.join(cells)}"
+        yield f"{family:36}  {'; '.join([rate(impacts), *cells])}"
 
 
 def found_gaps(draws):

@@ -12,9 +12,11 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Part, Section, Table, count, listing
 from problems.backlash.published.recordings import table_7_3
+from problems.backlash.recordings import Recording
 from problems.backlash.report.accuracy import estimates
 from problems.backlash.report.fitting_errors import conditions
 from problems.backlash.sensor.estimate import Settings, infer_backlash
+from problems.backlash.sensor.load_turn import fold
 from problems.backlash.signature.datasets import NOISES, peak_to_peak
 from problems.backlash.signature.problem import SignatureFit
 
@@ -117,8 +119,10 @@ def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
     if not isinstance(problem, SignatureFit):
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60
-    in_rps = problem.unit == "rps"  # the sensor's own unit, and the noise study's
-    return size, infer_backlash(problem, Settings(resamples=0)).amplitude_rps if in_rps else float("nan")
+    if problem.unit != "rps":  # the sensor's own unit, and the noise study's
+        return size, float("nan")
+    folded = fold(Recording(float(problem.time[0]), problem.dt, problem.signal), problem.period)
+    return size, infer_backlash(problem, Settings(resamples=0), folded).amplitude_rps
 
 
 def sentences(cells: pd.DataFrame, best: pd.DataFrame, level: str) -> list[str]:

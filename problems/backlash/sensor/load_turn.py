@@ -34,6 +34,7 @@ FINER = 8  # further places between two of them, for T_d
 SHORTEST = 0.3  # T_d as a part of T_f at least: friction of up to 59% of gravity's torque
 ASKED = 15.0  # the gain (twice a log-likelihood) from which on another T_d than T_f / 2 is taken
 BEFORE = 1 / 8  # of the shorter part of a load turn lies before its impact
+FAINT = 1e-3  # rps; an amplitude that counts as noise, as one count of a 19-bit encoder makes it at 500 Hz
 MISFIT = 0.01  # the part of a mean harmonic's energy that counts as noise: impacts are no exact damped sines
 TONES = 3  # steady tones that are compared with impacts
 MOST = 0.8  # the share of what repeats that impacts explain at least
@@ -70,7 +71,7 @@ class LoadTurn:
     @cached_property
     def weight(self) -> Floats:
         """(m,) the weight of a harmonic's squared magnitude, so that the sum over noise is 2 m in the mean."""
-        weight: Floats = 2 / (self.noise + MISFIT * np.mean(np.abs(self.value) ** 2))
+        weight: Floats = 2 / (self.noise + (FAINT / 2) ** 2 + MISFIT * np.mean(np.abs(self.value) ** 2))
         return weight
 
     @cached_property

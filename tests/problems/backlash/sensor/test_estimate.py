@@ -54,8 +54,8 @@ def test_the_ripple_of_a_joint_without_backlash_is_none():
     for speed in (ripple, ripple + noise(1)):
         found = estimate(Recording(0.0, 0.002, speed), PLAIN)
         assert found.verdict == "no backlash"
-        assert found.p_value < evidence.SIGNIFICANT  # it is there, but slow
-        assert "slower than one oscillation" in " ".join(found.notes)
+        assert found.p_value > evidence.SIGNIFICANT
+        assert found.interval_rad[1] < 2e-4
 
 
 @pytest.mark.slow
@@ -164,10 +164,13 @@ def test_noise_that_may_hide_too_much_is_told():
 @pytest.mark.slow
 def test_a_signal_without_a_period_has_that_of_the_calibration_s_gear_ratio():
     ratio = replace(sensor_calibration(), gear_ratio=100.0)
-    for calibration, period in ((ratio, 1.0), (sensor_calibration(), 0.4), (None, 0.4)):
+    for calibration, period, source in (
+        (ratio, 1.0, "calibration"), (sensor_calibration(), 0.4, "calibration"), (None, 0.4, "assumed"),
+    ):  # fmt: skip
         found = estimate(Recording(0.0, 0.002, 100 + noise(1)), Settings(resamples=0, calibration=calibration))
-        assert (found.period_s, found.period_source) == (pytest.approx(period, abs=1e-3), "assumed")
-        assert f"{period:g} s is assumed" in " ".join(found.notes)
+        assert (found.period_s, found.period_source) == (pytest.approx(period, abs=1e-3), source)
+        assert f"{period:g} s is {'assumed' if calibration is None else 'taken from'}" in " ".join(found.notes)
+        assert found.verdict == ("undecided" if calibration is None else "no backlash")
 
 
 def test_the_limit_is_the_user_s():
@@ -197,7 +200,7 @@ def test_a_calibration_that_ends_below_the_limit_cannot_say_progressed():
 @pytest.mark.parametrize(
     ("joint", "settings", "differs"),
     [
-        ({"gear_ratio": 100.0, "gravity_torque": 5.0}, {"gear_ratio": 100.0}, "a gear ratio of 100, not 40"),
+        ({"gear_ratio": 80.0}, {"gear_ratio": 80.0}, "a gear ratio of 80, not 40"),
         ({"gear_ratio": 60.0}, {}, "a gear ratio of 60, not 40"),
         ({"omega_ref": 2 * np.pi * 60}, {}, "a motor speed of 60 rps, not 100"),
         ({"omega_ref": 2 * np.pi * 98.5}, {"period": 40 / 98.5}, "a motor speed of 98.5 rps, not 100"),

@@ -94,6 +94,14 @@ def test_harmonics_of_the_load_turn_are_no_backlash(healthy, seed):
         assert estimate(recorded(healthy + 0.1 * waves.sum(axis=1)), RATIO).verdict in ("no backlash", "undecided")
 
 
+@pytest.mark.parametrize("joint", [Joint(), Joint(viscous_friction=5.0)], ids=["no gap", "a gap that never opens"])
+def test_the_ripple_alone_is_no_backlash_without_noise_either(joint):
+    gap = 0.0015 if joint.viscous_friction else 0.0
+    found = estimate(recorded(simulate(joint, half_gap=gap).speed, noise=0.0), RATIO)
+    assert found.verdict == "no backlash"
+    assert found.interval_rad[1] <= 1e-4
+
+
 def test_halves_of_unlike_size_are_asymmetric():
     speed = worn(0.0015) - 100
     lopsided = np.where((TIME % 0.4) < 0.2, speed, 0.15 * speed)
