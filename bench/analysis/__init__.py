@@ -5,8 +5,8 @@ Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise
 Across problems: :func:`across_problems`, :func:`places`, :func:`medians`, :func:`ranks_by_block`, :func:`friedman`,
 :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How often such claims are wrong:
 :func:`levels`, :func:`rates_of_equals`, :func:`rates_of_spreads`, :func:`detectable_a12`, :func:`detectable_across`,
-:func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`,
-:func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
+:func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`earlier_leads`, :func:`unused_budget`,
+:func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
 :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
 :func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. Which optimizers
 to take: :func:`target_shares`, :func:`portfolio_of`, :func:`shapley`, :func:`validated_selection`,
@@ -98,7 +98,7 @@ from bench.analysis.running_time import (
     simulated_restarts,
 )
 from bench.analysis.selection import best_on, selection_gain, validated_selection
-from bench.analysis.stages import SHARES, stage_ranks, unused_budget
+from bench.analysis.stages import SHARES, earlier_leads, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
 from bench.analysis.target_sets import (
     COCO_PRECISIONS,
@@ -152,6 +152,7 @@ __all__ = [
     "detectable_a12",
     "detectable_across",
     "disagreements",
+    "earlier_leads",
     "ecdf",
     "effect_size",
     "error_statistics",

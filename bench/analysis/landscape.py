@@ -17,16 +17,17 @@ EvoApplications). Features describe the sample: those of another sample of the s
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.spatial.distance import cdist, pdist
-from scipy.stats import gaussian_kde, kurtosis, pearsonr, qmc, rankdata, skew
+from scipy.stats import gaussian_kde, kurtosis, qmc, rankdata, skew
 
 from bench.analysis.direction import ALPHA
-from bench.analysis.pairwise import holm
 from bench.errors import BenchError
 from bench.problem import Problem
 from bench.typing import Floats
@@ -40,6 +41,9 @@ PEAK = 0.01  # the least share of the values that makes a peak
 SETTLED, HALF = 0.05, 0.5  # of the information content, and of the initial partial information
 EPSILONS = np.concatenate(([0.0], np.geomspace(1e-5, 1e15, 1000)))  # differences over distances that count as equal
 LEAST_PROBLEMS = 10  # for which features are compared with ranks
+EXCHANGES = 1000  # of the features of blocks, the given order among them
+AT_ONCE = 100  # exchanges
+SEED = 1
 
 
 def describe(problem: Problem, points: int | None = None, seed: int = 0) -> dict[str, float]:
@@ -193,38 +197,97 @@ def fdc(distances: Floats, y: Floats) -> float:
     return _correlation(distances[int(y.argmin())], y)
 
 
-def feature_ranks(table: pd.DataFrame, medians: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+def feature_ranks(
+    table: pd.DataFrame,
+    medians: pd.DataFrame,
+    blocks: Mapping[str, str] | None = None,
+    places: Mapping[str, int] | None = None,
+    alpha: float = ALPHA,
+) -> pd.DataFrame:
     """Return how each feature goes with the rank of each optimizer over problems, the smallest p first.
 
     Columns: optimizer, feature, problems, rho (Spearman; positive where the optimizer ranks worse on problems with a
-    larger value), p, p_holm, adjusted over all rows (Holm 1979), and significant (p_holm <= ``alpha``). Features that
-    are missing or equal on all problems but one have no row, and neither has an optimizer of one rank; without 10
-    problems there is no row.
+    larger value), p, p_adjusted, for all rows together, and significant (p_adjusted <= ``alpha``). Features that are
+    missing or equal on all problems have no row, and neither has an optimizer of one rank; without 10 problems there is
+    no row.
+
+    The problems of a block, such as a function in several dimensions, are no independent sample: features and ranks
+    are alike in them whether they have to do with each other or not. So the tests exchange the features of whole
+    blocks that have problems at the same places, at random, and p is the share of exchanges, the given order included,
+    in which rho is as far from its mean, in its standard deviations; of p_adjusted, that in which any is (Westfall and
+    Young 1993, Resampling-Based Multiple Testing). Nothing can be significant that is all in one block.
 
     Args:
         table: features by problem, such as those of :func:`describe`.
         medians: medians by problem and optimizer (:func:`bench.analysis.medians`).
+        blocks: the block of each problem; without, each is a block of its own.
+        places: where a problem stands in its block, such as its dimension.
         alpha: the level.
     """
+    columns = ["optimizer", "feature", "problems", "rho", "p", "p_adjusted"]
     problems = [label for label in medians.index if label in table.index]
-    ranks, tables = medians.loc[problems].rank(axis=1), []
-    for number, feature in enumerate(table):
-        x = table[feature].loc[problems].dropna()
-        rank_of = ranks.loc[x.index]
-        varying = np.flatnonzero(rank_of.nunique() > 1)
-        if len(x) >= LEAST_PROBLEMS and x.nunique() > 1 and len(varying):
-            # Spearman's rho of all optimizers at once: Pearson's correlation of ranks
-            ys = rankdata(rank_of.to_numpy()[:, varying], axis=0)
-            rho, p = pearsonr(rankdata(x)[:, np.newaxis], ys, axis=0)
-            key = {"place": varying, "number": number, "optimizer": rank_of.columns[varying], "feature": feature}
-            tables.append(pd.DataFrame(key | {"problems": len(x), "rho": rho, "p": p}))
-    columns = ["optimizer", "feature", "problems", "rho", "p"]
-    if not tables:
-        return pd.DataFrame(columns=[*columns, "p_holm", "significant"]).astype({"significant": bool})
-    tests = pd.concat(tables).sort_values(["place", "number"], ignore_index=True)[columns]
-    tests["p_holm"] = holm(tests["p"].to_numpy(dtype=float))
-    tests["significant"] = (tests["p_holm"] <= alpha).astype(bool)
-    return tests.sort_values("p", kind="stable", ignore_index=True)
+    ranks = medians.loc[problems].rank(axis=1)
+    ranks = ranks.loc[:, ranks.nunique() > 1]
+    given = table.loc[problems]
+    given = given.loc[:, (given.nunique() > 1) & (given.notna().sum() >= LEAST_PROBLEMS)]
+    if len(problems) < LEAST_PROBLEMS or ranks.empty or given.empty:
+        return pd.DataFrame(columns=[*columns, "significant"]).astype({"significant": bool})
+    x, y = (_standard_ranks(each.to_numpy(dtype=float)) for each in (given, ranks))
+    orders = _exchanges([((blocks or {}).get(label, label), (places or {}).get(label, 0)) for label in problems])
+    rho = np.empty((len(orders), x.shape[1], y.shape[1]))
+    for start in range(0, len(orders), AT_ONCE):
+        rho[start : start + AT_ONCE] = np.einsum("bpf,pk->bfk", x[orders[start : start + AT_ONCE]], y, optimize=True)
+    spread = rho.std(axis=0)
+    # An exchange that repeats the given order differs from it by rounding alone.
+    size = np.round(np.abs(rho - rho.mean(axis=0)) / np.where(spread > 0, spread, np.inf), 9)
+    most = size.max(axis=(1, 2))
+    feature, optimizer = (part.ravel() for part in np.indices(size.shape[1:]))
+    tests = pd.DataFrame(
+        {
+            "optimizer": ranks.columns[optimizer],
+            "feature": given.columns[feature],
+            "problems": given.notna().sum().to_numpy()[feature],
+            "rho": _rho(given, ranks).ravel(),
+            "p": (size >= size[0]).mean(axis=0).ravel(),
+            "p_adjusted": (most[:, np.newaxis, np.newaxis] >= size[0]).mean(axis=0).ravel(),
+        },
+        columns=columns,
+    )
+    tests["significant"] = (tests["p_adjusted"] <= alpha).astype(bool)
+    order = np.lexsort((feature, optimizer, -size[0].ravel(), tests["p"], tests["p_adjusted"]))
+    return tests.iloc[order].reset_index(drop=True)
+
+
+def _rho(features: pd.DataFrame, ranks: pd.DataFrame) -> Floats:
+    """Return Spearman's rho of each feature, where it is not missing, and the ranks of each optimizer, (f, k)."""
+    rho = np.empty((features.shape[1], ranks.shape[1]))
+    for place, feature in enumerate(features):
+        known = features[feature].notna()
+        x, y = (_standard_ranks(each[known].to_numpy(dtype=float)) for each in (features[[feature]], ranks))
+        rho[place] = x[:, 0] @ y
+    return rho
+
+
+def _standard_ranks(values: Floats) -> Floats:
+    """Return (n, c) ranks in each column, with mean 0 and squares that add up to 1; 0 where a value is missing."""
+    ranks = rankdata(values, axis=0, nan_policy="omit")
+    ranks = np.nan_to_num(ranks - np.nanmean(ranks, axis=0))
+    return np.asarray(ranks / np.sqrt((ranks**2).sum(axis=0)))
+
+
+def _exchanges(keys: list[tuple[str, int]]) -> NDArray[np.intp]:
+    """Return (EXCHANGES, n) orders of n problems, the given one first, in which blocks with equal places exchange."""
+    rows: dict[str, list[tuple[int, int]]] = {}
+    for row, (block, place) in enumerate(keys):
+        rows.setdefault(block, []).append((place, row))
+    alike: dict[tuple[int, ...], list[list[int]]] = {}
+    for own in map(sorted, rows.values()):
+        alike.setdefault(tuple(place for place, _ in own), []).append([row for _, row in own])
+    rng, orders = np.random.default_rng(SEED), np.tile(np.arange(len(keys)), (EXCHANGES, 1))
+    for group in map(np.array, alike.values()):  # (blocks, places)
+        drawn = rng.permuted(np.tile(np.arange(len(group)), (EXCHANGES - 1, 1)), axis=1)
+        orders[1:, group.ravel()] = group[drawn].reshape(EXCHANGES - 1, -1)
+    return orders
 
 
 def _fit(columns: Floats, y: Floats) -> tuple[Floats, float]:

@@ -29,7 +29,8 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     }
     levels = [level for level in words.tabled if (rows_of_suite[words.unit] == level).any()]
     best = {(row["problem"], row["tau"]): float(row["ert"]) for row in anytime.best_times.to_dict("records")}
-    hits = anytime.hits[anytime.hits["problem"].isin(problems)]
+    hits = findings.anytime.compared_hits
+    hits = hits[hits["problem"].isin(problems)]
     at = np.isclose(hits["tau"].to_numpy(dtype=float)[:, np.newaxis], levels, rtol=1e-9, atol=0)
     hits = hits[at.any(axis=1)].assign(tau=np.array(levels)[at[at.any(axis=1)].argmax(axis=1)])
     fastest = analysis.separably_fastest(hits)
@@ -73,8 +74,8 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
         marks=frames[2],
         note="In brackets: half the range from the 10th to the 90th percentile of simulated restarts, in the same "
         "unit. ∞: no trial succeeded, with the median evaluations of the trials. Successes: at the last target. Bold: "
-        "the lowest. *: faster than each other one by the rank-sum test, p < 0.05 after Bonferroni’s correction for "
-        f"the {len(problems)} functions, not for the targets."
+        "the lowest. *: faster than each other one by the rank-sum test, p < 0.05 after Holm’s adjustment for "
+        "all functions and targets of this table."
         + (" The best of 2009 is in evaluations; where it is unknown, so are the others (ev.)." if best else ""),
         data=words.in_unit(rows_of_suite, words.unit),
     )

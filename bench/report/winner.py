@@ -39,7 +39,7 @@ def winner_rule(looks: bool) -> str:
 
 
 class Stage(NamedTuple):
-    """A budget in words, and the optimizers with the lowest mean rank there, several where they tie."""
+    """A budget in words, and those that are shown to end lower there than the leader; else the leader alone."""
 
     spent: str
     lowest: tuple[str, ...]
@@ -99,7 +99,7 @@ class Standing:
         size: by how much the leader is lower than the second in rank, in the objective's unit or in evaluations.
         near_shares: the share of each optimizer's trials that came near the best known value; empty where unknown.
         near: what that means, in words.
-        course: who has the lowest mean rank at smaller budgets, :class:`Stage` by stage, the full budget last.
+        course: who is shown to end lower than the leader at smaller budgets, :class:`Stage` by stage, the full last.
         unit: of the stages, "evaluations" or "of the budget".
         clock: the sentence on running times in seconds; "" where these do not change the order.
         sweep: that the problems are one sweep and stand for no further ones; "" where they are not.
@@ -319,7 +319,7 @@ def _near(standing: Standing, leader: str) -> str:
 
 
 def _course(standing: Standing, leader: str) -> str:
-    """Return who has a lower mean rank than the leader at which smaller budgets; "" where that is not known."""
+    """Return who is shown to end lower than the leader at which smaller budgets; "" where that is not known."""
     if not standing.course or leader not in standing.course[-1].lowest:
         return ""
     spells = []
@@ -329,7 +329,5 @@ def _course(standing: Standing, leader: str) -> str:
             when = f"at {spent[0]}" if len(spent) == 1 else f"from {spent[0]} to {spent[-1]}"
             spells.append(f"{listing(lowest, NAMED)} {when}")
     if not spells:
-        first = standing.course[0].spent
-        unit = "evaluation" if (first, standing.unit) == ("1", "evaluations") else standing.unit
-        return f"From {first} {unit} on, no other has a lower mean rank."
-    return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {standing.unit}."
+        return "At no smaller budget is another one shown to end lower."
+    return f"Shown to end lower than {leader} at smaller budgets: {listing(spells)} {standing.unit}."

@@ -37,6 +37,11 @@ class Anytime:
         """The rank of each cell after some shares of the budget."""
         return analysis.stage_ranks(self.trials.frame, self.trials.traces, self.trials.common or self.trials.budgets)
 
+    def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
+        """Return who is shown to be lower than the leader after smaller shares of the budget."""
+        spent = self.trials.common or self.trials.budgets
+        return analysis.earlier_leads(self.trials.frame, self.trials.traces, spent, leader, level)
+
     @cached_property
     def unused(self) -> pd.DataFrame:
         """The share of the budget that each optimizer left."""
@@ -159,6 +164,15 @@ class Anytime:
             return analysis.tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
         targets = self.targets if words == self.words else self._targets(words)
         return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
+
+    @property
+    def compared_hits(self) -> pd.DataFrame:
+        """The same of the trials that are compared, as all optimizers share their instances."""
+        if not self.trials.comparable.instances:
+            return self.hits
+        keys = ["problem", "optimizer", "trial"]
+        compared = pd.MultiIndex.from_frame(self.trials.frame[keys].astype(object))
+        return self.hits[pd.MultiIndex.from_frame(self.hits[keys].astype(object)).isin(compared)]
 
     @cached_property
     def success(self) -> pd.DataFrame:

@@ -66,7 +66,8 @@ def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Par
     if problems < LEAST_PROBLEMS:
         few = f"Features are compared with the ranks of the optimizers from {LEAST_PROBLEMS} problems on"
         return [f"{few}; here are {problems}."], []
-    tests = feature_ranks(table, findings.final.medians)
+    trials = findings.trials
+    tests = feature_ranks(table, findings.final.medians, trials.blocks, trials.dimensions)
     if tests.empty:
         return ["The features or the ranks are the same on all problems, so none goes with another."], []
     clear = tests[tests["significant"]]
@@ -77,16 +78,16 @@ def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Par
     ]
     several = f"{count(len(tests), 'test')} of a feature and an optimizer’s rank over {problems} problems"
     sentence = (
-        f"Of {several}, {len(clear)} are significant at {ALPHA:g} after Holm’s adjustment: {listing(named)}"
+        f"Of {several}, {count(len(clear), 'is', 'are')} significant at {ALPHA:g}, adjusted for all: {listing(named)}"
         + (", among others." if len(clear) > len(named) else ".")
         if named
-        else f"Of {several}, none is significant at {ALPHA:g} after Holm’s adjustment."
+        else f"Of {several}, none is significant at {ALPHA:g}, adjusted for all."
     )
     caution = (
-        " Problems of one family are alike, so the tests are too confident about other families; a correlation is no "
-        "cause."
+        " The tests exchange the features of whole blocks of problems, such as a function in its dimensions, at "
+        "random. Their level is their own, beside that of the verdict; a correlation is no cause."
     )
-    shown = tests.iloc[:ROWS].rename(columns={"p_holm": "p (Holm)", "rho": "Spearman’s rho"})
+    shown = tests.iloc[:ROWS].rename(columns={"p_adjusted": "p (adjusted)", "rho": "Spearman’s rho"})
     return [sentence + caution], [
         Table(
             "feature-ranks",

@@ -190,18 +190,17 @@ def _spread(low: float, high: float) -> str:
 
 
 def _course(findings: Findings) -> list[Stage]:
-    """Return who has the lowest mean rank at the budgets of the figure beside the verdict."""
+    """Return who is shown to end lower than the leader at the budgets of the figure beside the verdict."""
     if not findings.trials.traces:
         return []
-    stages = findings.anytime.stages
-    means = stages.pivot_table(index="share", columns="optimizer", values="rank", sort=False, observed=True)
-    spent = stages.drop_duplicates("share")["evaluations"]
-    course = []
-    for (share, rank_of), evaluations in zip(means.iterrows(), spent, strict=True):
-        lowest = rank_of.index[np.isclose(rank_of, rank_of.min(), rtol=0, atol=TIED)]
-        text = f"{float(str(share)):.0%}" if findings.trials.scaled else f"{evaluations:,}"
-        course.append(Stage(text, tuple(map(str, lowest))))
-    return course
+    leader = findings.final.ranked[0]
+    leads = findings.anytime.earlier_leads(leader, findings.final.levels.course)
+    shown = leads[leads["shown"].astype(bool)].groupby("share")["optimizer"].agg(tuple).to_dict()
+    spent = findings.anytime.stages.drop_duplicates("share")
+    return [
+        Stage(f"{share:.0%}" if findings.trials.scaled else f"{evaluations:,}", shown.get(share, (leader,)))
+        for share, evaluations in zip(spent["share"], spent["evaluations"], strict=True)
+    ]
 
 
 def _evidence(findings: Findings) -> str:
@@ -312,6 +311,6 @@ def _grounds(findings: Findings) -> str:
         f"of the mean of it where these are as many. {over_all} "
         + (f"All levels together are {ALPHA:g}. " if both else "")
         + f"{winner_rule(bool(looks))} The counts are over the problems on which every optimizer has a trial. Smaller "
-        "budgets are the points of the figure of mean ranks; those at which the first one shares the lowest are not "
-        "named."
+        "budgets are the points of the figure of mean ranks; at these, each other one is tested against the first in "
+        f"the mean over these problems at {levels.course:g}, by Bonferroni’s method."
     )

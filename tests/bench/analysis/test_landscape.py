@@ -144,7 +144,28 @@ def test_a_feature_that_goes_with_the_winner_is_found():
     assert first.loc["a", "rho"] > 0.8
     assert first.loc["a", "rho"] == pytest.approx(spearmanr(table["grow"], medians.rank(axis=1)["a"])[0])
     assert list(found["significant"]) == [True, True, False, False]  # c has one rank, and "same" one value
-    assert (found["p_holm"] >= found["p"]).all()
+    assert (found["p_adjusted"] >= found["p"]).all()
+
+
+def test_problems_of_one_block_are_no_evidence_of_their_own():
+    """Five functions in four dimensions: 120 orders of blocks, of which every fifth has the first one at its place."""
+    table, medians = ranked(20)
+    blocks = {label: f"f{place // 4}" for place, label in enumerate(table.index)}
+    places = {label: place % 4 for place, label in enumerate(table.index)}
+    alone, together = (landscape.feature_ranks(table, medians, *by).iloc[0] for by in ((), (blocks, places)))
+    assert alone["rho"] == together["rho"]
+    assert alone["p"] <= 0.002 < 0.01 < together["p"]
+    assert (landscape.feature_ranks(table, medians, dict.fromkeys(blocks, "one"), places)["p"] == 1).all()
+
+
+def test_a_feature_that_is_missing_somewhere_is_compared_elsewhere():
+    table, medians = ranked(20)
+    table.loc["p3", "grow"] = np.nan
+    found = landscape.feature_ranks(table, medians)
+    first = found[(found["optimizer"] == "a") & (found["feature"] == "grow")].iloc[0]
+    known = table["grow"].notna()
+    assert first["problems"] == 19
+    assert first["rho"] == pytest.approx(spearmanr(table["grow"][known], medians.rank(axis=1)["a"][known])[0])
 
 
 def test_few_problems_show_nothing():

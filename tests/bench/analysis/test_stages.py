@@ -6,7 +6,7 @@ import pytest
 from bench import Trace
 from bench.analysis.cells import summarise
 from bench.analysis.pairwise import pairwise_tests
-from bench.analysis.stages import stage_ranks, unused_budget
+from bench.analysis.stages import earlier_leads, stage_ranks, unused_budget
 from bench.analysis.standings import standings
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
@@ -59,3 +59,34 @@ def test_unused_budget(frame_of):
     found = unused_budget(frame, 100).set_index("optimizer")
     assert found.loc["a"].tolist() == [2, 0.25, 0.5]
     assert found.loc["b"].tolist() == pytest.approx([1, 0.005, 0.0])
+
+
+def leads(frame_of, early, late, rivals=1, trials=20):
+    """Return who leads on two problems where rivals begin at ``early`` and end at ``late``, the first at 5 and 0."""
+    curves = {
+        (problem, f"rival {number}"): [[early + i / 100, early, late] for i in range(trials)]
+        for problem in "pq"
+        for number in range(rivals)
+    }
+    curves |= {(problem, "first"): [[5 + i / 100, 5, 0] for i in range(trials)] for problem in "pq"}
+    frame = frame_of({cell: [values[-1] for values in own] for cell, own in curves.items()})
+    return earlier_leads(frame, traces_of(curves), dict.fromkeys("pq", 100), "first", shares=(0.01, 1.0))
+
+
+def test_a_lead_at_a_smaller_budget_is_shown_by_its_test(frame_of):
+    (row,) = leads(frame_of, 4, 9).to_dict("records")
+    assert (row["share"], row["optimizer"], row["probability"], row["shown"]) == (0.01, "rival 0", 1.0, True)
+    assert not leads(frame_of, 6, 9)["shown"].any()  # the leader leads there, too
+    assert leads(frame_of, 5, 9)["probability"].tolist() == [0.5]
+
+
+def test_a_lead_is_not_shown_by_fewer_trials_than_its_level_needs(frame_of):
+    """Complete separation in n trials on two problems has p = 2^(1 - 2 n), which is adjusted for all rivals."""
+    for trials, rivals, shown in ((4, 1, False), (5, 1, True), (5, 2, True), (5, 3, False)):
+        assert leads(frame_of, 4, 9, rivals, trials)["shown"].all() == shown
+    assert leads(frame_of, 4, 9, trials=1)["p"].tolist() == [1.0]
+
+
+def test_without_rivals_or_complete_problems_nothing_leads(frame_of):
+    assert earlier_leads(frame_of({("p", "a"): [1.0]}), {}, {"p": 9}, "a").empty
+    assert earlier_leads(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}), {}, {"p": 9, "q": 9}, "a").empty

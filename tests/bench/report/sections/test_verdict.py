@@ -110,24 +110,13 @@ def test_unused_budget_is_said_with_its_share(make, tmp_path):
     assert verdict.unused(Findings(Results(make(tmp_path / "t", trials=4))).anytime.unused) == ""
 
 
-def test_smaller_budgets_are_the_points_of_the_figure(fresh):
-    ranks = {"a": (2.0, 1.0, 1.0), "b": (1.0, 1.0, 2.0), "c": (3.0, 3.0, 3.0)}
-    rows = [
-        (problem, optimizer, share, round(8000 * share), own[place])
-        for problem in "pqr"
-        for place, share in enumerate((0.01, 0.03, 1.0))
-        for optimizer, own in ranks.items()
-    ]
-    fresh.anytime.__dict__["stages"] = pd.DataFrame(
-        rows, columns=["problem", "optimizer", "share", "evaluations", "rank"]
-    )
-    claim, (figure,) = dict(verdict.section(fresh).cards[0].lines)["At what budget"], course(fresh)
-    assert claim == "At smaller budgets the lowest mean rank is that of b at 80 evaluations."
-    lowest = figure.shown.eq(figure.shown.min(axis=1), axis=0)
-    assert {at: [*own.index[own]] for at, own in lowest.iterrows()} == {80: ["b"], 240: ["a", "b"], 8000: ["a"]}
-    assert [(each.spent, each.lowest) for each in verdict._course(fresh)] == [
-        ("80", ("b",)), ("240", ("a", "b")), ("8,000", ("a",)),
-    ]  # fmt: skip
+def test_smaller_budgets_are_the_points_of_the_figure_and_who_leads_there_is_tested(fresh):
+    (figure,) = course(fresh)
+    first, *_, last = verdict._course(fresh)
+    assert [first.spent, last.spent] == [f"{at:,}" for at in (figure.shown.index[0], figure.shown.index[-1])]
+    leads = pd.DataFrame({"share": [0.01, 0.03], "optimizer": "b", "shown": [True, False]})
+    fresh.anytime.__dict__["earlier_leads"] = lambda leader, level: leads
+    assert [each.lowest for each in verdict._course(fresh)] == [("b",), *[("a",)] * 5]
 
 
 @pytest.mark.parametrize(
