@@ -6,7 +6,8 @@ Across problems: :func:`across_problems`, :func:`places`, :func:`medians`, :func
 :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How often such claims are wrong:
 :func:`levels`, :func:`rates_of_equals`, :func:`rates_of_spreads`, :func:`detectable_a12`, :func:`detectable_across`,
 :func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`earlier_leads`, :func:`unused_budget`,
-:func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
+:func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`,
+:func:`tolerance_times`,
 :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
 :func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. Which optimizers
 to take: :func:`target_shares`, :func:`portfolio_of`, :func:`shapley`, :func:`validated_selection`,

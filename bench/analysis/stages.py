@@ -58,11 +58,13 @@ def earlier_leads(
     smaller = [share for share in shares if share < 1]
     optimizers = labels(frame, "optimizer")
     rivals = [place for place, label in enumerate(optimizers) if label != leader]
-    stages = [values for _, _, values in _stages(frame, traces, budget, smaller)]
+    stages = [
+        [np.ascontiguousarray(cell.T) for cell in values] for *_, values in _stages(frame, traces, budget, smaller)
+    ]
     if not stages or not rivals or not smaller:
         return pd.DataFrame(columns=["share", "optimizer", "probability", "p", "shown"])
     first = optimizers.index(leader)
-    found = [[effects(values[rival].T, values[first].T) for rival in rivals] for values in stages]
+    found = [[effects(values[rival], values[first]) for rival in rivals] for values in stages]
     chance, ratio = (np.array([[getattr(pair, name) for pair in row] for row in found]) for name in ("a12", "ratio"))
     smallest = np.array([[float(np.max(pair.smaller)) for pair in row] for row in found]).sum(axis=0)[:, np.newaxis]
     size = np.abs(standardised(chance, ratio))  # missing where a cell has a single trial

@@ -90,3 +90,15 @@ def test_a_lead_is_not_shown_by_fewer_trials_than_its_level_needs(frame_of):
 def test_without_rivals_or_complete_problems_nothing_leads(frame_of):
     assert earlier_leads(frame_of({("p", "a"): [1.0]}), {}, {"p": 9}, "a").empty
     assert earlier_leads(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}), {}, {"p": 9, "q": 9}, "a").empty
+
+
+def test_the_test_at_a_stage_is_that_of_its_values(frame_of):
+    rng = np.random.default_rng(4)
+    curves = {("p", label): np.sort(rng.random((12, 3)))[:, ::-1] for label in "ab"}
+    frame = frame_of({cell: [values[-1] for values in own] for cell, own in curves.items()})
+    for share, place in ((0.01, 0), (0.1, 1)):
+        at_stage = frame_of({cell: own[:, place] for cell, own in curves.items()})
+        (pair,) = pairwise_tests(at_stage).to_dict("records")
+        (row,) = earlier_leads(frame, traces_of(curves), {"p": 100}, "b", shares=(share, 1.0)).to_dict("records")
+        assert row["probability"] == pytest.approx(pair["a12"])
+        assert row["p"] == pytest.approx(pair["p"])

@@ -1,0 +1,116 @@
+"""How often a page marks a difference beside its verdict where there is none, by simulation.
+
+    python validation/other_claims.py [STUDIES] [stars] [features] [leads]     # default: 300 studies a row, 15 minutes
+
+- A star of the table of running times: identical optimizers; the time to each target is lognormal and increases with
+  the target, and a trial ends by chance on the way. "grid": times are multiples of a population of 300.
+- A "significant" feature of landscapes: features and medians are random and have nothing to do with each other; a share
+  of both is that of the function and the same in all dimensions. "shift": both also grow with the dimension. "ties":
+  features have four values.
+- A lead at a smaller budget: identical optimizers, whose best values decrease in steps that are independent of each
+  other ("steps") or all come from one basin of two ("basins"); the leader is the one that most often ends lower.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis import SHARES, earlier_leads, separably_fastest
+from bench.analysis.direction import wins
+from bench.analysis.landscape import feature_ranks
+from bench.objective import Trace
+
+FEATURES = 26  # of a report
+BUDGET = 10_000
+
+
+def main() -> None:
+    studies = int(sys.argv[1]) if len(sys.argv) > 1 else 300
+    parts = {"stars": ("a star", stars), "features": ("a significant feature", features), "leads": ("a lead", leads)}
+    for title, rows in (parts[name] for name in sys.argv[2:] or parts):
+        print(f"\n{title:62} share of {studies} studies (standard error)", flush=True)
+        for label, claims in rows():
+            rng = np.random.default_rng(43)
+            share = np.mean([claims(rng) for _ in range(studies)])
+            error = np.sqrt(max(share * (1 - share), 1 / studies / 4) / studies)
+            print(f"{label:62} {share:.3f} ({error:.3f})", flush=True)
+
+
+def stars() -> Iterator[tuple[str, Callable[[np.random.Generator], bool]]]:
+    designs = [(2, 24, 8, 15), (5, 24, 8, 15), (2, 6, 8, 30), (2, 24, 2, 15)]
+    for k, functions, targets, n in designs:
+        for grid in (False, True):
+            label = f"{k} optimizers, {functions} functions, {targets} targets, {n} trials{', grid' if grid else ''}"
+            yield label, lambda rng, design=(k, functions, targets, n, grid): star(rng, *design)
+
+
+def star(rng: np.random.Generator, k: int, functions: int, targets: int, n: int, grid: bool) -> bool:
+    """Return whether a table of identical optimizers has a star."""
+    shape = functions, k, n, targets
+    times = np.cumsum(rng.lognormal(5.0, 1.0, shape), axis=-1)
+    times = 300 * np.ceil(times / 300) if grid else times
+    left = rng.random((functions, 1, 1, 1)) ** 0.2  # the chance to go on to the next target
+    reached = np.logical_and.accumulate(rng.random(shape) < left, axis=-1)
+    index = pd.MultiIndex.from_product(map(range, shape), names=["problem", "optimizer", "trial", "tau"])
+    table = pd.DataFrame({"evaluations": np.where(reached, times, np.inf).ravel()}, index).reset_index()
+    table["optimizer"] = table["optimizer"].map("o{}".format)
+    return len(separably_fastest(table.assign(target=table["tau"], spent=BUDGET))) > 0
+
+
+def features() -> Iterator[tuple[str, Callable[[np.random.Generator], bool]]]:
+    for functions, dimensions, k, share in [(24, 3, 5, 0.5), (24, 3, 5, 1.0), (12, 2, 10, 0.8), (8, 6, 2, 0.9)]:
+        for kind in ("", "shift", "ties"):
+            label = f"{functions} functions in {dimensions} dimensions, {k} optimizers, share {share:g} {kind}".strip()
+            yield label, lambda rng, design=(functions, dimensions, k, share, kind): feature(rng, *design)
+
+
+def feature(rng: np.random.Generator, functions: int, dimensions: int, k: int, share: float, kind: str) -> bool:
+    """Return whether a feature that has nothing to do with ranks is called significant."""
+
+    def drawn(number: int) -> np.ndarray:
+        own = rng.standard_normal((functions, dimensions, number))
+        kept = np.sqrt(share) * rng.standard_normal((functions, 1, number)) + np.sqrt(1 - share) * own
+        shift = np.arange(dimensions)[:, np.newaxis] * rng.standard_normal(number) if kind == "shift" else 0.0
+        return (kept + shift).reshape(functions * dimensions, number)
+
+    names = [f"f{f}-d{d}" for f in range(functions) for d in range(dimensions)]
+    x = drawn(FEATURES)
+    table = pd.DataFrame(np.digitize(x, [-0.7, 0.0, 0.7]) if kind == "ties" else x, names).add_prefix("x")
+    blocks, places = ({name: name.split("-")[place] for name in names} for place in (0, 1))
+    found = feature_ranks(
+        table, pd.DataFrame(drawn(k), names), blocks, {name: int(place[1:]) for name, place in places.items()}
+    )
+    return bool(found["significant"].any())
+
+
+def leads() -> Iterator[tuple[str, Callable[[np.random.Generator], bool]]]:
+    for k, problems, n in [(2, 1, 30), (2, 24, 15), (5, 24, 15), (5, 18, 30), (5, 6, 5), (10, 3, 10)]:
+        for kind in ("steps", "basins"):
+            label = f"{k} optimizers, {problems} problems, {n} trials, {kind}"
+            yield label, lambda rng, design=(k, problems, n, kind): lead(rng, *design)
+
+
+def lead(rng: np.random.Generator, k: int, problems: int, n: int, kind: str) -> bool:
+    """Return whether a page of identical optimizers states that another one than the leader led before."""
+    steps = rng.exponential(1.0, (problems, k, n, len(SHARES)))
+    if kind == "basins":
+        steps = np.round(steps * (rng.random((problems, k, n, 1)) < 0.5), 1)
+    values = 20 - np.cumsum(steps, axis=-1)
+    ends = [
+        [wins(values[p, one, :, -1], values[p, :, :, -1].ravel()).mean() for one in range(k)] for p in range(problems)
+    ]
+    at = np.maximum(np.round(np.array(SHARES) * BUDGET), 1).astype(np.int64)
+    keys = [(f"p{p}", f"o{one}", trial) for p in range(problems) for one in range(k) for trial in range(n)]
+    traces = {key: Trace(at, curve) for key, curve in zip(keys, values.reshape(-1, len(SHARES)), strict=True)}
+    frame = pd.DataFrame(keys, columns=["problem", "optimizer", "trial"]).assign(
+        status="ok", fun=values[..., -1].ravel()
+    )
+    leader = f"o{int(np.mean(ends, axis=0).argmax())}"
+    found = earlier_leads(frame, traces, {f"p{p}": BUDGET for p in range(problems)}, leader)
+    return bool(found["shown"].any())
+
+
+if __name__ == "__main__":
+    main()
