@@ -30,7 +30,7 @@ from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
 from bench.errors import BenchError
 from bench.helpers.console import duration, print_error, print_line
-from bench.helpers.text import listed
+from bench.helpers.text import count, listed
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
@@ -188,7 +188,7 @@ def command(
         said = "was edited during the run: all its trials were made with the file as it was at the start"
         print_line(f"{file} {said}; 'bench run' makes no more of them with the new one", "yellow", console)
     if outcome.failed:
-        print_error(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
+        print_error(f"{count(outcome.failed, 'trial')} failed; see the report or 'bench status {outcome.folder}'")
     if outcome.different:
         print_error("some trials are not repeated bit by bit: what their optimizers keep from trial to trial, or time")
     if outcome.failed or unsound or outcome.different:
@@ -217,5 +217,5 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> 
         estimate = "no duration can be estimated: the short trials for it failed"
     else:
         most = "at most " if plan.study.looks else ""
-        estimate = f"{most}about {duration(seconds / workers)} with {workers} jobs, estimated from {source}"
+        estimate = f"{most}about {duration(seconds / workers)} with {count(workers, 'job')}, estimated from {source}"
     print_line(estimate, console=console)

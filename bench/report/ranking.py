@@ -141,7 +141,7 @@ def turned(table: Table, findings: Findings) -> Table:
 def _beside_first(final: Final) -> pd.DataFrame:
     """Return which optimizers no test separates from a first one of the problem, problems by optimizers."""
     best = analysis.table(final.matrix, "best").astype(bool)
-    pairs = final.pairs[final.pairs["lower"] == ""]
+    pairs = final.pairs[(final.pairs["lower"] == "") & final.pairs["testable"].astype(bool)]  # else nothing is tested
     pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]
     row = best.index.get_indexer(pd.Index(pairs["problem"]))
     first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))

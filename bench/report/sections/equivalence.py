@@ -97,7 +97,7 @@ def _counts(final: Final, table: pd.DataFrame) -> Table:
     shown = grouped.sum().reset_index()
     return Table(
         "equivalence",
-        "On how many problems each pair of optimizers is separable (Kolmogorov-Smirnov test, Holm) and equivalent (the "
+        "On how many problems each pair of optimizers is separable (the test of A12 = 0.5, Holm) and equivalent (the "
         "interval of the difference of medians lies within the rope).",
         shown,
         note="Neither shown: the trials show neither a difference nor equality. The file has every problem.",

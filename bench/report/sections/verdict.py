@@ -159,6 +159,8 @@ def _size(findings: Findings) -> str:
             return ""
         ratio = float((ert[second] / ert[first]).median())
         factor = f"{ratio:.2g} times as many" if ratio >= 1 else f"only {ratio:.0%} as many"
+        if 0.995 <= ratio < 1.05:
+            factor = "about as many"
         return (
             f"To {words.at(words.level)}, {second} needs {factor} evaluations (median ratio of expected running times "
             f"over the {count(len(ert), 'problem')} where both reach it)."
@@ -170,18 +172,22 @@ def _size(findings: Findings) -> str:
     if len(medians) == 1:
         one, other = medians.iloc[0]
         return f"The medians are {one:.4g} and {other:.4g}, {abs(other - one):.3g} apart."
-    gain = 100 * (medians[second] - medians[first]) / medians[second].abs().where(medians[second] != 0, np.nan)
-    gain = gain.dropna()
-    if gain.empty:
-        return ""
+    if not (medians > 0).all(axis=None):
+        return ""  # a share of a value at or below zero means nothing
+    gain = 100 * (medians[second] - medians[first]) / medians[second]
     low, middle, high = gain.quantile([0.0, 0.5, 1.0])
     which = "lower" if middle >= 0 else "higher"
-    return f"Its median is {abs(middle):.2g}% {which} in the median over problems{_spread(low, high)}."
+    return f"Its median is {_figure(middle)}% {which} in the median over problems{_spread(low, high)}."
+
+
+def _figure(percentage: float) -> str:
+    """Return a percentage without its sign, in digits alone."""
+    return f"{abs(percentage):.2g}" if abs(percentage) < 99.5 else f"{abs(percentage):,.0f}"
 
 
 def _spread(low: float, high: float) -> str:
     """Return in brackets how much lower, in percent, a median is on the problem with the least gain and the most."""
-    ends = [f"{abs(end):.2g}%" for end in (low, high)]
+    ends = [f"{_figure(end)}%" for end in (low, high)]
     if ends[0] == ends[1] and low * high >= 0:
         return ""
     if low < 0 < high:

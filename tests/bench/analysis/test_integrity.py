@@ -8,7 +8,7 @@ import pytest
 
 from bench.analysis.cells import in_study_order
 from bench.analysis.finished_trials import CheckResult
-from bench.analysis.integrity import TRAITS, _together, _trait, integrity
+from bench.analysis.integrity import TRAITS, _completeness, _together, _trait, integrity
 from bench.objective import Trace
 from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
@@ -486,3 +486,12 @@ def test_a_test_that_did_not_reject_is_no_proof():
     assert found == ("pass", text + "any of the 2 optimizers.", ())
     at_one_point = {"a": [passed | {"figure": 0.4}], "b": [passed | {"figure": None}]}
     assert _trait("starts and seeds", at_one_point).text == text + "a. There was nothing to test for b."
+
+
+def test_trials_that_nobody_planned_are_not_called_complete(frame_of):
+    found = integrity_of_completeness(frame_of({("p", "a"): [1.0, 2.0]}))
+    assert found == ("pass", "No plan of the trials is known: 2 are stored, 2 in each cell.")
+
+
+def integrity_of_completeness(frame):
+    return tuple(_completeness(frame, {("p", "a"): 0}))[:2]

@@ -410,3 +410,12 @@ def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
     log = run(tmp_path, *latex)
     assert "undefined" not in log
     assert "Missing character" not in log
+
+
+def test_imported_trials_have_no_seed_of_ours_and_no_variance_is_left_undefined():
+    imported = study((Entry("imported:A", "A"), Entry("imported:B", "B")))
+    text = " ".join(write(imported, {}, NOTHING).text)
+    assert "seed of the study" not in text
+    mixed = " ".join(write(study((Entry("imported:A", "A"), "gwo")), {}, NOTHING).text)
+    assert "Every trial that we ran draws its random numbers" in mixed
+    assert "same variance" not in text

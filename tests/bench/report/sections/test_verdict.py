@@ -126,3 +126,17 @@ def test_smaller_budgets_are_the_points_of_the_figure_and_who_leads_there_is_tes
 )  # fmt: skip
 def test_the_spread_of_the_gain_never_calls_a_higher_median_lower(ends, shown):
     assert verdict._spread(*ends) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(99.6, "100"), (-6100.4, "6,100"), (3.44, "3.4"), (0.0, "0"), (-99.4, "99")]
+)
+def test_percentages_are_written_in_digits_alone(value, text):
+    assert verdict._figure(value) == text
+
+
+@pytest.mark.parametrize("lowest", [0.0, -1e-9, -5.0])
+def test_medians_at_or_below_zero_have_no_percentage(fresh, lowest):
+    fresh.final.__dict__["medians"] = pd.DataFrame({"a": [lowest, 2.0], "b": [1.0, 3.0]}, index=["p", "q"])
+    fresh.anytime.__dict__["running_times"] = pd.DataFrame()
+    assert "%" not in verdict._size(fresh)
