@@ -182,7 +182,9 @@ def _start(group: Sequence[tuple[str, float]], gap: float, least: float) -> floa
     return max(mean - gap * (len(group) - 1) / 2, least)
 
 
-def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
+def a12_forest(
+    pairs: pd.DataFrame, problem: str | None = None, *, names: Sequence[str] | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw how often the first of two optimizers does better, with its interval, in a row per pair.
 
     At 0.5 neither tends to be better; the faint lines are the bounds of small, medium and large effects by Vargha and
@@ -192,6 +194,7 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
         pairs: those of :func:`bench.analysis.across_problems`, whose joint intervals are drawn, with a thin line for
             further problems, or of :func:`bench.analysis.pairwise_tests`.
         problem: the label of the problem to draw, where ``pairs`` has several.
+        names: of the rows, "A vs B" by default.
     """
     rows = pairs if problem is None else style.rows_of(pairs, problem)
     ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)
@@ -208,7 +211,7 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
     clear = rows["significant"].to_numpy(dtype=bool)
     for which, face in ((clear, style.PALETTE[0]), (~clear, "white")):
         ax.plot(chance[which], at[which], "o", color=style.PALETTE[0], markerfacecolor=face, markersize=4.0, zorder=3)
-    style.name_rows(ax, forest_names(rows))
+    style.name_rows(ax, forest_names(rows) if names is None else names)
     ax.set_xlim(-0.03, 1.03)
     ax.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "0.25", "0.5", "0.75", "1"])
     ax.grid(visible=False)

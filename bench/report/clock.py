@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 
@@ -13,29 +15,39 @@ from bench.report.wording import count
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 
 
-def sentence(findings: Findings) -> str:
-    """Return who reaches the targets first in seconds, where that is another one than in evaluations; else ""."""
+class Clock(NamedTuple):
+    """Who is the fastest in seconds, below which cost of an evaluation, and both in a sentence."""
+
+    fastest: str
+    cost: str
+    sentence: str
+
+
+def clock(findings: Findings) -> Clock | None:
+    """Return who reaches the targets first in seconds, where that is another one than in evaluations; else None."""
     words, table = findings.anytime.words, findings.anytime.running_times
     if table.empty:
-        return ""
+        return None
     solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
     level = words.level if words.level in solved else min(solved, default=np.nan)
     times = table[table[words.unit] == level]
     if times.empty:
-        return ""
+        return None
     ert, seconds = (analysis.table(times, name).astype(float).replace(np.inf, np.nan) for name in ("ert", "ert_s"))
     first, fast = (times_in.eq(times_in.min(axis=1), axis=0).sum() for times_in in (ert, seconds))
     leader, fastest = str(first.idxmax()), str(fast.idxmax())
     problems = times["problem"].nunique()
     if leader == fastest or 2 * min(first[leader], fast[fastest]) <= problems:
-        return ""  # an order is turned round only where there is one, on most problems
+        return None  # an order is turned round only where there is one, on most problems
     costs = break_even(ert, overhead(findings.trials.whole), leader, fastest).dropna()
     if costs.empty:
-        return ""
-    return (
+        return None
+    return Clock(
+        fastest,
+        _cost(float(costs.median())),
         f"{fastest} is faster by the clock than {leader} as long as an evaluation takes less than {_spread(costs)}: to "
         f"{_target(words, level)}, {leader} has the lowest expected running time in evaluations on "
-        f"{first[leader]} of {count(problems, 'problem')}, and {fastest} the lowest in seconds on {fast[fastest]}."
+        f"{first[leader]} of {count(problems, 'problem')}, and {fastest} the lowest in seconds on {fast[fastest]}.",
     )
 
 
@@ -66,13 +78,19 @@ def break_even(ert: pd.DataFrame, overheads: pd.DataFrame, leader: str, fastest:
     return cost.where(cost > 0)
 
 
+def _cost(seconds: float) -> str:
+    """Return seconds as "1.8 us"."""
+    factor, unit = next(((size, name) for size, name in UNITS if seconds >= size), UNITS[-1])
+    return f"{float(f'{seconds / factor:.2g}'):g} {unit}"
+
+
 def _spread(costs: pd.Series[float]) -> str:
     """Return seconds as "1.8 us (median of 18 problems; 0.25 to 19 us)"."""
     middle = float(costs.median())
     factor, unit = next(((size, name) for size, name in UNITS if middle >= size), UNITS[-1])
-    low, half, high = (f"{float(f'{value / factor:.2g}'):g}" for value in (costs.min(), middle, costs.max()))
+    low, high = (f"{float(f'{value / factor:.2g}'):g}" for value in (costs.min(), costs.max()))
     several = f" (median of {len(costs)} problems; {low} to {high} {unit})" if len(costs) > 1 else ""
-    return f"{half} {unit}{several}"
+    return f"{_cost(middle)}{several}"
 
 
 def _target(words: TargetWords, level: float) -> str:

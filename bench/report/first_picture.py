@@ -1,4 +1,4 @@
-"""The first picture of the verdict: the trials themselves where they fit, else the ranks over the budget."""
+"""The first picture of the verdict: the trials themselves where they fit, else the leader against each rival."""
 
 from __future__ import annotations
 
@@ -8,25 +8,59 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.cells import labels
-from bench.plots import box_plot, style
+from bench.plots import a12_forest, box_plot, style
 from bench.report.findings import MANY_OPTIMIZERS, Findings
 from bench.report.parts import Figure
 from bench.report.plots import course_figure
 
 PROBLEMS, PROBLEMS_OF_TWO = 6, 12  # at most, of which all trials are drawn; the second of two optimizers
 ONE_ROW = 4  # panels beside each other
+RIVALS = 12  # of the leader, at most
 
 
-def first_picture(findings: Findings) -> list[Figure]:
-    """Return the picture beside the verdict, none where neither trials nor traces can be drawn."""
-    if shows_trials(findings):
-        solved = set(findings.trials.pooled.functions)
-        return [
-            trials_figure(
-                findings.trials.frame, findings.trials.problems, findings.trials.optima, solved, findings.display.pens
-            )
-        ]
-    return course(findings)
+def evidence(findings: Findings, clear: bool) -> Figure:
+    """Return the picture of the evidence: every trial of few problems, else the leader against each rival.
+
+    ``clear`` says that the tests show the leader to be lower than every rival.
+    """
+    if not shows_trials(findings):
+        return leader_figure(findings.final.overall, findings.final.ranked, clear)
+    solved = set(findings.trials.pooled.functions)
+    return trials_figure(
+        findings.trials.frame, findings.trials.problems, findings.trials.optima, solved, findings.display.pens
+    )
+
+
+def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Figure:
+    """Return the probability that a run of the first optimizer ends lower than one of each rival, the nearest ones.
+
+    ``tests`` are those of :func:`bench.analysis.across_problems`.
+    """
+    leader, rivals = ranked[0], ranked[1 : RIVALS + 1]
+    pairs = seen_from(tests, leader).set_index("second").loc[list(rivals)].reset_index()
+    pairs = pairs.assign(significant=pairs["significant"] | clear).drop(columns=["further_low", "further_high"])
+    names = style.names(rivals, 18)
+    left = style.text_width(names.values(), style.SMALL) + 0.25
+    figure, (ax,) = style.grid(
+        1, width=left + 3.4, height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
+    )
+    a12_forest(pairs, names=list(names.values()), ax=ax)
+    ax.set_xlabel(f"probability that a run of {style.plain(leader, 24)} ends lower")
+    more = f" The {len(rivals)} nearest rivals." if len(ranked) > len(rivals) + 1 else ""
+    caption = (
+        f"{leader} against each rival, averaged over these problems, with 95% intervals that hold for all pairs "
+        f"together; right of the line it ends lower. Filled: the test shows it.{more}"
+    )
+    return Figure("leader-against-each", caption, figure, pairs)
+
+
+def seen_from(tests: pd.DataFrame, optimizer: str) -> pd.DataFrame:
+    """Return the pairs of an optimizer with it as the first one; probabilities and intervals are turned round."""
+    turned = tests[tests["second"] == optimizer].rename(columns={"first": "second", "second": "first"})
+    ends = {"low": "high", "joint_low": "joint_high", "further_low": "further_high"}
+    both = ends | {high: low for low, high in ends.items()} | {"probability": "probability"}
+    turned = turned.assign(**{name: 1 - turned[other] for name, other in both.items()})
+    return pd.concat([tests[tests["first"] == optimizer], turned])
 
 
 def shows_trials(findings: Findings) -> bool:

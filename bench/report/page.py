@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from bench.helpers.text import slug
 from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 from bench.report.paths import shortened
@@ -106,7 +107,14 @@ def render(
     return environment.get_template("page.html.j2").render(
         title=title, lead=lead, views=views, style=style, script=script, script_hash=digest(script),
         widest=_widest(views), problems=problems or {}, further=further or Interactive(),
+        anchors=_anchors(views),
     )  # fmt: skip
+
+
+def _anchors(views: list[View]) -> dict[str, str]:
+    """Return the ids that a line of the first part can link to, by title: those of parts and of its folded cards."""
+    folded = [card.title for view in views[:1] for card in view.section.cards if card.folded]
+    return {title: f"card.{slug(title)}" for title in folded} | {view.section.title: view.anchor for view in views}
 
 
 def grid(table: Table) -> Grid:

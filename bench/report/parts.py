@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import matplotlib.figure
 import pandas as pd
@@ -162,24 +162,32 @@ class Figure:
 Part = Table | Figure
 
 
+class Line(NamedTuple):
+    """A short answer below the pictures of the first section: a few words, a text, and the part that has the rest."""
+
+    label: str
+    text: str
+    part: str = ""
+
+
 @dataclass(frozen=True)
 class Card:
     """A framed statement at the head of a section.
 
     Attributes:
-        title: a few words.
-        text: paragraphs of plain text.
+        title: a few words; "" where the text needs none.
+        text: paragraphs of plain text; the first one of a card with lines is its headline.
         tone: "claim" for a statement that the results support, "open" for one that leaves the question open, "limit"
             for a limit of the results.
         folded: whether only the title shows until a reader opens it; it is printed all the same.
-        lines: labels with short texts, after the first paragraph.
+        lines: what a reader asks next, on the first section of a page below its pictures.
     """
 
     title: str
     text: tuple[str, ...]
     tone: Literal["claim", "open", "limit"]
     folded: bool = False
-    lines: tuple[tuple[str, str], ...] = ()
+    lines: tuple[Line, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise TypeError for a text that the page cannot show."""

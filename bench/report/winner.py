@@ -1,4 +1,4 @@
-"""State which optimizer is best in one headline and four short lines: where, by how much, how sure, at what budget.
+"""State which optimizer ends lowest in one headline and four short lines: where, by how much, how sure, at what cost.
 
 The evidence is the probability to end lower, in the mean over these problems, against each rival. An optimizer is named
 where the test of each pair with it rejects at the level of tests over all problems: all of them must, so that none
@@ -18,9 +18,19 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from bench.analysis.error_rates import Levels
+from bench.report.clock import Clock
+from bench.report.parts import Line
 from bench.report.wording import count, listing, p_text, percent
 
-NAMED = 4  # optimizers that a sentence names
+NAMED = 3  # optimizers that a sentence names
+PARTS = {
+    "where": "Comparison",
+    "by_how_much": "Across problems",
+    "how_sure": "How often would this page be wrong?",
+    "at_what_cost": "Convergence and targets",
+}
+"""The titles of the parts and cards that have the rest of a line."""
+
 TIED = 1e-9  # mean ranks closer than this are the same
 
 
@@ -69,13 +79,15 @@ class Conclusion(NamedTuple):
     """What may be claimed.
 
     Attributes:
-        headline: one sentence.
-        lines: short lines, (label, text).
-        clear: whether the headline names a best optimizer.
+        headline: one sentence of at most 25 words, and the labels and the budget in it.
+        lines: at most four short answers, each with the part of the page that has the rest.
+        details: the sentences that they shorten.
+        clear: whether the headline names a winner under like conditions.
     """
 
     headline: str
-    lines: tuple[tuple[str, str], ...]
+    lines: tuple[Line, ...]
+    details: tuple[str, ...]
     clear: bool
 
 
@@ -95,13 +107,13 @@ class Standing:
         trials: of a cell, in words, such as "1 trial".
         conditions: what differs between the optimizers besides their algorithms, in a clause; "" where nothing does.
         matched: what controls under equal conditions would cost, or where they are; "" where nothing differs.
-        differing: the leader of each dimension in which another one leads, in words; "" where there is none.
+        differing: the dimensions in which another one leads, in a few words; "" where there is none.
         size: by how much the leader is lower than the second in rank, in the objective's unit or in evaluations.
         near_shares: the share of each optimizer's trials that came near the best known value; empty where unknown.
         near: what that means, in words.
         course: who is shown to end lower than the leader at smaller budgets, :class:`Stage` by stage, the full last.
         unit: of the stages, "evaluations" or "of the budget".
-        clock: the sentence on running times in seconds; "" where these do not change the order.
+        clock: who is faster by the clock; None where running times in seconds do not change the order.
         sweep: that the problems are one sweep and stand for no further ones; "" where they are not.
     """
 
@@ -121,7 +133,7 @@ class Standing:
     near: str = ""
     course: Sequence[Stage] = ()
     unit: str = "evaluations"
-    clock: str = ""
+    clock: Clock | None = None
     sweep: str = ""
 
     @property
@@ -176,133 +188,165 @@ class Standing:
 
 def verdict(standing: Standing) -> Conclusion:
     """Return what may be claimed: of one problem and of many, of ties, of failures, of too few trials for a test."""
+    under = ", under unlike conditions" if standing.conditions else ""
     if len(standing.level) == len(standing.ranking):
-        headline = f"No optimizer leads at {standing.budget}: all are level {_over(standing)}."
-        return Conclusion(headline, _lines(Where=_split(standing)), False)
+        headline = f"No optimizer leads {_on(standing)} at {standing.budget}: all are level."
+        return Conclusion(headline, _lines(where=_split(standing)), (), False)
     leader = standing.ordered[0]
     alone = len(standing.level) == 1  # where several share the lead, numbers of one of them would single it out
     testable = bool(standing.levels.problems or standing.levels.across)
     lines = _lines(
-        Where=_where(standing, leader),
-        By_how_much=_effect(standing, leader) if alone else "",
-        How_sure=_sure(standing, leader),
-        At_what_budget=" ".join(filter(None, (_course(standing, leader), standing.clock)))
-        if alone and testable
-        else "",
+        where=_where(standing, leader),
+        by_how_much=_effect(standing, leader) if alone else "",
+        how_sure=_sure(standing),
+        at_what_cost=_cost(standing, leader) if alone and testable else "",
     )
-    return Conclusion(_headline(standing, leader), lines, bool(standing.leads) and not standing.conditions)
+    details = filter(
+        None,
+        (
+            _shown(standing, leader) if standing.leads else "",
+            _sizes(standing, leader) if alone else "",
+            _scope(standing),
+            f"The lead may come from the conditions. {standing.matched}".strip() if standing.conditions else "",
+            _course(standing, leader) if alone and testable else "",
+            standing.clock.sentence if standing.clock and alone and testable else "",
+        ),
+    )
+    return Conclusion(
+        f"{_headline(standing, leader)}{under}.", lines, tuple(details), bool(standing.leads and not under)
+    )
 
 
-def _lines(**texts: str) -> tuple[tuple[str, str], ...]:
-    return tuple((label.replace("_", " "), text) for label, text in texts.items() if text)
+def _lines(**texts: str) -> tuple[Line, ...]:
+    return tuple(Line(label.replace("_", " "), text, PARTS[label]) for label, text in texts.items() if text)
 
 
 def _split(standing: Standing) -> str:
     """Return who is separably lower than every rival on some problems, though others are so on as many; else ""."""
     parts = [f"{label} on {number}" for label in standing.ordered if (number := standing.row(label)["separable"])]
-    return f"Problems differ: separably lower than every rival is {listing(parts)}." if parts else ""
+    return f"problems differ: separably lower than every rival is {listing(parts, NAMED)}" if parts else ""
 
 
-def _over(standing: Standing) -> str:
-    return f"on {standing.problem}" if standing.problem else f"over {standing.problems} problems"
+def _on(standing: Standing) -> str:
+    return f"on {standing.problem}" if standing.problem else f"on these {standing.problems} problems"
 
 
 def _headline(standing: Standing, leader: str) -> str:
-    """Return who leads, or that nobody is shown to; conditions that differ come before the verb."""
-    under = f"Under different conditions ({standing.conditions}), " if standing.conditions else ""
+    """Return who ends lowest where, or that nobody is shown to, without conditions and full stop."""
     if standing.leads:
-        where = f"on {standing.problem} " if standing.problem else ""
-        if not under:
-            return f"{leader} is best {where}at {standing.budget}: {_shown(standing, leader)}."
-        return f"{under}{leader} ends lowest {where}at {standing.budget}: {_shown(standing, leader)}."
-    if len(standing.level) > 1:
-        lead = f"{listing(standing.level, NAMED)} share the first place {_over(standing)}"
-    elif standing.problem:
-        lead = f"{leader} ranks first on {standing.problem}"
-    else:
-        lead = f"{leader} is first {_over(standing)}"
+        further = " and on further ones like them" if standing.beyond else ""
+        return f"{leader} ends lowest {_on(standing)}{further} at {standing.budget}"
+    start = f"No winner {_on(standing)} at {standing.budget}"
     if not (standing.levels.problems or standing.levels.across):
-        few = f"{standing.trials} a cell" + (
-            "" if standing.problem else f" on {count(standing.blocks, 'independent problem')}"
-        )
-        return (
-            f"No winner can be named at {standing.budget}: with {few} no test can be significant. {under}{lead}, which "
-            "may be chance."
-        )
-    start = f"No single winner at {standing.budget}: {under[:1].lower()}{under[1:]}{lead}"
+        return f"{start}: {_first(standing)}, untested with {standing.trials} a cell"
     if len(standing.level) > 1:
-        return f"{start}."
-    return f"{start}, but is not shown to be lower than {listing(standing.open, NAMED)}."
+        return f"{start}: {_first(standing)}"
+    return f"{start}: {_first(standing)}, but not shown to end lower than {listing(standing.open, NAMED)}"
+
+
+def _first(standing: Standing) -> str:
+    level = standing.level
+    return f"{listing(level, NAMED)} share the first place" if len(level) > 1 else f"{level[0]} is first"
+
+
+def _where(standing: Standing, leader: str) -> str:
+    """Return on how many problems the leader is first, and where another one is lower."""
+    if standing.problem:
+        return ""
+    row, parts = standing.row(leader), []
+    if len(standing.level) == 1:
+        parts.append(f"first on {row['first']} of {standing.problems}")
+    if standing.levels.problems:
+        rivals = [f"{rival} on {standing.beaten.get((leader, rival), 0)}" for rival in standing.ordered[1:]]
+        than = f"every rival on {row['separable']}" if standing.leads else listing(rivals, 2)
+        worse = f" (a rival on {row['worse']})" if row["worse"] and not standing.differing else ""
+        parts.append(f"separably lower than {than}{worse}")
+    return "; ".join(filter(None, (", ".join(parts), standing.differing)))
+
+
+def _effect(standing: Standing, leader: str) -> str:
+    """Return how often a run of the leader ends lower than one of the second."""
+    second = standing.ordered[1]
+    pair = standing.across[leader, second]
+    if math.isnan(pair.chance) or math.isnan(pair.low):
+        return ""
+    place = "" if len(standing.ranking) == 2 else ", the second,"
+    share = f"{percent(pair.chance)} of pairs [{100 * pair.low:.0f}, {100 * pair.high:.0f}]"
+    return f"a run of {leader} ends lower than one of {second}{place} in {share}"
+
+
+def _sure(standing: Standing) -> str:
+    """Return the level of the claims, and what they do not cover."""
+    if not (standing.levels.problems or standing.levels.across):
+        return "with so few trials the order may be chance"
+    scope = ""
+    if standing.sweep:
+        scope = "these problems are one sweep"
+    elif standing.beyond:
+        scope = "further problems only if independent"
+    elif standing.leads and not standing.problem:
+        scope = "not shown for further problems"
+    conditions = "unlike conditions may explain the lead" if standing.conditions else ""
+    return "; ".join(filter(None, ("at most 5% of such pages claim too much", scope, conditions)))
+
+
+def _cost(standing: Standing, leader: str) -> str:
+    """Return up to which budget another one ends lower than the leader, and when another one is faster by the clock."""
+    parts = []
+    if standing.course:
+        behind = [stage for stage in standing.course if leader not in stage.lowest]
+        ends = f"{listing(behind[-1].lowest, 2)} ends lower up to {behind[-1].spent} {standing.unit}" if behind else ""
+        parts.append(ends or "none is shown to end lower at smaller budgets")
+    if standing.clock:
+        parts.append(f"by the clock {standing.clock.fastest} is faster below {standing.clock.cost} an evaluation")
+    return "; ".join(parts)
 
 
 def _shown(standing: Standing, leader: str) -> str:
     """Return what shows that the leader is lower than every rival."""
     rivals = standing.ordered[1:]
     every = rivals[0] if len(rivals) == 1 else f"all {len(rivals)} others"
-    if standing.problem:
-        return f"its results are separably lower than those of {every}"
     if not standing.levels.across:
-        return f"separably lower than each other optimizer on more than half of {count(standing.problems, 'problem')}"
+        return (
+            f"{leader} is separably lower than each other optimizer on more than half of "
+            f"{count(standing.problems, 'problem')}."
+        )
     most = max(standing.across[leader, rival].p for rival in rivals)
     p = p_text(most) if len(rivals) == 1 else f"{p_text(most).replace('=', '≤')} against each"
-    return f"its runs end lower than those of {every} on these {standing.problems} problems ({p})"
+    return f"Runs of {leader} end lower than those of {every} {_on(standing)} ({p})."
 
 
-def _where(standing: Standing, leader: str) -> str:
-    """Return on how many problems the leader is first, and where another one is lower."""
+def _sizes(standing: Standing, leader: str) -> str:
+    """Return the intervals of the lead, its size in the objective's unit, and the share of runs near the optimum."""
+    second, row = standing.ordered[1], standing.row(leader)
+    pair, texts = standing.across[leader, second], []
+    if not (math.isnan(pair.chance) or math.isnan(pair.low)):
+        shown = f"{pair.chance:.2f} [{pair.low:.2f}, {pair.high:.2f}]"
+        if not (standing.problem or standing.sweep or math.isnan(pair.further[0])):
+            shown += f" on these problems, [{pair.further[0]:.2f}, {pair.further[1]:.2f}] on further ones"
+        beside = [label for label in standing.ordered[2:] if standing.places[label] == standing.places[second]]
+        place = f", which shares the second place with {listing(beside, NAMED)}," if beside else ""
+        texts.append(f"A run of {leader} ends lower than a run of {second}{place} with probability {shown}.")
+    if not standing.problem:
+        interval = "" if pd.isna(row["rank_low"]) else f" [{row['rank_low']:.2f}, {row['rank_high']:.2f}]"
+        texts.append(f"Its mean rank is {row['mean_rank']:.2f}{interval} of {len(standing.ranking)}.")
+    return " ".join(filter(None, (*texts, standing.size, _near(standing, leader))))
+
+
+def _scope(standing: Standing) -> str:
+    """Return for which problems the claim holds."""
+    if standing.sweep:
+        return standing.sweep
     if standing.problem:
         return "This holds for this problem only."
-    row, parts = standing.row(leader), []
-    if len(standing.level) == 1:
-        parts.append(f"ranked first on {row['first']} of {standing.problems}")
-    if standing.levels.problems:
-        rivals = standing.ordered[1:]
-        if not standing.leads:
-            counts = [f"{rival} {standing.beaten.get((leader, rival), 0)}" for rival in rivals[:NAMED]]
-            parts.append(f"separably lower than {listing(counts)}")
-        else:
-            parts.append(f"separably lower than every rival on {row['separable']}")
-        parts.append(
-            f"a rival is separably lower on {row['worse']}" if row["worse"] else "no rival is separably lower on any"
-        )
-    text = f"{leader}: {'; '.join(parts)}." if parts else ""
-    return " ".join(filter(None, (text, standing.differing)))
-
-
-def _effect(standing: Standing, leader: str) -> str:
-    """Return by how much the leader is lower than the second in rank."""
-    second = standing.ordered[1]
-    pair = standing.across[leader, second]
-    if math.isnan(pair.chance) or math.isnan(pair.low):
-        return ""
-    beside = [label for label in standing.ordered[2:] if standing.places[label] == standing.places[second]]
-    place = f", which shares the second place with {listing(beside, NAMED)}," if beside else ", the second,"
-    place = "" if len(standing.ranking) == 2 else place
-    shown = f"{pair.chance:.2f} [{pair.low:.2f}, {pair.high:.2f}]"
-    if not (standing.problem or standing.sweep or math.isnan(pair.further[0])):
-        shown += f" on these problems, [{pair.further[0]:.2f}, {pair.further[1]:.2f}] on further ones"
-    text = f"A run of {leader} beats a run of {second}{place} with probability {shown}."
-    return " ".join(filter(None, (text, standing.size, _near(standing, leader))))
-
-
-def _sure(standing: Standing, leader: str) -> str:
-    """Return what the claim does not cover, and the interval of the leader's mean rank."""
     parts = []
-    row = standing.row(leader)
-    if not standing.problem and len(standing.level) == 1:
-        interval = "" if pd.isna(row["rank_low"]) else f" [{row['rank_low']:.2f}, {row['rank_high']:.2f}]"
-        parts.append(f"Mean rank {row['mean_rank']:.2f}{interval} of {len(standing.ranking)}.")
-    if standing.sweep:
-        parts.append(standing.sweep)
-    elif standing.beyond:
-        parts.append("It holds for further problems, too, if these are an independent sample of them.")
-    elif not standing.problem and standing.leads:
+    if standing.beyond:
+        parts.append("The lead holds for further problems, too, if these are an independent sample of them.")
+    elif standing.leads:
         blocks = count(standing.blocks, "independent problem")
-        parts.append(f"It is not shown for further problems, of which these would be a sample of {blocks}.")
-    if not standing.problem and not standing.levels.problems and standing.levels.across:
+        parts.append(f"The lead is not shown for further problems, of which these would be a sample of {blocks}.")
+    if not standing.levels.problems and standing.levels.across:
         parts.append(f"With {standing.trials} a cell nothing is tested on single problems.")
-    if standing.conditions:
-        parts.append(f"The lead may come from the conditions. {standing.matched}".strip())
     return " ".join(parts)
 
 

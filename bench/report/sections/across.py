@@ -10,7 +10,7 @@ from bench import analysis
 from bench.report.findings import MANY_OPTIMIZERS, Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import forest_figure, rank_figure
-from bench.report.ranking import pair_matrix
+from bench.report.ranking import pair_matrix, ranking_table
 from bench.report.sections.verdict import across, dependent
 from bench.report.wording import count, p_text
 
@@ -33,7 +33,7 @@ def section(findings: Findings) -> Section:
         text.append(
             f"The tests of this part leave out {count(left_out, 'problem')} on which an optimizer has no trial."
         )
-    items: list[Part] = []
+    items: list[Part] = [ranking_table(findings)]
     if len(medians) > 1 and len(optimizers) > 2:
         ranks = analysis.mean_ranks(findings.final.standings)
         items.append(rank_figure(ranks, analysis.cliques(ranks, findings.final.overall)))

@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.report.findings import Findings, Trials
-from bench.report.first_picture import course, shows_trials
+from bench.report.first_picture import course
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
 from bench.report.target_words import TargetWords, meaning
@@ -67,8 +67,7 @@ def section(findings: Findings) -> Section:
         )
         for dimension, labels in by_dimension.items()
     )
-    ranks = course(findings) if shows_trials(findings) else []  # else the verdict has them
-    return Section(TITLE, text, (together, *ranks, *rates), sections=own_parts)
+    return Section(TITLE, text, (*course(findings), together, *rates), sections=own_parts)
 
 
 def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, suffix: str = "") -> Iterator[Figure]:

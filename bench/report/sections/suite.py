@@ -36,7 +36,11 @@ def section(findings: Findings) -> Section | None:
     reached = _reached(findings, _panels(members))
     if reached.empty:
         return Section(TITLE, ("No trial has a target.", *text, *findings.display.drawn_words), (ranks,))
-    items: list[Part] = [_figure(findings, "targets-by-group", reached, _panels(members)), ranks]
+    items: list[Part] = [
+        *_overview(findings, members),
+        _figure(findings, "targets-by-group", reached, _panels(members)),
+        ranks,
+    ]
     if members.groupby("function")["dimension"].nunique().max() > 1:
         scaled = _scaling(findings.anytime, members)
         items.append(scaling_figure(scaled, findings.display.drawn, target=words.at(words.level)))
@@ -47,17 +51,16 @@ def section(findings: Findings) -> Section | None:
     return Section(TITLE, tuple(text), tuple(items), sections=tuple(_each_dimension(findings, members)))
 
 
-def overview(findings: Findings) -> list[Figure]:
-    """Return the share of targets reached of all functions, a panel a dimension; none for other studies than suites."""
-    members = _members(findings.trials)
-    if members.empty or not findings.trials.traces or len(members) != len(findings.trials.problems):
+def _overview(findings: Findings, members: pd.DataFrame) -> list[Figure]:
+    """Return the share of targets reached of all functions, a panel a dimension; none where problems are left out."""
+    if len(members) != len(findings.trials.problems):
         return []
     panels = {
         _title(ALL, int(str(dimension))): list(rows["problem"])
         for dimension, rows in members.groupby("dimension", sort=True)
     }
     reached = _reached(findings, panels)
-    return [_figure(findings, "targets-of-all", reached, panels, columns=min(len(panels), 2))] if len(reached) else []
+    return [_figure(findings, "targets-of-all", reached, panels, columns=min(len(panels), 2))]
 
 
 def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels, columns: int = 0) -> Figure:

@@ -10,25 +10,24 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.report import clock
+from bench.report.clock import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Final, Findings, Trials
 from bench.report.findings.controls import REPORTED
-from bench.report.first_picture import first_picture
+from bench.report.first_picture import evidence
 from bench.report.matched import differing, options_differing
 from bench.report.parts import Card, Part, Section
-from bench.report.ranking import rank_map, ranking_table
+from bench.report.ranking import rank_map
 from bench.report.sections import integrity
 from bench.report.sections.power import error_text
-from bench.report.sections.suite import overview
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.winner import TIED, Across, Stage, Standing, verdict, winner_rule
 from bench.report.wording import count, listing, unfinished_trials
 
 TITLE = "Verdict"
 SEPARABLY = (
-    "Separably lower",
-    "on a problem, a trial of one ends lower than a trial of the other more often than not, and a test shows that.",
+    "Separably lower: on a problem, a run of one ends lower than a run of the other more often than not, and a test "
+    "shows that."
 )
 TOO_FEW = "; with so few trials beside so many tests, nothing is tested on single problems here"
 
@@ -45,22 +44,17 @@ def section(findings: Findings) -> Section:
         nothing = "There is nothing to compare: no problem has trials of every optimizer that can be compared."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
-    conditions, grounds = (
-        sentences(findings.study, findings.descriptions, findings.final.ranked[0]),
-        verdict(standing(findings)),
-    )
-    texts = (grounds.headline, *(text for _, text in grounds.lines))
-    lines = (*grounds.lines, SEPARABLY) if any("separably" in text for text in texts) else grounds.lines
+    known, leader = standing(findings), findings.final.ranked[0]
+    said, conditions = verdict(known), sentences(findings.study, findings.descriptions, leader)
+    definition = (SEPARABLY,) if any("separably" in line.text for line in said.lines) else ()
     cards = (
-        Card(
-            "What may be claimed", (grounds.headline, _evidence(findings)), "claim" if grounds.clear else "open",
-            lines=lines,
-        ),
+        Card("", (said.headline,), "claim" if said.clear else "open", lines=said.lines),
+        Card("The numbers behind it", (*said.details, *definition, _evidence(findings)), "limit", folded=True),
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
         Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
         Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
-    )  # fmt: skip
-    items: list[Part] = [rank_map(findings), *overview(findings), *first_picture(findings), ranking_table(findings)]
+    )
+    items: list[Part] = [evidence(findings, bool(known.leads)), rank_map(findings)]
     return Section(TITLE, (), tuple(items), warnings, cards=cards, lost=lost)
 
 
@@ -79,7 +73,7 @@ def standing(findings: Findings) -> Standing:
     least, most = trials.per_cell
     return Standing(
         ranking, beaten, _across(final), final.levels, len({trials.blocks[str(problem)] for problem in complete}),
-        budget=trials.common_words.removeprefix("at ") or findings.study.budget_words,
+        budget="their largest common budget" if trials.common else findings.study.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
         conditions=differing(findings),
@@ -90,7 +84,7 @@ def standing(findings: Findings) -> Standing:
         near=f"{findings.anytime.near_words} of {best}",
         course=_course(findings),
         unit="of the budget" if trials.scaled else "evaluations",
-        clock=clock.sentence(findings),
+        clock=clock(findings),
         sweep=dependent(findings),
     )  # fmt: skip
 
@@ -126,19 +120,21 @@ def _across(final: Final) -> dict[tuple[str, str], Across]:
 
 
 def _dimensions(findings: Findings) -> str:
-    """Return in which dimensions of a suite another optimizer leads; "" where none does."""
+    """Return in which dimensions of a suite another optimizer has the lowest mean rank; "" where none does."""
     standing = findings.final.standings[findings.final.standings["problem"].isin(list(findings.final.medians.index))]
     dimension = standing["problem"].astype(object).map(findings.trials.dimensions)
     suite = {label for label in findings.trials.suite_functions if label in findings.trials.dimensions}
     if dimension.nunique() < 2 or not set(findings.final.medians.index) <= suite:
         return ""
-    leader, others = findings.final.ranked[0], []
+    leader, others = findings.final.ranked[0], {}
     for in_dimension, rows in standing.groupby(dimension):
         ranks = analysis.mean_ranks(rows)
-        lowest = ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]
+        lowest = [str(label) for label in ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]]
         if leader not in lowest:
-            others.append(f"{listing(list(map(str, lowest)), 4)} in dimension {in_dimension:g}")
-    return f"But the lowest mean rank is that of {listing(others)}." if others else ""
+            others[f"{in_dimension:g}"] = listing(lowest, 2)
+    if len(others) > 2:
+        return f"not in {len(others)} of {dimension.nunique()} dimensions"
+    return f"not in dimension {listing([f'{d} ({names})' for d, names in others.items()])}" if others else ""
 
 
 def _size(findings: Findings) -> str:

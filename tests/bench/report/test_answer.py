@@ -26,7 +26,7 @@ def lines(answer, width=80):
 
 def test_it_has_the_first_sentence_and_the_optimizers_in_their_order(make, tmp_path):
     found = noted(make(tmp_path / "s"))
-    assert found["sentence"].startswith("a is best at 100 evaluations")
+    assert found["sentence"] == "a ends lowest on these 2 problems at 100 evaluations."
     assert [(row[0], row[1], row[2]) for row in found["rows"]] == [
         ("a", "1.00", "2 of 2"), ("b", "2.00", "0 of 2"), ("c", "3.00", "0 of 2"),
     ]  # fmt: skip

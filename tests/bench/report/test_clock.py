@@ -39,21 +39,23 @@ def test_the_break_even_cost_is_that_at_which_both_take_as_long(findings):
     costs = clock.break_even(ert, clock.overhead(findings.trials.whole), "a", "b")
     for problem, cost in costs.items():  # 10 evaluations of a take as long as 20 of b
         assert 10 * (4e-6 * scale[problem] + cost) == pytest.approx(20 * (1e-6 * scale[problem] + cost))
-    assert clock.sentence(findings) == (
+    said = clock.clock(findings)
+    assert (said.fastest, said.cost) == ("b", "2 us")
+    assert said.sentence == (
         "b is faster by the clock than a as long as an evaluation takes less than 2 us (median of 3 problems; 1 to 20 "
         f"us): to {clock._target(findings.anytime.words, 1e-2)}, a has the lowest expected running time in "
         "evaluations on 3 of 3 problems, and b the lowest in seconds on 3."
     )
 
 
-def test_no_sentence_where_the_order_stays_or_times_are_unknown(findings):
+def test_nothing_is_said_where_the_order_stays_or_times_are_unknown(findings):
     timed(findings, {(p, o): 1e-6 for p in "pqr" for o in "abc"})
-    assert clock.sentence(findings) == ""
+    assert clock.clock(findings) is None
     table = findings.anytime.running_times
     findings.anytime.__dict__["running_times"] = table.assign(ert_s=float("nan"))
-    assert clock.sentence(findings) == ""
+    assert clock.clock(findings) is None
     findings.anytime.__dict__["running_times"] = table.head(0)
-    assert clock.sentence(findings) == ""
+    assert clock.clock(findings) is None
 
 
 def test_an_optimizer_that_is_faster_at_any_cost_has_no_break_even():

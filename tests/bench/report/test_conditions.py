@@ -119,7 +119,7 @@ def test_what_is_usual_or_the_same_limits_no_claim(make, tmp_path, monkeypatch):
     assert not differing.others
     findings = Findings(Results(make(tmp_path / "s", trials=2)))
     monkeypatch.setitem(findings.__dict__, "descriptions", {"a": Description({}, {}), "b": Description({}, {})})
-    claim, limits, _, decided = verdict.section(findings).cards
+    claim, _, limits, _, decided = verdict.section(findings).cards
     assert "All known options are the optimizers’ defaults" in " ".join(decided.text)
     assert "All known options" not in " ".join((*claim.text, *limits.text))
     assert "The options of c are not all known" in " ".join(limits.text)
@@ -132,7 +132,7 @@ def both(own):
 
 def test_verdict_and_methods_have_them(make, tmp_path):
     findings = Findings(Results(make(tmp_path / "s", trials=2)))
-    assert "The options of a, b and c are not all known" in " ".join(verdict.section(findings).cards[1].text)
+    assert "The options of a, b and c are not all known" in " ".join(verdict.section(findings).cards[2].text)
     table = next(each for each in methods.section(findings).items if each.name == "conditions")
     assert set(table.frame.to_numpy().ravel()) == {"not known"}
 

@@ -1,4 +1,4 @@
-"""The picture beside the verdict: the trials where they fit, the ranks over the budget elsewhere."""
+"""The picture of the evidence: the trials where they fit, the leader against each rival elsewhere."""
 
 import pandas as pd
 import pytest
@@ -6,9 +6,8 @@ import pytest
 from bench import Results
 from bench.plots import style
 from bench.report.findings import Findings
-from bench.report.first_picture import first_picture, shows_trials, trials_figure
+from bench.report.first_picture import evidence, leader_figure, seen_from, shows_trials, trials_figure
 from bench.report.page import inline
-from bench.report.sections import anytime
 from tests.bench.plots.frames import strict, svg, trials
 
 
@@ -21,17 +20,40 @@ def strictly():
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("problems", "optimizers", "picture"),
-    [(1, 3, "every-trial"), (6, 3, "every-trial"), (7, 3, "ranks-over-budget"), (12, 2, "every-trial"),
-     (13, 2, "ranks-over-budget"), (2, 11, "ranks-over-budget")],
+    [(1, 3, "every-trial"), (6, 3, "every-trial"), (7, 3, "leader-against-each"), (12, 2, "every-trial"),
+     (13, 2, "leader-against-each"), (2, 11, "leader-against-each")],
 )  # fmt: skip
 def test_trials_are_shown_of_few_problems_or_of_two_optimizers(make, tmp_path, problems, optimizers, picture):
     labels = (tuple(f"{kind}{i}" for i in range(number)) for kind, number in (("p", problems), ("o", optimizers)))
     findings = Findings(Results(make(tmp_path / "s", *labels, trials=2)))
-    (figure,) = first_picture(findings)
-    assert figure.name == picture
-    if picture == "every-trial":  # the ranks over the budget are then further down, once
-        assert [item.name for item in anytime.section(findings).items].count("ranks-over-budget") == 1
+    assert evidence(findings, clear=False).name == picture
     assert shows_trials(findings) == (picture == "every-trial")
+
+
+def across(probability):
+    """Return three pairs of a, b and c, of which a and b end lower than c with this probability."""
+    rows = [("b", "a", 0.4, False), ("a", "c", probability, True), ("b", "c", probability, True)]
+    tests = pd.DataFrame(rows, columns=["first", "second", "probability", "significant"])
+    for prefix in ("", "joint_", "further_"):
+        tests = tests.assign(
+            **{f"{prefix}low": tests["probability"] - 0.1, f"{prefix}high": tests["probability"] + 0.2}
+        )
+    return tests
+
+
+def test_pairs_are_seen_from_either_side():
+    turned = seen_from(across(0.7), "a").set_index("second")
+    assert turned.index.tolist() == ["c", "b"]
+    assert turned.loc["c", ["probability", "low", "joint_high"]].tolist() == pytest.approx([0.7, 0.6, 0.9])
+    assert turned.loc["b", ["probability", "low", "joint_high"]].tolist() == pytest.approx([0.6, 0.4, 0.7])
+    assert seen_from(across(0.7), "c")["probability"].tolist() == pytest.approx([0.3, 0.3])
+
+
+def test_the_leader_is_drawn_against_each_rival_and_filled_where_a_test_shows_it():
+    figure = leader_figure(across(0.7), ["a", "b", "c"], clear=False)
+    assert figure.data[["second", "significant"]].to_numpy().tolist() == [["b", False], ["c", True]]
+    assert [text.get_text() for text in figure.figure.axes[0].get_yticklabels()] == ["b", "c"]
+    assert leader_figure(across(0.7), ["a", "b", "c"], clear=True).data["significant"].all()
 
 
 def drawn(cells, solved=()):

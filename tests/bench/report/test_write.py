@@ -51,12 +51,10 @@ def usual(read, folder):
 
 
 def test_a_clear_winner_is_named_with_its_grounds(usual):
-    assert (
-        "a is best at 100 evaluations: its runs end lower than those of all 2 others on these 2 problems (p < 0.001"
-        in usual.text
-    )
-    assert "It is not shown for further problems, of which these would be a sample of 2 independent" in usual.text
-    assert "A run of a beats a run of b, the second, with probability 1.00 [0.79, 1.00]" in usual.text
+    assert "✓ a ends lowest on these 2 problems at 100 evaluations." in usual.text
+    assert "Runs of a end lower than those of all 2 others on these 2 problems (p < 0.001 against each)." in usual.text
+    assert "The lead is not shown for further problems, of which these would be a sample of 2 independent" in usual.text
+    assert "A run of a ends lower than a run of b with probability 1.00 [0.79, 1.00]" in usual.text
     assert "n = 8 trials of at most 100 evaluations" in usual.text
     assert "No single winner" not in usual.text
 

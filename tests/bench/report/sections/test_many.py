@@ -74,7 +74,7 @@ class TestClaim:
     def test_nobody_leads_where_all_are_tied(self, make, tmp_path):
         tied = {label: {"fun": 1.0} for label in "abcde"}
         claim = self.claim(make, tmp_path / "s", tuple("abcde"), tied)
-        assert claim == "No optimizer leads at 100 evaluations: all are level over 2 problems."
+        assert claim == "No optimizer leads on these 2 problems at 100 evaluations: all are level."
 
 
 @pytest.fixture(scope="module")
@@ -102,10 +102,10 @@ class TestManyOptimizers:
 
     def test_pairs_are_a_matrix_and_their_table_is_folded(self, wide):
         section = across.section(wide)
-        assert [item.name for item in section.items] == ["ranks", "pair-matrix", "interquartile-mean"]
+        assert [item.name for item in section.items] == ["ranking", "ranks", "pair-matrix", "interquartile-mean"]
         (pairs,) = section.sections
         assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["pairs-over-problems"])
-        matrix = section.items[1]
+        matrix = section.items[2]
         first, last = wide.final.ranked[0], wide.final.ranked[-1]
         assert (matrix.frame.at[first, last], matrix.frame.at[last, first]) == ("1.00", "0.00")
         assert matrix.frame.at[first, first] == ""

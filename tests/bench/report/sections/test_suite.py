@@ -10,7 +10,7 @@ from bench.report import write_report
 from bench.report.findings import Findings
 from bench.report.latex import to_latex
 from bench.report.ranking import rank_map
-from bench.report.sections import anytime, comparison, datasets, suite, verdict
+from bench.report.sections import anytime, comparison, datasets, suite
 
 
 @pytest.fixture(scope="module")
@@ -168,16 +168,14 @@ def test_functions_of_one_name_stand_under_their_labels(findings):
 def test_a_suite_without_a_target_has_its_ranks_alone(findings):
     again = Findings(findings.results)
     again.anytime.__dict__["hits"] = findings.anytime.hits[:0]
-    assert suite.overview(again) == []
     section = suite.section(again)
     assert [item.name for item in section.items] == ["ranks-by-group"]
     assert section.text[0] == "No trial has a target."
 
 
-def test_the_first_screen_has_the_targets_beside_the_ranks(findings):
-    names = [item.name for item in verdict.section(findings).items]
-    assert names[:2] == ["rank-map", "targets-of-all"]
-    (figure,) = suite.overview(findings)
+def test_the_suite_begins_with_the_targets_of_all_functions(findings):
+    figure = suite.section(findings).items[0]
+    assert figure.name == "targets-of-all"
     assert figure.data["problem"].unique().tolist() == ["all functions, d = 2", "all functions, d = 5"]
     crosses = [line for ax in figure.figure.axes for line in ax.lines if line.get_marker() == "x"]
     assert {float(line.get_xdata()[0]) for line in crosses} == {200.0}  # evaluations / d, where restarts begin

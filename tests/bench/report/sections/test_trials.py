@@ -45,9 +45,9 @@ def test_looks(folder):
     assert table.index.tolist() == [4, 10, 12]
     assert set(known.final.pairs["look"]) == {0, 10}
     shown = verdict.section(known)
-    assert trials.NOT_ADJUSTED in shown.cards[1].text
+    assert trials.NOT_ADJUSTED in shown.cards[2].text
     adjusted = "adjusted for looks at 4, 10 and 12 trials and by Holm’s method over the 6 pairs of all problems"
-    assert adjusted in shown.cards[3].text[0]
+    assert adjusted in shown.cards[4].text[0]
     assert "2 cells were decided against every rival" in " ".join(methods.section(known).text)
     plain = verdict.section(findings_of(folder))
     assert "looks" not in str(plain.cards)
@@ -79,7 +79,7 @@ def test_trials_that_were_added_to_complete_ones(folder):
     assert sentence.startswith(
         "Optional stopping: 8 trials of each cell were complete, and could be looked at, when 12"
     )
-    assert sentence in verdict.section(known).cards[1].text
+    assert sentence in verdict.section(known).cards[2].text
     assert sum(each.startswith("Optional stopping: Trials were added") for each in integrity.warnings(known)) == 1
     assert "this is optional stopping" in " ".join(methods.section(known).text)
     early = findings_of(folder, records=[{"trials": 12, "extends": 3}, {"started": "of an older version"}])
@@ -134,4 +134,4 @@ def test_several_folders_are_not_judged_at_looks(make, tmp_path, folder):
     assert known.results.study.looks == ()
     assert known.results.looked == ["other"]
     assert known.results.planned["a (other)"] == 8
-    assert any("stopped by declared looks" in each for each in verdict.section(known).cards[1].text)
+    assert any("stopped by declared looks" in each for each in verdict.section(known).cards[2].text)

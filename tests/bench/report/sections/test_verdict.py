@@ -10,6 +10,7 @@ from bench import Results
 from bench.report.findings import Findings
 from bench.report.first_picture import course
 from bench.report.sections import across, verdict
+from bench.report.winner import PARTS
 
 
 @pytest.fixture(scope="module")
@@ -35,33 +36,40 @@ def test_the_places_are_the_order_of_every_sentence(findings, fresh):
 def test_the_first_screen(findings):
     shown = verdict.section(findings)
     assert [card.title for card in shown.cards] == [
-        "What may be claimed",
+        "",
+        "The numbers behind it",
         "What may not be claimed",
         "How often would this page be wrong?",
         "How this is decided",
     ]
-    assert [card.folded for card in shown.cards] == [False, True, True, True]
-    assert [label for label, _ in shown.cards[0].lines][:3] == ["Where", "By how much", "How sure"]
-    assert [item.name for item in shown.items] == ["rank-map", "every-trial", "ranking"]
-    ranks, _, ranking = shown.items
+    assert [card.folded for card in shown.cards] == [False, True, True, True, True]
+    lines = shown.cards[0].lines
+    assert [line.label for line in lines][:3] == ["where", "by how much", "how sure"]
+    assert {line.part for line in lines} <= {card.title for card in shown.cards} | {across.TITLE, *PARTS.values()}
+    assert [item.name for item in shown.items] == ["every-trial", "rank-map"]
+    ranks = shown.items[1]
     assert ranks.cells["p", "b"] == ("p", "b")
     assert ranks.frame.to_numpy().tolist() == [["1", "2", "3"]] * 3
     assert ranks.shades.iloc[0].tolist() == [0.0, 0.5, 1.0]
+
+
+def test_the_ranking_stands_with_the_tests_over_all_problems(findings):
+    ranking = across.section(findings).items[0]
     assert ranking.frame["first"].tolist() == [3, 0, 0]
     assert ranking.frame["mean rank"].tolist() == ["1.00 [1.00, 1.00]", "2.00 [2.00, 2.00]", "3.00 [3.00, 3.00]"]
 
 
 def test_separably_lower_is_explained_where_the_claim_says_it(make, tmp_path):
-    one = verdict.section(Findings(Results(make(tmp_path / "s", problems=("p",))))).cards[0]
-    assert "separably lower" in one.text[0]
-    assert one.lines[-1] == verdict.SEPARABLY
-    few = verdict.section(Findings(Results(make(tmp_path / "t", trials=1)))).cards[0]
-    assert "separably" not in f"{few.text[0]}{few.lines}"
+    one = verdict.section(Findings(Results(make(tmp_path / "s", problems=("p", "q"), trials=12))))
+    assert "separably lower" in f"{one.cards[0].lines}"
+    assert verdict.SEPARABLY in one.cards[1].text
+    few = verdict.section(Findings(Results(make(tmp_path / "t", trials=1))))
+    assert "separably" not in f"{few.cards[0]}{few.cards[1]}"
 
 
 def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
     alike = {"b": {"fun": 5.0}, "c": {"fun": 5.0}}
-    ranks = verdict.section(Findings(Results(make(tmp_path / "s", trials=8, changes=alike)))).items[0]
+    ranks = verdict.section(Findings(Results(make(tmp_path / "s", trials=8, changes=alike)))).items[1]
     assert set(ranks.marks.to_numpy().ravel()) <= {"", "≈"}
     assert ranks.bold.sum(axis=1).ge(1).all()
     assert not (ranks.bold & (ranks.marks == "≈")).any(axis=None)
@@ -69,8 +77,7 @@ def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
 
 def test_one_trial_has_no_intervals_and_no_winner(make, tmp_path):
     shown = verdict.section(Findings(Results(make(tmp_path / "s", trials=1))))
-    assert shown.cards[0].text[0].startswith("No winner can be named at 100 evaluations: with 1 trial a cell")
-    assert shown.items[-1].frame["first"].tolist() == [2, 0, 0]
+    assert shown.cards[0].text[0].endswith("at 100 evaluations: a is first, untested with 1 trial a cell.")
 
 
 def test_steps_of_one_sweep_are_no_independent_sample(fresh):
@@ -84,7 +91,9 @@ def test_steps_of_one_sweep_are_no_independent_sample(fresh):
         "3 of 3 problems are steps of one sweep, the load: they are 1 independent problem, so the counts describe this "
         "sweep and no further problems."
     )
-    assert said in dict(verdict.section(fresh).cards[0].lines)["How sure"]
+    claim, numbers = verdict.section(fresh).cards[:2]
+    assert said in numbers.text
+    assert "these problems are one sweep" in f"{claim.lines}"
     assert said in across.section(fresh).text
 
 
@@ -92,11 +101,11 @@ def test_pairs_that_the_tests_do_not_separate_are_named(fresh):
     said = verdict.across(fresh)
     assert said == "Every pair of optimizers differs significantly on these problems, but not on each of them."
     assert said in across.section(fresh).text[0]
-    assert said in verdict.section(fresh).cards[1].text
+    assert said in verdict.section(fresh).cards[2].text
 
 
 def test_the_page_prints_how_often_it_would_be_wrong(fresh):
-    text = verdict.section(fresh).cards[2].text
+    text = verdict.section(fresh).cards[3].text
     assert text[0].startswith("How often a page of this design (3 optimizers, 3 problems, 8 trials a cell) claims any")
     for sentence in text[1:3]:
         assert float(re.search(r": <?(\d+)% of 1,000 simulated studies", sentence)[1]) <= 7
