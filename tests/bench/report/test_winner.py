@@ -72,8 +72,7 @@ def test_a_winner_in_few_words():
         "where": "first on 15 of 18, separably lower than every rival on 14",
         "by how much": "a run of cma-es ends lower than one of gwo, the second, in 75% of pairs [72, 78]",
         "how sure": "at most 5% of such pages claim too much; further problems only if independent",
-        "at what cost": "gwo ends lower up to 6,000 evaluations; by the clock gwo is faster below 8.4 us an "
-        "evaluation",
+        "at what cost": "gwo ends lower up to 6,000 evaluations; by the clock gwo is faster below 8.4 us an evaluation",
     }
     assert details(known) == (
         "Runs of cma-es end lower than those of all 2 others on these 18 problems (p ≤ 0.004 against each). A run of "
