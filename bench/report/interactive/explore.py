@@ -316,8 +316,12 @@ class _Explored:
 
     @cached_property
     def finals(self) -> list[int]:
-        """The place of each row's final value among those of its problem, near-ties as ties, failed trials last."""
-        return final_places(self.findings.trials.frame)
+        """The place of each row's final value among those of its problem, near-ties as ties, failed trials last.
+
+        What is not compared has the place of its own final value.
+        """
+        whole, compared = self.findings.trials.whole, self.findings.trials.frame
+        return final_places(whole.assign(fun=compared["fun"].reindex(whole.index).fillna(whole["fun"])))
 
     @cached_property
     def stride(self) -> int:
