@@ -53,7 +53,7 @@ def best_fit(monkeypatch):
 
     def stub(self, *, constrained=False):
         factor = 60 if self.unit == "rpm" else 1
-        x = np.zeros(7)
+        x = np.array([0.0, 0.0, 15.0, 134.0, 0.0, 0.0, 0.0])
         x[0] = -factor * (0.96 * truth(self.name) if truth(self.name) else 0.03)
         return Fit(x, 0.0)
 
