@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from string import ascii_letters
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.direction import ALPHA
@@ -93,15 +95,30 @@ def compact_letters(
 
 def _letters(optimizers: list[str], pairs: pd.DataFrame) -> dict[str, str]:
     """Return the letters of each optimizer of one problem, the first one's from "a" on."""
-    from scikit_posthocs import compact_letter_display  # slow: it imports the drawing libraries
-
     separable = matrices(pairs, optimizers)[1]
-    alike = ~(separable | separable.T)
-    try:
-        shown = compact_letter_display(alike.astype(float), alpha=0.5, names=optimizers)
-    except ValueError:  # more groups than letters
+    groups = alike_groups(separable | separable.T)
+    if len(groups) > len(ascii_letters):
         return dict.fromkeys(optimizers, "?")
-    return {optimizer: text.replace(" ", "") for optimizer, text in shown.items()}
+    return {
+        optimizer: "".join(letter for letter, group in zip(ascii_letters, groups, strict=False) if place in group)
+        for place, optimizer in enumerate(optimizers)
+    }
+
+
+def alike_groups(separable: NDArray[np.bool_]) -> list[list[int]]:
+    """Return the largest groups in which no two items are separable, by insert and absorb (Piepho 2004).
+
+    Groups are in the order of their first items, the larger ones first.
+
+    Args:
+        separable: (k, k), symmetric.
+    """
+    groups = {frozenset(range(len(separable)))}
+    for pair in map(frozenset, np.argwhere(np.triu(separable)).tolist()):
+        split = {group - {item} for group in groups if pair <= group for item in pair}
+        groups = {group for group in groups if not pair <= group}
+        groups |= {part for part in split if not any(part < group for group in groups | split)}
+    return sorted(map(sorted, groups), key=lambda group: (group[0], -len(group), group))
 
 
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFrame | None = None) -> pd.DataFrame:

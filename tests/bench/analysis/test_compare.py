@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from bench.analysis.cells import summarise
-from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.compare import alike_groups, compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.pairwise import pairwise_tests
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
@@ -205,3 +205,20 @@ class TestLetters:
         )
         assert compact_letters(summary, pairs)["letters"].tolist() == ["?"] * 53
         assert compact_letters(summary[1:], pairs)["letters"].nunique() == 52
+
+    @pytest.mark.parametrize(
+        ("separable", "groups"),
+        [
+            ([], ["abcde"]),
+            (["ac", "ad", "ae", "bd", "be", "ce"], ["ab", "bc", "cd", "de"]),
+            (["ab", "cd"], ["ace", "ade", "bce", "bde"]),
+            (["ab", "bc", "cd", "de", "ae"], ["ac", "ad", "bd", "be", "ce"]),
+            (["ad", "ae", "bd", "be", "cd", "ce", "de"], ["abc", "d", "e"]),
+        ],
+    )
+    def test_groups_are_those_that_scikit_posthocs_finds(self, separable, groups):
+        # of 0.17.1: compact_letter_display(p, alpha=0.5), where p is 0 of separable pairs and 1 of the others
+        matrix = np.zeros((5, 5), dtype=bool)
+        for one, other in separable:
+            matrix["abcde".index(one), "abcde".index(other)] = matrix["abcde".index(other), "abcde".index(one)] = True
+        assert ["".join("abcde"[item] for item in group) for group in alike_groups(matrix)] == groups
