@@ -16,7 +16,7 @@ import pandas as pd
 from scipy.stats import norm
 
 from bench import analysis
-from bench.analysis.certainty import ranks_of_draws
+from bench.analysis.certainty import ranks_of_strata
 from bench.analysis.direction import effects, intervals
 from bench.typing import Floats
 
@@ -71,7 +71,7 @@ def rank_holds(step: float, trials: int, studies: int, problems: int = 18, optim
     expected, once = np.zeros(optimizers), [np.ones((trials, 1))] * optimizers
     repeats = 10_000
     for _ in range(repeats):
-        expected += ranks_of_draws(list(rng.standard_normal((optimizers, trials)) + shifts), once)[:, 0] / repeats
+        expected += ranks_of_strata([(list(rng.standard_normal((optimizers, trials)) + shifts), once)])[:, 0] / repeats
     index = pd.MultiIndex.from_product([range(problems), range(optimizers), range(trials)])
     frame = index.to_frame(index=False, name=["problem", "optimizer", "trial"]).assign(status="ok")
     frame = frame.astype({"problem": "category", "optimizer": "category"})

@@ -24,9 +24,20 @@ from scipy.stats import bootstrap, f, friedmanchisquare, norm, trim_mean
 
 from bench.analysis import bounded
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, Effects, effects, intervals, least_p, mean_of, stacked, standardised
+from bench.analysis.direction import (
+    ALPHA,
+    Effects,
+    effects,
+    intervals,
+    least_p,
+    mean_of,
+    stacked,
+    standardised,
+    stratified,
+)
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
 from bench.analysis.standings import against_rivals, complete_ranks, matrices, ranks
+from bench.analysis.strata import Samples
 from bench.typing import Flags, Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
@@ -194,14 +205,18 @@ def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object
     return np.array([(blocks or {}).get(str(problem), str(problem)) for problem in problems], dtype=object)
 
 
-def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, float, float]:
+def improvement_of(samples: Sequence[Sequence[Samples]]) -> tuple[float, float, float]:
     """Return the probability that a value of the first of two samples ends lower, as a mean over problems, low to high.
 
-    As :func:`across_problems` does; missing without any problem, and the interval where a sample has a single value.
+    ``samples`` are those of each problem by stratum (:mod:`bench.analysis.strata`). As :func:`across_problems` does;
+    missing without any problem, and the interval where a sample has a single value.
     """
     if not samples:
         return np.nan, np.nan, np.nan
-    mean = mean_of(stacked([effects(one[np.newaxis], rival[np.newaxis]) for one, rival in samples]))
+    found = [
+        stratified([effects(one[np.newaxis], rival[np.newaxis]) for one, rival in by_stratum]) for by_stratum in samples
+    ]
+    mean = mean_of(stacked(found))
     low, high = intervals(mean)
     return float(mean.a12[0]), float(low[0]), float(high[0])
 

@@ -115,18 +115,12 @@ def resamples(optimizers: int) -> int:
     return next((drawn for most, drawn in RESAMPLES.items() if optimizers <= most), FEWEST)
 
 
-def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
+def ranks_of_strata(by_stratum: Sequence[tuple[Samples, Sequence[Floats]]]) -> Floats:
     """Return the (k, B) ranks of k optimizers in B draws from their values, as :func:`bench.analysis.standings` ranks.
 
-    Args:
-        values: the values of each optimizer.
-        drawn: how often each of these counts in each draw, (n, B) an optimizer.
+    ``by_stratum`` has the values of each optimizer in each stratum, and how often each of these counts in each draw,
+    (n, B) an optimizer.
     """
-    return ranks_of_strata([(values, drawn)])
-
-
-def ranks_of_strata(by_stratum: Sequence[tuple[Samples, Sequence[Floats]]]) -> Floats:
-    """Return the ranks of :func:`ranks_of_draws` by the mean of A12 over strata, each with its values and draws."""
     optimizers, draws = len(by_stratum[0][0]), by_stratum[0][1][0].shape[1]
     beaten, chance = np.zeros((2, optimizers, draws))
     at_once = max(AT_ONCE // optimizers**2, 1)

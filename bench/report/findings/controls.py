@@ -10,14 +10,13 @@ from functools import cached_property
 import pandas as pd
 
 from bench.analysis.across import improvement_of
-from bench.analysis.cells import cells
+from bench.analysis.strata import strata
 from bench.execution.matched import Matched, algorithms
 from bench.helpers.console import duration
 from bench.plugins import registry
 from bench.report.findings.final import Final
 from bench.report.findings.trials import Trials
 from bench.report.wording import count, options
-from bench.typing import Floats
 
 REPORTED = "as reported"
 RIVALS = 5
@@ -65,17 +64,21 @@ class Controls:
 
     def _chance(self, first: str, second: str) -> tuple[int, float, float, float]:
         """Return problems, probability, low and high of two optimizers or controls."""
-        pairs = [[self._samples.get((label, side)) for side in (first, second)] for label in self.final.medians.index]
-        samples = [(one, other) for one, other in pairs if one is not None and other is not None]
+        pair = self._every[self._every["optimizer"].isin((first, second))]
+        pair = pair.assign(optimizer=pd.Categorical(pair["optimizer"], [first, second]))
+        samples = [
+            by_stratum
+            for problem, by_stratum in strata(pair).items()
+            if problem in self.final.medians.index and all(map(len, by_stratum[0]))
+        ]
         return len(samples), *improvement_of(samples)
 
     @cached_property
-    def _samples(self) -> dict[tuple[str, str], Floats]:
-        """The scores of each cell that has any, of optimizers and controls."""
+    def _every(self) -> pd.DataFrame:
+        """The trials of optimizers and controls."""
         frames = [frame for frame in (self.trials.frame, self.trials.controls) if len(frame)]
-        names = ["problem", "optimizer", "fun", "status"]
-        every = pd.concat([frame[names].astype(dict.fromkeys(names[:2], object)) for frame in frames])
-        return {key: values for key, values in cells(every, merge=True).items() if len(values)}
+        names = ["problem", "optimizer", "fun", "status", "instance"]
+        return pd.concat([frame.filter(names).astype(dict.fromkeys(names[:2], object)) for frame in frames])
 
     @cached_property
     def cost(self) -> str:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench.analysis.cells import near_best, summarise
-from bench.analysis.certainty import COLUMNS, rank_stability, ranking_certainty, ranks_of_draws
+from bench.analysis.certainty import COLUMNS, rank_stability, ranking_certainty, ranks_of_strata
 from bench.analysis.direction import wins
 from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.standings import against_rivals, mean_ranks, ranks, standings
@@ -21,7 +21,7 @@ def test_the_ranks_of_a_resample_are_those_of_the_values_drawn(frame_of):
     counts = [
         np.concatenate((np.ones((1, len(each)), dtype=int), own)) for each, own in zip(values, counts, strict=True)
     ]
-    found = ranks_of_draws(values, [own.T.astype(np.float32) for own in counts])
+    found = ranks_of_strata([(values, [own.T.astype(np.float32) for own in counts])])
     assert found.shape == (3, 6)
     for resample in range(6):
         drawn = {

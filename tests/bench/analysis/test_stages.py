@@ -41,6 +41,31 @@ def test_the_last_stage_has_the_ranks_of_the_results(random_frame):
     assert found["rank"].tolist() == wanted["rank"].tolist()
 
 
+@pytest.fixture
+def by_instance(frame_of):
+    """Return trials on two instances that differ more than optimizers do, whose ranks need them apart, and traces."""
+    fun = {"a": [1, 2, 11, 12, 13, 14], "b": [1.5, 2.5, 3.5, 4.5, 11.5, 12.5], "c": [1.2, 9, 9, 11.2, 11.6, 19]}
+    instances = [1, 1, 2, 2, 2, 2, 1, 1, 1, 1, 2, 2, 1, 1, 1, 2, 2, 2]
+    frame = frame_of({("p", name): values for name, values in fun.items()}, instance=instances)
+    return frame, traces_of({("p", name): [[value] * 3 for value in values] for name, values in fun.items()})
+
+
+def test_pooled_instances_are_ranked_by_instance_as_the_results_are(by_instance):
+    frame, traces = by_instance
+    found = stage_ranks(frame, traces, {"p": 100}, (0.1, 1.0))
+    wanted = standings(summarise(frame), pairwise_tests(frame))["rank"].tolist()
+    assert found["rank"].tolist() == wanted * 2
+    assert stage_ranks(frame.drop(columns="instance"), traces, {"p": 100}, (1.0,))["rank"].tolist() != wanted
+
+
+def test_an_earlier_lead_is_tested_by_instance_as_the_results_are(by_instance):
+    frame, traces = by_instance
+    found = earlier_leads(frame, traces, {"p": 100}, "b", shares=(0.1, 1.0)).set_index("optimizer")
+    pairs = pairwise_tests(frame)
+    (pair,) = pairs[(pairs["first"] == "a") & (pairs["second"] == "b")].to_dict("records")
+    assert found.loc["a", ["probability", "p"]].tolist() == pytest.approx([pair["a12"], pair["p"]])
+
+
 def test_failed_trials_and_those_without_a_trace_lose(frame_of):
     frame = frame_of({("p", "a"): [None, None], ("p", "b"): [1.0, 1.0]})
     traces = traces_of({("p", "a"): [[5, 4, 3]] * 2, ("p", "b"): [[9, 8, 7]] * 2})
