@@ -30,12 +30,19 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-for _name in (
-    "list", "run", "plan", "status", "report", "export", "import_", "check", "audit", "solve", "verify", "merge", "rm",
-    "pack", "unpack", "site", "gate", "describe", "similar", "atlas", "recommend", "tune", "doctor", "new",
-):  # fmt: skip
-    app.command(_name.rstrip("_"))(import_module(f"bench.cli.{_name}").command)
-app.add_typer(archive.archive, name="archive")
+PANELS = {
+    "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
+    "Read": ("status", "report", "plan", "recommend", "similar", "describe"),
+    "Check": ("check", "audit", "gate", "verify", "atlas", "doctor"),
+    "Share": ("export", "import_", "pack", "unpack", "site"),
+}
+"""The commands by the panel of the help that shows them."""
+
+for _panel, _names in PANELS.items():
+    for _name in _names:
+        _command = import_module(f"bench.cli.{_name}").command
+        app.command(_name.rstrip("_"), rich_help_panel=_panel)(_command)
+app.add_typer(archive.archive, name="archive", rich_help_panel="Share")
 
 BUILT_IN = {info.name for info in app.registered_commands} | {info.name for info in app.registered_groups}
 """The commands of the harness, whose names no plug-in can take."""
@@ -111,7 +118,10 @@ def _add_commands() -> None:
 
 
 def _add_command(name: str) -> None:
-    """Add a plug-in's sub-command; one that fails to load raises its error when it is called, and breaks no other."""
+    """Add a plug-in's sub-command; one that fails to load raises its error when it is called, and breaks no other.
+
+    The help has it in the panel that its attribute ``rich_help_panel`` names, or in that of its package.
+    """
     try:
         command = registry.load("commands", name)
         if not callable(command):
@@ -127,7 +137,8 @@ def _add_command(name: str) -> None:
             raise BenchError(message)
 
         command.__doc__ = "(failed to load)"
+    panel = getattr(command, "rich_help_panel", None) or registry.package("commands", name)
     if isinstance(command, typer.Typer):
-        app.add_typer(command, name=name)
+        app.add_typer(command, name=name, rich_help_panel=panel)
     else:
-        app.command(name)(command)
+        app.command(name, rich_help_panel=panel)(command)

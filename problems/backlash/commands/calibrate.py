@@ -10,9 +10,10 @@ import typer
 
 from bench.errors import BenchError
 from bench.helpers import print_line
-from problems.backlash.commands import Force
+from problems.backlash.commands import Force, about_backlash
 
 
+@about_backlash
 def calibrate(
     joint: Annotated[
         Path | None, typer.Option(help="A joint's TOML file, as 'bench simulate joint.toml' writes one to edit.")

@@ -7,9 +7,12 @@ import typer
 
 from bench.errors import BenchError
 from bench.helpers import print_line
+from problems.backlash.commands import PANEL
 from problems.backlash.published import download
 
-data = typer.Typer(help="Get the thesis authors' published recordings, and check them.", no_args_is_help=True)
+data = typer.Typer(
+    help="Get the thesis authors' published recordings, and check them.", no_args_is_help=True, rich_help_panel=PANEL
+)
 
 
 @data.command()

@@ -11,6 +11,7 @@ import typer
 from bench.errors import BenchError
 from bench.helpers import pairs, print_error, print_line, replacing
 from problems.backlash import EARLY_RAD
+from problems.backlash.commands import about_backlash
 
 ALARM = 3  # the exit code for a verdict that --fail-on names; 1 is for recordings that failed, 2 for bad input
 
@@ -29,6 +30,7 @@ _recording, _fit, _verdict, _runs = (
 )
 
 
+@about_backlash
 def estimate(
     recordings: Annotated[
         list[str],

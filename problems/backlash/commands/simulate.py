@@ -13,7 +13,7 @@ import typer
 from bench.errors import BenchError
 from bench.helpers import print_line, replacing
 from problems.backlash import TRUTH
-from problems.backlash.commands import Force
+from problems.backlash.commands import Force, about_backlash
 
 if TYPE_CHECKING:
     from problems.backlash.joint import Joint
@@ -25,6 +25,7 @@ NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the def
 _joint, _recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Joint", "Recording", "Wear"))
 
 
+@about_backlash
 def simulate(
     output: Annotated[
         Path,

@@ -197,6 +197,19 @@ def test_a_command_without_arguments_prints_its_help_alone(bench_here, arguments
     assert done.stderr == ""
 
 
+def test_the_help_has_panels_and_plug_ins_name_theirs(bench_here):
+    help_ = bench_here("--help").stdout
+    panels = {}
+    for line in help_.splitlines():
+        if line.startswith("╭─ "):
+            rows = panels.setdefault(line.strip("╭─╮ "), [])
+        elif line.startswith("│ ") and line[2] != " ":
+            rows.append(line.split()[1])
+    assert list(panels) == ["Options", "Run", "Read", "Check", "Share", "Backlash"]
+    assert set(panels["Backlash"]) == {"calibrate", "data", "estimate", "simulate"}
+    assert "archive" in panels["Share"]
+
+
 def test_a_budget_of_solve_may_follow_the_dimension(bench_here):
     done = bench_here("solve", "sphere-3", "hill-climber", "--budget", "20 * d")
     assert "60 (stopped by: budget)" in done.stdout

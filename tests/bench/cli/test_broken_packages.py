@@ -81,3 +81,8 @@ def test_a_command_that_a_plug_in_ends_in_its_midst_is_no_success(tmp_path):
     done = called(tmp_path, "midst", "mine")
     assert done.returncode == 2
     assert "a plug-in called sys.exit, so the command ended before it was done" in done.stderr
+
+
+def test_the_help_has_a_command_in_a_panel_of_its_package(tmp_path):
+    shown = called(tmp_path, "annotated", "--help").stdout
+    assert "mine" in shown.partition("─ mine 1.0 ─")[2]
