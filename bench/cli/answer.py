@@ -28,6 +28,8 @@ def read(folder: Path) -> dict[str, Any]:
 def shown(content: dict[str, Any]) -> Group:
     """Return an answer as lines for a terminal."""
     parts: list[RenderableType] = [Text(str(content.get("sentence", "")), style="bold")]
+    if content.get("selection"):
+        parts.append(Text(str(content["selection"])))
     if content["rows"]:
         first, *heads = map(str, content["columns"])
         table = Table(first, box=None, pad_edge=False)

@@ -36,17 +36,29 @@ def command(
             metavar="OPTIMIZER", help="Mark where this optimizer is better (+), equal (=) or worse (-) than the others."
         ),
     ] = None,
+    optimizer: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATTERN", help="Show these optimizers alone, as in 'gwo*'; repeatable. Needs --output."),
+    ] = None,
+    problem: Annotated[
+        list[str] | None, typer.Option(metavar="PATTERN", help="Show these problems alone; repeatable. Needs --output.")
+    ] = None,
+    dimension: Annotated[
+        list[int] | None, typer.Option(help="Show the problems of this dimension alone; repeatable. Needs --output.")
+    ] = None,
     targets: Targets = None,
     rope: Rope = None,
     open_: Open = False,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
-    Several folders, such as those of two versions of an optimizer, are compared as one study.
+    Several folders, such as those of two versions of an optimizer, are compared as one study. A selection of
+    optimizers or problems says on its page what is left out.
     """
+    chosen = {"optimizers": optimizer or None, "problems": problem or None, "dimensions": dimension or None}
     beside, best = published(against)
     settings = {"output": output, "n_jobs": jobs, "targets": targets, "rope": rope, "reference": reference}
-    report_on([*folders, *beside], Console(), open_, beside_best=best, **settings)
+    report_on([*folders, *beside], Console(), open_, beside_best=best, **settings, **chosen)
 
 
 def published(names: list[str] | None) -> tuple[list[Path], bool]:

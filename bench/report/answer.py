@@ -32,6 +32,7 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
     more = len(findings.trials.optimizers) - len(rows) if rows else 0
     return {
         "sentence": sentences[0] if sentences else "",
+        "selection": findings.selection,
         "columns": ["optimizer", "mean rank", "first on", findings.anytime.near_words],
         "rows": rows,
         "more": f"and {count(more, 'other optimizer')}" if more else "",

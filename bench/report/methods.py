@@ -75,6 +75,7 @@ def facts(findings: Findings) -> dict[str, Any]:
     trials, final, anytime = findings.trials, findings.final, findings.anytime
     early = analysis.stopped_early(trials.frame)
     return {
+        "selection": findings.selection,
         "replications": trials.replications,
         "known": trials.known,  # facts of the problems, by label
         "suites": problem_words.suites(trials.known),

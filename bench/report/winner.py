@@ -31,6 +31,8 @@ PARTS = {
 }
 """The titles of the parts and cards that have the rest of a line."""
 
+LEVEL = "at most 5% of such pages claim too much"
+
 TIED = 1e-9  # mean ranks closer than this are the same
 
 
@@ -115,6 +117,7 @@ class Standing:
         unit: of the stages, "evaluations" or "of the budget".
         clock: who is faster by the clock; None where running times in seconds do not change the order.
         sweep: that the problems are one sweep and stand for no further ones; "" where they are not.
+        selected: whether optimizers or problems were selected after the results were seen.
     """
 
     ranking: pd.DataFrame
@@ -135,6 +138,7 @@ class Standing:
     unit: str = "evaluations"
     clock: Clock | None = None
     sweep: str = ""
+    selected: bool = False
 
     @property
     def problems(self) -> int:
@@ -287,7 +291,8 @@ def _sure(standing: Standing) -> str:
     elif standing.leads and not standing.problem:
         scope = "not shown for further problems"
     conditions = "unlike conditions may explain the lead" if standing.conditions else ""
-    return "; ".join(filter(None, ("at most 5% of such pages claim too much", scope, conditions)))
+    level = "selected after the results, so no level holds" if standing.selected else LEVEL
+    return "; ".join(filter(None, (level, scope, conditions)))
 
 
 def _cost(standing: Standing, leader: str) -> str:

@@ -36,6 +36,7 @@ from bench.report.wording import count
 from bench.storage.folder import ANSWER
 from bench.storage.results import Results
 from bench.study import rope as ropes
+from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import checked
 
 PAGE, MANIFEST = "report.html", ".report.json"
@@ -63,6 +64,9 @@ def write_report(
     rope: Any = None,
     beside_best: bool = False,
     reference: str | None = None,
+    optimizers: Patterns = None,
+    problems: Patterns = None,
+    dimensions: Dimensions = None,
     on_progress: OnStep | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
@@ -81,16 +85,23 @@ def write_report(
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.importing.best2009`; it needs the extra ``coco``).
         reference: the label of the optimizer that the competition's table compares with each other one.
+        optimizers: labels or patterns of the only optimizers to show (:meth:`bench.Results.select`). The page, the
+            methods and the answer say what was left out, and a selection needs an ``output`` of its own.
+        problems: likewise of problems.
+        dimensions: the only dimensions of problems to show.
         on_progress: called before every step.
 
     Raises:
         BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
-            are none, the best of 2009 is of other problems, the study has no optimizer ``reference``, or ``output``
-            cannot be written or holds another study.
+            are none, the best of 2009 is of other problems, the study has no optimizer ``reference``, nothing has a
+            pattern or a dimension that is selected, a selection has no ``output``, or that cannot be written or holds
+            another study.
     """
     chosen = None if targets is None else checked(targets, "the targets of a report")
     equal = None if rope is None else ropes.checked(rope, "the rope of a report")
     results = Results(path, *others)
+    if (optimizers, problems, dimensions) != (None, None, None):
+        results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
     findings = Findings(results, chosen, equal, beside_best, reference)
     if reference is not None and reference not in findings.trials.optimizers:
         raise BenchError(
@@ -123,6 +134,12 @@ def _collector_at_rest() -> Iterator[None]:
 
 def _folder(results: Results, output: Path | None) -> Path:
     paths = results.paths
+    own = {path.resolve() for path in paths}
+    if results.study is not results.whole and (output is None or output.resolve() in own):
+        raise BenchError(
+            "a selection is another report than that of the whole folder, which it would replace; give it a folder of "
+            "its own by --output"
+        )
     if output is None:
         return paths[0] if len(paths) == 1 else COMPARISONS / "-".join(map(file_name, results.names))
     if len(paths) == 1 and output.resolve() == paths[0].resolve():
@@ -175,6 +192,7 @@ class _Report:
             f"{each_problem(self.findings.trials.replications, at_most=study.trials if study.looks else 0)}, "
             f"{study.budget_words} a trial."
         )
+        lead = f"{lead} {self.findings.selection}".rstrip()
         further = interactive(self.findings)
         lines = answer(self.findings, opening[0]) if opening[0] is not None else {}
         self.save(ANSWER, json.dumps(lines, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")

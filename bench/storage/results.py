@@ -30,6 +30,7 @@ from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
+from bench.study.selection import Dimensions, Patterns, selected
 from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]
@@ -68,13 +69,15 @@ class Results:
 
     Attributes:
         names: the folders' names, with as many parents as make them distinct.
-        study: the study as frozen in the folder; for several folders, all their problems and optimizers.
+        study: the study as frozen in the folder; for several folders, all their problems and optimizers; of a
+            selection (:meth:`select`), those selected.
+        whole: the study before any selection.
         environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
         budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
         planned: the trials that each cell of an optimizer should hold, by the label shown; 0 of imported runs, which
             follow no plan that is known.
-        looked: the names of the folders whose looks stopped cells, where several folders are compared: each cell then
-            holds as many trials as the first look at least.
+        looked: the names of the folders whose looks stopped cells, where several folders, or a selection, are
+            compared: each cell then holds as many trials as the first look at least.
         differences: sentences on how the folders differ where imported results are among them; else none.
         checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
@@ -88,7 +91,7 @@ class Results:
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
         self._sources = _sources([Folder(folder) for folder in (path, *others)])
         self.names = [source.name for source in self._sources]
-        self.study = united([source.study for source in self._sources], self.names)
+        self.study = self.whole = united([source.study for source in self._sources], self.names)
         shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
         self.budgets = {label: source.study.budget for label, (_, source) in shown.items()}
         self.looked = [source.name for source in self._sources if source.study.looks and others]
@@ -110,6 +113,37 @@ class Results:
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
 
+    def select(
+        self, *, optimizers: Patterns = None, problems: Patterns = None, dimensions: Dimensions = None
+    ) -> Results:
+        """Return the results of some optimizers on some problems, read anew.
+
+        Whoever chooses after a look at the results chooses among claims, so a report of a selection says what it is
+        selected from. Where looks were declared, the selection compares whatever they left of each cell.
+
+        Args:
+            optimizers: one or more labels or patterns such as ``"gwo*"``; by default all.
+            problems: likewise; ``"bbob-f08-d5"`` stands for all its instances.
+            dimensions: one or more dimensions of problems; by default all.
+
+        Raises:
+            BenchError: for a pattern or a dimension that no optimizer or problem has, and where nothing is selected.
+        """
+        chosen = Results(*self.paths)
+        chosen._problem, chosen._facts = self._problem, self._facts
+        chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
+        kept, labels = ({entry.label for entry in group} for group in (chosen.study.optimizers, chosen.study.problems))
+        looked = [source for source in self._sources if source.study.looks]
+        if looked and not chosen.study.looks:
+            chosen.looked = [source.name for source in looked]
+            least = {label: source.study.looks[0] for source in looked for label in source.shown.values()}
+            chosen.planned |= {label: least[label] for label in chosen.planned if label in least}
+        for by_optimizer in (chosen.budgets, chosen.planned, chosen.checks):
+            for label in by_optimizer.keys() - kept:
+                del by_optimizer[label]
+        chosen.fingerprints = {label: chosen.fingerprints[label] for label in chosen.fingerprints if label in labels}
+        return chosen
+
     def __repr__(self) -> str:
         return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
 
@@ -118,7 +152,9 @@ class Results:
         counts: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.with_controls}
         for source in self._sources:
             for cell in source.folder.store.cells():
-                counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
+                label = source.shown.get(cell.optimizer, cell.optimizer)
+                if cell.problem in self._labels[0] and label in counts:
+                    counts[label].update(cell.status)
         rows = [(label, f"{count['ok']:,}", f"{count.total() - count['ok']:,}") for label, count in counts.items()]
         about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
         return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
@@ -170,6 +206,12 @@ class Results:
         return self._sources
 
     @cached_property
+    def _labels(self) -> tuple[set[str], set[str]]:
+        """The labels of the study's problems, and those of its optimizers and controls."""
+        problems, optimizers = self.study.problems, self.study.with_controls
+        return {entry.label for entry in problems}, {entry.label for entry in optimizers}
+
+    @cached_property
     def descriptions(self) -> dict[str, Any]:
         """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
         return _by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
@@ -185,10 +227,9 @@ class Results:
 
     @cached_property
     def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
-        shared = {entry.label for entry in self.study.problems}
         tidy = Tidy()
         for source in self._sources:
-            source.read(tidy, shared)
+            source.read(tidy, *self._labels)
         frame = tidy.frame(
             [entry.label for entry in self.study.problems], [entry.label for entry in self.study.with_controls]
         )
@@ -198,14 +239,13 @@ class Results:
     @cached_property
     def traces(self) -> Traces:
         """The anytime traces of the frame's trials by (problem, optimizer, trial); failed trials have none."""
-        shared = {entry.label for entry in self.study.problems}
-        controls = {entry.label for entry in self.study.controls}
+        shared, optimizers = self._labels[0], set(self.planned)
         return Traces(
             {
                 (problem, source.shown[optimizer]): cell
                 for source in self._read_sources
                 for (problem, optimizer), cell in source.folder.store.traces().cells.items()
-                if problem in shared and source.shown[optimizer] not in controls
+                if problem in shared and source.shown[optimizer] in optimizers
             }
         )
 
@@ -312,8 +352,8 @@ class _Source:
     environment_places: dict[int, int]
     found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
 
-    def read(self, tidy: Tidy, problems: Collection[str]) -> None:
-        """Add the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
+    def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> None:
+        """Add the sound trials of these problems and shown optimizers, with environments' numbers of all folders."""
         labels = {entry.label for entry in self.study.problems}
         self.found = StoreCheck()
         self.folder.store.require()
@@ -324,7 +364,7 @@ class _Source:
                 for cell, (problem, optimizer) in reader.labels.items()
                 if problem in labels and optimizer in self.shown
             }
-            wanted = {cell for cell, (_, problem, _) in cells.items() if problem in problems}
+            wanted = {cell for cell, (_, *where) in cells.items() if where[0] in problems and where[1] in optimizers}
             for rows in reader.chunks(self.found):
                 if strange := {row[CELL] for row in rows} - cells.keys():
                     problem, optimizer = reader.labels[min(strange)]

@@ -23,8 +23,10 @@ from bench.report.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Disp
 from bench.report.findings.final import Final
 from bench.report.findings.trials import MANY_PROBLEMS, Trials
 from bench.report.landscapes import Landscapes, landscapes
+from bench.report.left_out import selection
 from bench.storage.results import Results
 from bench.study import Study
+from bench.study.blocks import pooled
 from bench.study.rope import Rope
 from bench.study.targets import Targets
 
@@ -84,6 +86,13 @@ class Findings:
     def study(self) -> Study:
         """The study as it is compared."""
         return self.trials.study
+
+    @cached_property
+    def selection(self) -> str:
+        """What the study shown was selected from, and what is left out, in a sentence; "" where it is whole."""
+        shown = self.results.study
+        functions = {pooled(entry.label) for entry in shown.problems}
+        return selection(self.results.whole, shown, by_instance=len(functions) < len(self.study.problems))
 
     @cached_property
     def descriptions(self) -> Descriptions:

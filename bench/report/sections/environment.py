@@ -33,7 +33,7 @@ def section(findings: Findings) -> Section:
     text = [seeds]
     if len(results.names) == 1:
         text.append(
-            f"The hash of everything that determines the result of a trial is {results.study.identity()}; it does not "
+            f"The hash of everything that determines the result of a trial is {results.whole.identity()}; it does not "
             "depend on the number of trials or the title."
         )
     items = [_entries(results.study)]

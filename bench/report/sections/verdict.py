@@ -58,6 +58,12 @@ def section(findings: Findings) -> Section:
     return Section(TITLE, (), tuple(items), warnings, cards=cards, lost=lost)
 
 
+CHOSEN = (
+    "Tests, levels and simulated rates are those of the selection, as if it had been fixed before the first trial; who "
+    "selects after a look can choose what is claimed, so compare the report of the whole study."
+)
+
+
 def standing(findings: Findings) -> Standing:
     """Return what the verdict is written from."""
     trials, final = findings.trials, findings.final
@@ -86,6 +92,7 @@ def standing(findings: Findings) -> Standing:
         unit="of the budget" if trials.scaled else "evaluations",
         clock=clock(findings),
         sweep=dependent(findings),
+        selected=bool(findings.selection),
     )  # fmt: skip
 
 
@@ -241,6 +248,8 @@ def _limits(findings: Findings) -> tuple[str, ...]:
         )
     if findings.trials.common:
         texts.insert(0, unequal_budgets(findings.trials))
+    if findings.selection:
+        texts.insert(0, f"{findings.selection} {CHOSEN}")
     return tuple(filter(None, (*texts, unused(findings.anytime.unused))))
 
 

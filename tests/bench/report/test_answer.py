@@ -34,6 +34,21 @@ def test_it_has_the_first_sentence_and_the_optimizers_in_their_order(make, tmp_p
     assert any(line.split()[:2] == ["optimizer", "mean"] for line in lines(found))
 
 
+def test_a_selection_names_what_it_leaves_out_in_its_answer_and_among_the_limits_of_its_verdict(make, tmp_path):
+    findings = Findings(Results(make(tmp_path / "s")).select(optimizers=["a", "c"], problems="q"))
+    section = verdict.section(findings)
+    found = answer(findings, section)
+    assert found["selection"] == (
+        "Selected from 3 optimizers and 2 problems after the results were seen; left out: 1 optimizer (b) and 1 "
+        "problem (p)."
+    )
+    assert found["trials"] == 1 * 2 * 8
+    assert lines(found, width=200)[1] == found["selection"]
+    limits = next(card for card in section.cards if card.title == "What may not be claimed")
+    assert limits.text[0].startswith(found["selection"])
+    assert noted(make(tmp_path / "t"))["selection"] == ""
+
+
 def test_many_optimizers_of_long_names_fit_a_narrow_terminal(make, tmp_path):
     names = tuple(f"an-optimizer-with-a-long-name-and-its-options[{number}]" for number in range(MOST + 3))
     found = noted(make(tmp_path / "s", optimizers=names, trials=3))

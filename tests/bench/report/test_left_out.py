@@ -7,9 +7,34 @@ from bench import Results
 from bench.analysis.comparable import Comparable
 from bench.report.findings import Findings
 from bench.report.interactive.explore import explore
-from bench.report.left_out import left_out
+from bench.report.left_out import left_out, selection
 from bench.report.methods import methods
 from bench.report.sections import verdict
+from bench.study import Entry, Study
+
+PROBLEMS = ["f1-d2-i1", "f1-d2-i2", "f8-d2-i1", "f8-d2-i2"]
+
+
+FOUR, TWO = "3 optimizers and 4 problems", "3 optimizers and 2 problems"
+
+
+@pytest.mark.parametrize(
+    ("optimizers", "problems", "every", "missing"),
+    [
+        ("b", PROBLEMS, TWO, "2 optimizers (a and c)"),
+        ("ab", PROBLEMS[:2], TWO, "1 optimizer (c) and 1 problem (f8-d2)"),
+        ("abc", PROBLEMS[::2], TWO, "2 of 4 instances"),
+        ("abc", PROBLEMS[::2], FOUR, "2 problems (f1-d2-i2 and f8-d2-i2)"),
+    ],
+)
+def test_a_selection_names_what_is_left_out(optimizers, problems, every, missing):
+    entries = [tuple(Entry("any", label) for label in labels) for labels in (PROBLEMS, "abc", problems, optimizers)]
+    whole, shown = Study("s", *entries[:2]), Study("s", *entries[2:])
+    assert selection(whole, shown, by_instance=every == FOUR) == (
+        f"Selected from {every} after the results were seen; left out: {missing}."
+    )
+    assert selection(whole, whole, by_instance=every == FOUR) == ""
+
 
 NONE = Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {})
 

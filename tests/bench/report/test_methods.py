@@ -56,7 +56,7 @@ def described(*names):
 
 
 NOTHING = {
-    "study": study(), "descriptions": {}, "replications": ONE, "known": {}, "empty": 0, "failed": 0,
+    "study": study(), "descriptions": {}, "selection": "", "replications": ONE, "known": {}, "empty": 0, "failed": 0,
     "not_compared": Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {}), "environments": [],
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": target_words("relative"), "aocc": 0, "early": {}, "checks": {},

@@ -93,16 +93,22 @@ SHOWN = {"beaten": CLEAR, "lower": CLEAR}
 )
 @pytest.mark.parametrize("ranks", [THREE, {"a": 1.5, "b": 1.5, "c": 3.0}, {"a": 1.5, "b": 1.5}])
 @pytest.mark.parametrize("sweep", ["", "18 of 18 problems are steps of one sweep."])
-def test_the_first_screen_is_read_at_a_glance(ranks, evidence, conditions, sweep):
+@pytest.mark.parametrize("selected", [False, True])
+def test_the_first_screen_is_read_at_a_glance(ranks, evidence, conditions, sweep, selected):
     known = standing(
         ranks, conditions=conditions, sweep=sweep, course=COURSE, clock=CLOCK, worse=3,
-        differing="not in dimension 5 (gwo)", **evidence,
+        differing="not in dimension 5 (gwo)", selected=selected, **evidence,
     )  # fmt: skip
     said = verdict(known)
     assert len(said.headline.split()) <= 25
     assert len(said.lines) <= 4
     assert max(len(line.text.split()) for line in said.lines) <= 20
     assert said.headline.endswith(", under unlike conditions.") == (bool(conditions) and len(known.level) < len(ranks))
+
+
+def test_a_selection_after_the_results_claims_no_level():
+    known = standing(THREE, beaten=CLEAR, lower=CLEAR, selected=True)
+    assert lines(known)["how sure"] == "selected after the results, so no level holds; not shown for further problems"
 
 
 def test_with_looks_the_details_name_the_evidence_on_problems():

@@ -7,7 +7,7 @@ from bench import BenchError, Results, Study, load_results, run
 from bench.storage.folder import Folder
 from bench.study import Entry
 from tests.bench.export.made import make, some_fail
-from tests.bench.storage.filled import change_record
+from tests.bench.storage.filled import TRIALS, change_record
 
 
 @pytest.fixture
@@ -38,6 +38,26 @@ def test_one_folder_keeps_its_labels(ran):
     assert results.frame["optimizer"].unique().tolist() == ["hill-climber", "scatter", "early"]
     assert set(results.traces) == set(results.frame[["problem", "optimizer", "trial"]].itertuples(index=False))
     assert results.fingerprints.keys() == {"sphere-2", "sphere-3"}
+
+
+def test_a_selection_has_the_trials_and_traces_of_its_cells_alone(filled):
+    whole = Results(filled.path)
+    part = whole.select(optimizers="sc*", dimensions=3)
+    here = (whole.frame["optimizer"] == "scatter") & (whole.frame["problem"] == "sphere-3")
+    pd.testing.assert_frame_equal(part.frame, whole.frame[here].reset_index(drop=True), check_exact=True)
+    assert set(part.traces) == {key for key in whole.traces if key[:2] == ("sphere-3", "scatter")}
+    assert (part.planned, part.budgets) == ({"scatter": TRIALS}, {"scatter": 60})
+    assert part.whole == whole.study
+    assert "early" not in part._repr_html_()
+    assert part.select(problems="*").whole == whole.study
+
+
+def test_a_selection_of_declared_looks_names_the_folder_that_they_stopped(ran):
+    whole = Results(ran("looked", trials=12, looks=[6, 12], budget=20))
+    part = whole.select(optimizers=["scatter", "early"])
+    assert (part.study.looks, part.looked, part.planned) == ((), ["looked"], {"scatter": 6, "early": 6})
+    everything = whole.select(optimizers="*")
+    assert (everything.study.looks, everything.looked) == ((6, 12), [])
 
 
 @pytest.mark.slow

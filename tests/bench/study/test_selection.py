@@ -1,0 +1,70 @@
+"""Which optimizers and problems of a study patterns and dimensions select."""
+
+import pytest
+
+from bench import BenchError, Study
+from bench.study.selection import selected
+
+PROBLEMS = ["bbob-f01-d2-i1", "bbob-f01-d2-i2", "bbob-f08-d5-i1", "mine"]
+DIMENSIONS = dict(zip(PROBLEMS, (2, 2, 5, 5), strict=True)).__getitem__
+
+
+def study(**changes):
+    optimizers = [{"name": "gwo", "label": "gwo[agents=5]"}, {"name": "gwo"}, {"name": "cma-es"}]
+    return Study.from_dict({"name": "whole", "problems": PROBLEMS, "optimizers": optimizers} | changes)
+
+
+def labels(optimizers=None, problems=None, dimensions=None, **changes):
+    part = selected(study(**changes), optimizers, problems, dimensions, DIMENSIONS)
+    return [[entry.label for entry in entries] for entries in (part.optimizers, part.problems)]
+
+
+@pytest.mark.parametrize(
+    ("patterns", "kept"),
+    [
+        ("gwo", ["gwo"]), ("gwo*", ["gwo[agents=5]", "gwo"]), (["cma*", "gwo"], ["gwo", "cma-es"]),
+        ("gwo[agents=5]", ["gwo[agents=5]"]),
+    ],
+)  # fmt: skip
+def test_a_label_stands_for_itself_and_a_pattern_for_all_that_match_in_the_order_of_the_study(patterns, kept):
+    assert labels(patterns)[0] == kept
+
+
+def test_a_function_stands_for_its_instances():
+    assert labels(problems="bbob-f01-d2")[1] == PROBLEMS[:2]
+    assert labels(problems="*-d?")[1] == PROBLEMS[:3]
+
+
+def test_patterns_and_dimensions_select_what_has_both():
+    assert labels(dimensions=5)[1] == PROBLEMS[2:]
+    assert labels(problems="bbob*", dimensions=[5])[1] == PROBLEMS[2:3]
+
+
+@pytest.mark.parametrize(
+    ("chosen", "message"),
+    [
+        (("gwoo", None, None), "no optimizer of the study matches 'gwoo'; did you mean 'gwo'"),
+        ((None, ["mine", "bbob-f09*"], None), r"no problem of the study matches 'bbob-f09\*'"),
+        ((None, None, [5, 3]), "no problem of study 'whole' has dimension 3; known: 2, 5"),
+        ((None, "mine", 2), "nothing of study 'whole' is selected"),
+        (([], None, None), "nothing of study 'whole' is selected"),
+    ],
+)
+def test_what_selects_nothing_is_one_sentence(chosen, message):
+    with pytest.raises(BenchError, match=message) as raised:
+        labels(*chosen)
+    assert "\n" not in str(raised.value)
+
+
+def test_declared_looks_and_blocks_of_other_problems_are_left_out():
+    whole = study(problems=["bbob-f01-d2-i1", "mine"], looks=[6, 12], blocks={"bbob-f01-d2": "a", "mine": "b"})
+    part = selected(whole, None, "mine", None, DIMENSIONS)
+    assert part.looks == ()
+    assert part.blocks == {"mine": "b"}
+    assert selected(whole, "*", "*", [2, 5], DIMENSIONS) is whole
+
+
+def test_a_selection_has_the_controls_of_its_optimizers_alone():
+    controls = [{"name": "gwo", "label": "gwo (9 agents)"}, {"name": "cma-es", "label": "cma-es (box)"}]
+    part = selected(study(controls=controls), "gwo", None, None, DIMENSIONS)
+    assert [entry.label for entry in part.controls] == ["gwo (9 agents)"]
