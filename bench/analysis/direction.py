@@ -84,7 +84,7 @@ def a12(this: Floats, other: Floats) -> float:
 def effects(these: Floats, others: Floats) -> Effects:
     """Return A12 of g pairs of samples, (g, n) and (g, m); the ratio is missing where a sample has a single value."""
     (g, n), m = these.shape, others.shape[1]
-    this, other = np.sort(these, axis=1), np.sort(others, axis=1)
+    this, other = (np.ascontiguousarray(np.sort(each, axis=1), np.float64) for each in (these, others))
     lost, won = np.empty((2, g, 3), dtype=np.int64)
     placements = compiled(_placements, "void(float64[:, ::1], float64[:, ::1], int64[:, ::1])")
     placements(this, other, lost)

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import (
+    BEATEN,
     CONTENTION,
     HIDDEN_THREADS,
     Budgets,
@@ -25,7 +26,7 @@ from bench.analysis.cells import (
 from bench.helpers.text import listed
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
-UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling
+UNIQUE = 0.5  # share of different final values below which a cell has mostly ties
 CLAMPED = 0.01  # share of final coordinates that may lie on a bound
 SHARED = 0.1  # of an optimizer's trials, above which equal starts are no chance
 ON_BOUND = 1e-12  # of the box's width: a clipped point that is scaled back is rounded
@@ -58,6 +59,7 @@ class Evidence:
     budget: Budgets  # of every trial, or by problem, or by (problem, optimizer)
     traces: Traces
     boxes: Boxes
+    optima: Mapping[str, float]  # by problem, where they are known
 
     @property
     def allowed(self) -> str:
@@ -211,7 +213,7 @@ def _repeated_points(evidence: Evidence) -> CheckResult:
     )
 
 
-def _ceiling(evidence: Evidence) -> CheckResult:
+def _ties(evidence: Evidence) -> CheckResult:
     finals = evidence.finished[np.isfinite(evidence.finished["fun"])]
     if finals.empty:
         return CheckResult("not checked", "No trial ended with a finite value.")
@@ -220,10 +222,24 @@ def _ceiling(evidence: Evidence) -> CheckResult:
         finals,
         cells.transform("nunique") / cells.transform("size") < UNIQUE,
         "warning",
-        "hit a ceiling",
-        f"Fewer than {percent(UNIQUE)} of the final values of such a cell differ by more than rounding, so its trials "
-        "cannot be distinguished.",
+        "end at few different values",
+        f"Fewer than {percent(UNIQUE)} of the final values of such a cell differ by more than rounding; in every "
+        "comparison a tie counts half.",
         well=f"In every cell at least {percent(UNIQUE)} of the final values differ.",
+    )
+
+
+def _below_optimum(evidence: Evidence) -> CheckResult:
+    if not evidence.optima:
+        return CheckResult("not checked", "The optima of the problems are unknown here.")
+    optimum = evidence.finished["problem"].map(evidence.optima).astype(float)
+    return judge(
+        evidence.finished,
+        evidence.finished["fun"] < optimum - BEATEN * optimum.abs().clip(lower=1),
+        "warning",
+        "ended below the known optimum",
+        "That value or the optimum is wrong.",
+        well="No trial ended below a known optimum.",
     )
 
 
@@ -340,7 +356,8 @@ CHECKS: dict[str, Callable[[Evidence], CheckResult]] = {
     "declared stops": _declared_stops,
     "outside the box": _outside_box,
     "repeated points": _repeated_points,
-    "ceiling": _ceiling,
+    "ties": _ties,
+    "below the optimum": _below_optimum,
     "same algorithm": _same_algorithm,
     CLAMPING: _clamping,
     "seeds": _seeds,

@@ -64,6 +64,7 @@ def integrity(
     planned_trials: int | Mapping[tuple[str, str], int],
     traces: Traces | None = None,
     boxes: Boxes | None = None,
+    optima: Mapping[str, float] | None = None,
     diagnoses: Diagnoses | None = None,
     verifications: Sequence[Mapping[str, Any]] = (),
     stores: Sequence[StoreCheck] = (),
@@ -73,7 +74,8 @@ def integrity(
 
     The ``verdict`` is "pass", "note" (nothing is wrong, but a reader should know), "warning" (conclusions may not
     hold), "error" (trials failed, are not independent or are not what the harness wrote) or "not checked" (there is
-    no trial, or no ``traces``, ``boxes``, ``diagnoses``, ``verifications`` or ``stores``). The ``finding`` gives the
+    no trial, or no ``traces``, ``boxes``, ``optima``, ``diagnoses``, ``verifications`` or
+    ``stores``). The ``finding`` gives the
     reason in a sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
@@ -82,6 +84,7 @@ def integrity(
         study_budget: evaluations that each trial was allowed, or those by problem or by (problem, optimizer).
         planned_trials: trials that each cell should hold, or those by problem and optimizer, 0 where no plan is known.
         boxes: the lower and upper bound of each variable, by problem and by variable.
+        optima: the known optima, by problem.
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,
             figure (the number that decided).
         verifications: the record of ``bench verify`` in each folder
@@ -98,7 +101,7 @@ def integrity(
         "repeatability": _repeatability(verifications),
         **{name: _trait(name, diagnoses or {}) for name in TRAITS},
     }
-    evidence = Evidence(frame, study_budget, traces or {}, boxes or {})
+    evidence = Evidence(frame, study_budget, traces or {}, boxes or {}, optima or {})
     none = CheckResult("not checked", "There is no finished trial.")
     finished = bool((frame["status"] == "ok").any())
     for name, check in CHECKS.items():

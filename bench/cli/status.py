@@ -15,6 +15,7 @@ from rich.text import Text
 
 from bench.cli.console import Output
 from bench.helpers.console import duration, print_line
+from bench.helpers.text import count
 
 if TYPE_CHECKING:
     from bench.storage.folder import Folder
@@ -129,12 +130,12 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
         for number, record in folder.store.environments().items()
         if str(record.get("started")) >= running["started"]
     ]
-    count = sum(made.get(number, 0) for number in cells)
-    if not count:
+    finished = sum(made.get(number, 0) for number in cells)
+    if not finished:
         return text
     elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()
-    remaining = f", about {duration(elapsed / count * left)} for the {left} left" if left else ""
-    return f"{text}; {count} trials made, {count / max(elapsed, 1):.3g} a second{remaining}"
+    remaining = f", about {duration(elapsed / finished * left)} for the {left} left" if left else ""
+    return f"{text}; {count(finished, 'trial')} made, {finished / max(elapsed, 1):.3g} a second{remaining}"
 
 
 def _failures(folder: Folder) -> list[str]:
@@ -160,12 +161,18 @@ def _killed(folder: Folder) -> Iterator[str]:
         yield f"a run was killed at {run['ended']} or later; under way were {'; '.join(trials)}"
 
 
+def _counted(number: object, noun: str) -> str:
+    """Return a noted number with its noun, whatever the note holds."""
+    return count(number, noun) if isinstance(number, int) else f"{number} {noun}s"
+
+
 def _environment(record: dict[str, Any], made: int) -> list[str]:
     """Describe one run on one machine in lines, or where imported trials come from."""
+    trials = count(made, "trial")
     if source := record.get("imported"):
         licence = record.get("licence") or "licence unknown"
         return [
-            f"imported {record.get('started')}: {made} trials from {source} ({record.get('format')}, {licence})",
+            f"imported {record.get('started')}: {trials} from {source} ({record.get('format')}, {licence})",
             f"    SHA-256 {record.get('sha256')}",
             *(f"    left out: {sentence}" for sentence in record.get("left_out", ())),
             f"    {record.get('command')}",
@@ -177,13 +184,14 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
     blas = ", ".join(f"{e.get('library')} {e.get('version')}, threads: {e.get('threads')}" for e in libraries)
     packages = ", ".join(f"{name} {version}" for name, version in (record.get("packages") or {}).items())
     ended = f", ended {record['ended']}" if record.get("ended") else ", not ended"
-    workers = f"{record.get('jobs')} jobs ({record.get('backend')})"
+    workers = f"{_counted(record.get('jobs'), 'job')} ({record.get('backend')})"
+    cores = _counted(record.get("cores"), "core")
     machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
     noted = [*(record.get("data") or {}).items(), *(record.get("code") or {}).items()]
     hashes = [f"{label} {value[:10]}" for label, value in noted if value]
     more = f" and {len(hashes) - HASHES} more" if len(hashes) > HASHES else ""
     return [
-        f"ran {record.get('started')}{ended}: {made} trials with {workers} on {machine}, {record.get('cores')} cores",
+        f"ran {record.get('started')}{ended}: {trials} with {workers} on {machine}, {cores}",
         f"    Python {record.get('python')}{commit}; {packages}" + (f"; BLAS {blas}" if blas else ""),
         *([f"    data and code: {', '.join(hashes[:HASHES])}{more}"] if hashes else []),
         f"    study {record.get('study')}: {record.get('command')}",

@@ -16,7 +16,7 @@ from bench.helpers.console import duration, pairs, print_error, print_line
 from bench.helpers.text import option
 
 if TYPE_CHECKING:
-    from bench.tuning.tune import Setting
+    from bench.tuning.tune import Best, Setting
 
 
 def command(
@@ -87,7 +87,6 @@ def command(
     axes = spaces(names, setting.fixed, least, condition or ())
     studies.untuned(output.stem, testing, names, setting)
     console = Console()
-    words = OBJECTIVES[objective]
     for name, own_axes in axes.items():
         print_line(f"{name}: {'; '.join(map(str, own_axes))}", console=console)
     size = f"{count(configurations, 'configuration')} of each optimizer, {count(trials, 'trial')} on each of "
@@ -104,16 +103,20 @@ def command(
     with replacing(output) as temporary:
         temporary.write_text(written.to_toml(), encoding="utf-8")
     for best in bests:
-        record = best.record
-        stopped = record.whole.count(False)
-        chosen = ", ".join(f"{key}={_shown(value)}" for key, value in best.options.items()) or "the defaults"
-        print_line(
-            f"{record.name}: {len(record.scores)} tried, {stopped} of them stopped early; {record.evaluations:,} "
-            f"evaluations in {duration(record.seconds)} of runs; {words} {record.scores[0]:.4g} by default, "
-            f"{record.best:.4g} with {chosen}",
-            console=console,
-        )
+        print_line(gained(best, OBJECTIVES[objective]), console=console)
     print_line(f"study: {output}; test it with: bench run {output}", console=console)
+
+
+def gained(best: Best, score: str) -> str:
+    """Return what the tuning of an optimizer tried, and what it gained in the ``score``, as a line."""
+    record = best.record
+    chosen = ", ".join(f"{key}={_shown(value)}" for key, value in best.options.items())
+    better = record.best < record.scores[0]
+    return (
+        f"{record.name}: {len(record.scores)} tried, {record.whole.count(False)} of them stopped early; "
+        f"{record.evaluations:,} evaluations in {duration(record.seconds)} of runs; {score} {record.scores[0]:.4g} by "
+        f"default{f', {record.best:.4g} with {chosen}' if better else ', and nothing tried is better'}"
+    )
 
 
 def _shown(value: object) -> str:

@@ -141,6 +141,7 @@ class Findings:
             },
             traces=results.traces,
             boxes={label: of_problem.continuous for label, of_problem in facts.items() if of_problem.box},
+            optima={label: of_problem.optimum for label, of_problem in facts.items() if of_problem.optimum is not None},
             diagnoses=results.checks,
             verifications=results.verifications,
             stores=results.stores,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from math import comb
 from typing import Any
 
@@ -49,11 +50,20 @@ class Final:
         """The levels of the tests on problems and over all of them, which the design of the study gives."""
         sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
         smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
+        return self._levels(smaller)
+
+    def _levels(self, smaller: list[int]) -> analysis.Levels:
+        """Return the levels where the smaller cell of each pair has so many trials, by problem."""
         pairs = comb(len(self.trials.optimizers), 2)
         tests = sum(
             comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in self.summary.groupby("problem", observed=True)["n"]
         )
         return analysis.levels(smaller, pairs, tests, looks=bool(self.trials.results.study.looks))
+
+    @cached_property
+    def enough(self) -> int:
+        """The trials a cell from which on complete separation on a problem is significant."""
+        return next(n for n in count(1) if self._levels([n] * max(len(self.medians), 1)).problems)
 
     @cached_property
     def matrix(self) -> pd.DataFrame:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.analysis.error_rates import MOST, ON_PROBLEMS, Rates
+from bench.analysis.error_rates import MOST, Rates
 from bench.analysis.strata import strata
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
@@ -52,9 +52,9 @@ def blindness(findings: Findings) -> str:
     parts = []
     smallest = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan
     if isnan(smallest):
-        enough = analysis.trials_to_separate(tests, ON_PROBLEMS)
         parts.append(
-            f"{trials} nothing is found on single problems; from {enough} trials on {count(tests, 'test')} would find "
+            f"{trials} nothing is found on single problems; from {findings.final.enough} trials a cell on "
+            f"{'the test' if tests == 1 else f'the {tests:,} tests'} would find "
             "complete separation"
         )
     else:

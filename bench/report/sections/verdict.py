@@ -29,7 +29,6 @@ SEPARABLY = (
     "Separably lower: on a problem, a run of one ends lower than a run of the other more often than not, and a test "
     "shows that."
 )
-TOO_FEW = "; with so few trials beside so many tests, nothing is tested on single problems here"
 
 
 def section(findings: Findings) -> Section:
@@ -42,6 +41,8 @@ def section(findings: Findings) -> Section:
         nothing = f"There is nothing to compare: {findings.trials.optimizers[0]} is the only optimizer."
     elif not len(findings.final.medians):
         nothing = "There is nothing to compare: no problem has trials of every optimizer that can be compared."
+    elif not (findings.trials.frame["status"] == "ok").any():
+        nothing = "There is nothing to compare: no trial finished."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
     known, leader = standing(findings), findings.final.ranked[0]
@@ -160,10 +161,7 @@ def _size(findings: Findings) -> str:
         )
         if ert.empty:
             return ""
-        ratio = float((ert[second] / ert[first]).median())
-        factor = f"{ratio:.2g} times as many" if ratio >= 1 else f"only {ratio:.0%} as many"
-        if 0.995 <= ratio < 1.05:
-            factor = "about as many"
+        factor = _times(float((ert[second] / ert[first]).median()))
         return (
             f"To {words.at(words.level)}, {second} needs {factor} evaluations (median ratio of expected running times "
             f"over the {count(len(ert), 'problem')} where both reach it)."
@@ -181,6 +179,13 @@ def _size(findings: Findings) -> str:
     low, middle, high = gain.quantile([0.0, 0.5, 1.0])
     which = "lower" if middle >= 0 else "higher"
     return f"Its median is {_figure(middle)}% {which} in the median over problems{_spread(low, high)}."
+
+
+def _times(ratio: float) -> str:
+    """Return a ratio of running times in words."""
+    if 0.995 <= ratio < 1.05:
+        return "about as many"
+    return f"{ratio:.2g} times as many" if ratio >= 1 else f"only {ratio:.0%} as many"
 
 
 def _figure(percentage: float) -> str:
@@ -305,6 +310,9 @@ def _grounds(findings: Findings) -> str:
     over = [f"for looks at {listing([str(look) for look in looks])} trials"] if looks else []
     over += [f"by Holm’s method over the {count(len(findings.final.pairs), 'pair')} of all problems"]
     both = levels.problems and levels.across
+    few = (
+        f"; with {count(findings.trials.per_cell[0], 'trial')} a cell no test on a problem could, so none is made here"
+    )
     over_all = (
         "Over all problems, the probability to end lower is the mean of A12 over problems. That it is 0.5 on these "
         f"problems is tested at alpha = {levels.across:g} for each pair, by Holm’s method over the "
@@ -317,7 +325,7 @@ def _grounds(findings: Findings) -> str:
         "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
         "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
         "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects"
-        + (f" at alpha = {levels.problems:g}, adjusted {' and '.join(over)}" if levels.problems else TOO_FEW)
+        + (f" at alpha = {levels.problems:g}, adjusted {' and '.join(over)}" if levels.problems else few)
         + ". The order over all problems is that of the rivals beaten, with a probability to end lower above 0.5, and "
         f"of the mean of it where these are as many. {over_all} "
         + (f"All levels together are {ALPHA:g}. " if both else "")

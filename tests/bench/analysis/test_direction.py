@@ -72,6 +72,15 @@ def test_the_estimate_and_its_variance_are_those_of_the_placements(n, m, kind):
     assert found.a12[0] == pytest.approx(mannwhitneyu(others[0], these[0]).statistic / (n * m))
 
 
+def test_the_layout_of_samples_in_memory_changes_nothing():
+    these, others = samples(9, 4, number=7)
+    expected = effects(these, others)
+    for arrange in (np.asfortranarray, lambda array: np.repeat(array, 2, axis=1)[:, ::2]):
+        found = effects(arrange(these), arrange(others))
+        np.testing.assert_array_equal(found.a12, expected.a12)
+        np.testing.assert_array_equal(found.ratio, expected.ratio)
+
+
 @pytest.mark.parametrize("kind", ["untied", "tied", "failed"])
 @pytest.mark.parametrize(("n", "m"), [(5, 5), (9, 4), (30, 25)])
 def test_draws_by_how_often_each_value_counts_are_the_drawn_samples(n, m, kind):

@@ -1,5 +1,6 @@
 """Integrity: sound results pass every check, and each planted trap is found by its own check and no other."""
 
+import re
 import warnings
 
 import numpy as np
@@ -16,11 +17,12 @@ from bench.study import Entry, Study
 BUDGET, TRIALS = 1_000, 6
 PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
 BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
+OPTIMA = {"p": 0.5, "q": -1e12}
 CHECKS = [
     "completeness", "optional stopping", "failures", "storage", "repeatability",
     "centre bias", "structural bias", "boundary clamping", "starts and seeds",
     "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
-    "ceiling", "same algorithm", "seeds", "random streams", "contention", "hidden threads",
+    "ties", "below the optimum", "same algorithm", "seeds", "random streams", "contention", "hidden threads",
 ]  # fmt: skip
 
 
@@ -88,6 +90,7 @@ class Sound:
             "planned_trials": TRIALS,
             "traces": self.traces,
             "boxes": BOXES,
+            "optima": OPTIMA,
             "diagnoses": self.diagnoses,
             "verifications": self.verifications,
             "stores": self.stores,
@@ -271,12 +274,20 @@ def one_final_point_from_two_seeds(s):
     s.copy(("p", "b", 1), ("p", "b", 4))
 
 
-@trap("ceiling", "warning", "6 of 36 trials hit a ceiling, in b on p. Fewer than 50%", cells="b on p")
+@trap("ties", "warning", "6 of 36 trials end at few different values, in b on p. Fewer than 50%", cells="b on p")
 def most_trials_end_at_one_value_but_for_rounding(s):
     for trial in range(5):
         key = ("p", "b", trial)
         s.put(s.trial(*key), fun=1.5 * (1 + trial * 1e-14))
         s.traces[key] = Trace(s.traces[key].evaluations, np.array([s.traces[key].values[0], 1.5 * (1 + trial * 1e-14)]))
+
+
+@trap("below the optimum", "warning", "1 of 36 trials ended below the known optimum, in b on p. That value or the")
+def a_value_below_the_optimum_by_more_than_rounding(s):
+    for trial, fun in ((1, 0.5 - 1e-12), (2, 0.4)):
+        key = ("p", "b", trial)
+        s.put(s.trial(*key), fun=fun)
+        s.traces[key] = Trace(s.traces[key].evaluations, np.array([s.traces[key].values[0], fun]))
 
 
 @trap("same algorithm", "warning", "2 of 36 trials", "a on p, c on p", cells="a on p; c on p")
@@ -341,6 +352,14 @@ def test_every_check_has_a_trap():
     }  # which the records of runs show
 
 
+def test_values_of_two_kinds_are_ties_which_tests_distinguish(sound):
+    """0 and 1 are neither a ceiling nor without a difference: 0 in all trials is separable from 1 in all."""
+    sound.frame["fun"] = (sound.frame["optimizer"] == "c").astype(float)
+    said = sound.check(traces={}).at["ties", "finding"]
+    assert "in every comparison a tie counts half" in said
+    assert not re.search("ceiling|cannot be distinguished", said)
+
+
 def test_instances_are_counted_as_such_beside_the_problems_that_they_belong_to(sound):
     for problem in PROBLEMS:
         for trial in range(5):
@@ -348,13 +367,13 @@ def test_instances_are_counted_as_such_beside_the_problems_that_they_belong_to(s
             sound.put(sound.trial(*key), fun=1.5)
     sound.frame.loc[(sound.frame["problem"] == "p") & (sound.frame["optimizer"] == "c"), "fun"] = 2.5
 
-    def ceiling(**pool):
+    def ties(**pool):
         frame = sound.frame.assign(pool=sound.frame["problem"].map(pool)) if pool else sound.frame
-        return integrity(frame, study_budget=BUDGET, planned_trials=TRIALS).set_index("check").at["ceiling", "finding"]
+        return integrity(frame, study_budget=BUDGET, planned_trials=TRIALS).set_index("check").at["ties", "finding"]
 
-    assert "in b on 2 problems, c on p." in ceiling()
-    assert "in b on 2 problems, c on p." in ceiling(p="p", q="q")
-    assert "in b on 2 instances of f, c on p." in ceiling(p="f", q="f")
+    assert "in b on 2 problems, c on p." in ties()
+    assert "in b on 2 problems, c on p." in ties(p="p", q="q")
+    assert "in b on 2 instances of f, c on p." in ties(p="f", q="f")
     missing = sound.frame.drop(sound.frame.index[sound.frame["optimizer"] == "a"])
     found = integrity(in_study_order(missing, study_of()).assign(pool="f"), study_budget=BUDGET, planned_trials=TRIALS)
     assert "a on 2 instances of f." in found["finding"].iloc[0]
@@ -438,7 +457,7 @@ class TestWithoutTrials:
         nothing = Trace(np.array([], dtype=np.int64), np.array([]))
         table = sound.check(traces=dict.fromkeys(sound.traces, nothing))
         assert table.at["finite values", "verdict"] == "warning"
-        assert table.at["ceiling", "verdict"] == "not checked"
+        assert table.at["ties", "verdict"] == "not checked"
 
 
 class TestFrames:

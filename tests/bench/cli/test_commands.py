@@ -43,7 +43,7 @@ def test_status_prints_counts_reasons_and_provenance(bench_here, made):
     assert "failed: faulty on sphere-2, trial 0 and 2 more: RuntimeError: cannot do planes" in done.stdout
     record = json.loads((made / "out" / "environment.json").read_text())[0]
     for part in (
-        record["started"], record["ended"], "12 trials with 1 jobs (local)", record["host"], record["processor"],
+        record["started"], record["ended"], "12 trials with 1 job (local)", record["host"], record["processor"],
         f"Python {record['python']}", f"numpy {record['packages']['numpy']}", record["command"], "threads: 1",
     ):  # fmt: skip
         assert part in done.stdout

@@ -4,6 +4,10 @@ import tomllib
 
 import pytest
 
+from bench.cli.tune import gained
+from bench.study.tuned import Tuned
+from bench.tuning.tune import Best
+
 AGENTS = ("--condition", "agents")
 TRAIN = ("--train", "sphere-3", "--test", "sphere-2")
 
@@ -32,6 +36,16 @@ def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, 
     refused = bench_here("run", "tuned.toml", "--problem", "sphere-3", cwd=tmp_path)
     assert refused.returncode == 2
     assert "were tuned on 'sphere-3', so it cannot be a test problem" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("scores", "options", "said"),
+    [([0.7596, 0.8], {}, "1 - AOCC 0.7596 by default, and nothing tried is better"),
+     ([0.7596, 0.75], {"agents": 7}, "1 - AOCC 0.7596 by default, 0.75 with agents=7")],
+)  # fmt: skip
+def test_what_was_gained_is_not_the_defaults_beside_themselves(scores, options, said):
+    record = Tuned("scatter", "a", "a", {}, {"agents": [30, 7]}, scores, [1, 1], 0, 120, 1.0)
+    assert gained(Best(record, options), "1 - AOCC").endswith(said)
 
 
 @pytest.mark.slow  # the sentence itself is tested with the studies and with the section

@@ -44,6 +44,11 @@ def test_what_shows_nothing_costs_one_sentence(make, tmp_path, options, rope, sa
     assert not found.items
 
 
+def test_the_caption_names_the_test_that_is_made(make, tmp_path):
+    (caption,) = (item.caption for item in section(make(tmp_path / "s"), 0.5).items if item.name == "equivalence")
+    assert "separable (the test of A12 = 0.5, Holm)" in caption
+
+
 def test_one_problem_and_few_trials(make, tmp_path):
     found = section(make(tmp_path / "s", problems=("p",), trials=3), "1%")
     assert "Below 6 trials, as in 3 pairs, nothing is shown." in found.text[1]

@@ -75,6 +75,26 @@ def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
     assert not (ranks.bold & (ranks.marks == "≈")).any(axis=None)
 
 
+def test_no_rank_is_marked_where_nothing_is_tested(make, tmp_path):
+    ranks = verdict.section(Findings(Results(make(tmp_path / "s", trials=3)))).items[1]
+    assert set(ranks.marks.to_numpy().ravel()) == {""}
+
+
+def test_where_every_trial_failed_none_finished(make, tmp_path):
+    lost = [(problem, optimizer) for problem in "pq" for optimizer in "abc"]
+    shown = verdict.section(Findings(Results(make(tmp_path / "s", fail=lost))))
+    assert shown.text == ("There is nothing to compare: no trial finished.",)
+    assert not shown.cards
+    assert shown.lost.startswith("48 of 48 trials did not finish")
+
+
+def test_one_test_is_not_many(make, tmp_path):
+    found = Findings(Results(make(tmp_path / "s", ("p",), ("a", "b"), trials=3)))
+    said = " ".join(verdict.section(found).cards[4].text)
+    assert "with 3 trials a cell no test on a problem could, so none is made here" in said
+    assert "so many tests" not in said
+
+
 def test_one_trial_has_no_intervals_and_no_winner(make, tmp_path):
     shown = verdict.section(Findings(Results(make(tmp_path / "s", trials=1))))
     assert shown.cards[0].text[0].endswith("at 100 evaluations: a is first, untested with 1 trial a cell.")
@@ -135,6 +155,14 @@ def test_smaller_budgets_are_the_points_of_the_figure_and_who_leads_there_is_tes
 )  # fmt: skip
 def test_the_spread_of_the_gain_never_calls_a_higher_median_lower(ends, shown):
     assert verdict._spread(*ends) == shown
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"), [(1.0, "about as many"), (1.04, "about as many"), (0.994, "only 99% as many"),
+                        (1.05, "1.1 times as many"), (12.3, "12 times as many")]
+)  # fmt: skip
+def test_no_ratio_of_running_times_is_1_times(ratio, text):
+    assert verdict._times(ratio) == text
 
 
 @pytest.mark.parametrize(
