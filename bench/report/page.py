@@ -70,7 +70,8 @@ class Grid:
     Attributes:
         header: the columns' titles.
         classes: the types of its columns: ``t2`` for short texts in the second column, ``w3`` for long texts in the
-            third; other columns hold numbers. One class of the table replaces a class of every cell.
+            third; other columns hold numbers. One class of the table replaces a class of every cell. ``heat`` is for
+            a table with shades, ``blocks`` for one with verdicts, whose rows become blocks on a narrow screen.
         ems: about how wide the table is, in units of its font size; the font shrinks so that it fits.
         rows: the cells of the rows shown.
         total: the number of rows of the table.
@@ -124,7 +125,7 @@ def grid(table: Table) -> Grid:
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]
     ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word + SIGN) for length, word in zip(lengths, words, strict=True))
-    kinds = ["heat"] if table.shades is not None else []
+    kinds = ["heat"] if table.shades is not None else ["blocks"] if table.tones is not None else []
     wide = len(header) > UPRIGHT or sum(len(title) for title, _ in header) > WIDE
     kinds += ["upright"] if table.shades is not None and wide else []
     kinds += [

@@ -122,6 +122,14 @@ class TestTable:
         assert grid(table(frame)).classes == "t1 t3 w4"
         assert grid(table(frame[["n"]].reset_index(drop=True))).classes == ""
 
+    def test_a_row_with_a_verdict_is_a_block_on_a_narrow_screen(self, view):
+        frame = pd.DataFrame({"verdict": ["early"], "n": [1]}, index=pd.Index(["p"], name="i"))
+        verdicts = Table("t", "c", frame, tones=pd.DataFrame({"verdict": ["warn"]}, index=frame.index))
+        page = render("t", "", [view("v", Section("s", items=(verdicts,)))])
+        assert '<td data-title="verdict" class="warn">early</td><td data-title="n">1</td>' in page
+        narrow = page.partition("(max-width: 40rem) { /* a row is a block")[2].partition("\n}")[0]
+        assert ".blocks td::before { content: attr(data-title)" in narrow
+
     def test_the_classes_of_the_widest_table_have_rules(self, page):
         assert ".t14 tr > :nth-child(14)" in page
         assert ".t15" not in page

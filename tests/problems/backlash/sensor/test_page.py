@@ -38,7 +38,7 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     text = " ".join(" ".join(read.words).split())
     assert "1 joint, 0 with progressed backlash at last; 5 recordings, 1 not estimated." in text
     (row,) = re.findall(r"<tr>.*?</tr>", path.read_text().partition("<tbody>")[2].partition("</tbody>")[0], re.DOTALL)
-    assert '<td class="warn">early</td>' in row
+    assert '<td data-title="latest verdict" class="warn">early</td>' in row
     assert re.sub("<.*?>", "|", row.replace("\n", "")).split("|")[2:-1:2] == [
         "joint", "early", "1.60 (1.50 to 1.70)", "no trend: +0.200 a month (+0.200 to +0.200)",
         "unknown: no growth in the latest 4 recordings", "2024-04",
