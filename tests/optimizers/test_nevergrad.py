@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, load_optimizer, solve
+from bench.errors import ProblemError
 from bench.seeds import streams
 from optimizers.nevergrad import nevergrad
 from tests.optimizers.observed import LOWER, UPPER, Capped, Recorded, bowl
@@ -201,7 +202,7 @@ def test_no_thread_and_no_change_of_a_library_outlives_a_run(name):
     def broken(x):
         raise ValueError("no data for this point")
 
-    with pytest.raises(ValueError, match="no data for this point"):
+    with pytest.raises(ProblemError, match="no data for this point"):
         run(name, on=broken)
     assert found() == before
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Objective, solve
+from bench.errors import ProblemError
 from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.optuna import MEMBERS, optuna
@@ -124,7 +125,7 @@ def test_an_error_of_the_problem_arrives_as_it_is():
     def broken(x):
         raise KeyError("broken")
 
-    with pytest.raises(KeyError, match="broken"):
+    with pytest.raises(ProblemError, match="broken"):
         run("TPESampler", Watched(broken))
 
 

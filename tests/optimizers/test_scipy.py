@@ -11,6 +11,7 @@ from scipy import optimize
 from threadpoolctl import threadpool_limits
 
 from bench import BenchError, solve
+from bench.errors import ProblemError
 from bench.seeds import streams
 from optimizers.scipy import DETERMINISTIC, MEMBERS, function, scipy
 from tests.optimizers.observed import BEST, LOWER, UPPER, Capped, Recorded, bowl
@@ -234,7 +235,7 @@ def test_an_error_of_the_problem_stays_itself(name, updating):
         raise ValueError("no data for this point")
 
     options = {"updating": updating} if name == "differential_evolution" else {}
-    with pytest.raises(ValueError, match="no data for this point"):
+    with pytest.raises(ProblemError, match="no data for this point"):
         run(name, on=broken, **options)
 
 

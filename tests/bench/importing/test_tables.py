@@ -37,7 +37,7 @@ def test_a_table_of_evaluations_becomes_trials(tmp_path):
 def test_problems_of_unknown_dimension_have_their_data_profile_over_evaluations(tmp_path):
     import_results(written(tmp_path), tmp_path / "out")
     findings = Findings(Results(tmp_path / "out"))
-    together = anytime.section(findings).items[0]
+    together = next(item for item in anytime.section(findings).items if item.name == "targets-reached")
     assert findings.trials.dimensions == {}
     profile = together.data[together.data["panel"] == "data profile"]
     assert profile["evaluations"].max() == 20
