@@ -3,13 +3,11 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from threading import Lock
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
 from bench.helpers.compiled import compiled
@@ -19,10 +17,6 @@ from bench.problem import Problem
 from bench.typing import Flags, Floats
 
 _LONGEST_REASON = 200  # characters
-_FLOAT64 = np.dtype(np.float64)
-_NOT_ONE_FLOAT = (None,)
-_INSIDE, _OUTSIDE, _MISFIT = 0, 1, 2  # where a point is: in the box, outside, in a space of another dimension
-_ILLEGAL = -1
 _WORTH_COMPILING = 10_000  # coordinates of points, with which an interpreter is busy for a few milliseconds
 
 
@@ -97,11 +91,9 @@ class Objective:
         self._improved_to: list[float] = []
         self._refusals = 0
         self._on_refusal = on_refusal
-        self._take, self._scan = passes(budget, self.dimension)
-        self._box = np.array([self.lower, self.upper, self.lower], dtype=np.float64)  # and the point being evaluated
-        self._shape = 1, self.dimension
+        self._scan = scanner(budget, self.dimension)
+        self._box = np.array([self.lower, self.upper], dtype=np.float64)
         self._lock = Lock()  # threads of an optimizer must not exceed the budget together
-        self._turns = iter(self._lock.acquire, False)  # each step takes the lock; see __call__
 
     @property
     def dimension(self) -> int:
@@ -158,55 +150,24 @@ class Objective:
             ValueError: for points of another shape.
             TypeError: for points that are no real numbers.
         """
-        if type(x) is ndarray and x.dtype is _FLOAT64:  # the short way of a single point; all else goes the long way
-            # As safe as "with self._lock" and half as expensive: no signal can strike between taking the lock and the
-            # try. It could after a call of acquire; an optimizer that goes on after its own time limit would then hang.
-            for _ in self._turns:
-                try:
-                    point = empty(self._shape)
-                    place = self._take(x, self._box, point) if x.ndim == 1 else _MISFIT
-                    if place == _MISFIT or self._evaluations >= self._budget:
-                        break
-                    began = perf_counter()
-                    values = self._problem.evaluate(point)
-                    self.seconds += perf_counter() - began
-                    try:
-                        (value,) = values.tolist() if type(values) is ndarray else _NOT_ONE_FLOAT
-                    except (TypeError, ValueError):  # no values, several, or no vector
-                        value = None
-                    if type(value) is not float:
-                        value = self._checked(values, 1).item()
-                    if place or value < self.best_value or self.best_point is None:
-                        value = self._record_one(value, place)
-                    elif value != value:
-                        value = np.inf
-                    self._evaluations += 1
-                    return value
-                except (Exception, SystemExit) as error:
-                    self._note(error, self._box[2])
-                    raise
-                finally:
-                    self._lock.release()
-        points = floats(x, "points")
-        single = points.ndim == 1
-        rows = points[np.newaxis] if single else points
-        if rows.ndim != 2 or rows.shape[1] != self.dimension:
-            raise ValueError(
-                f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}"
-            )
+        points, d = floats(x, "points"), len(self.lower)
+        if points.ndim not in (1, 2) or points.shape[-1] != d:
+            raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
+        rows = points.reshape(-1, d)
         with self._lock:
-            allowed = min(len(rows), self.remaining)
+            remaining = self._budget - self._evaluations
+            allowed = rows if len(rows) <= remaining else rows[:remaining]
             try:
-                values = self._evaluate(rows[:allowed])
+                values = self._evaluate(allowed)
             except (Exception, SystemExit) as error:
-                self._note(error, rows[:allowed])
+                self._note(error, allowed)
                 raise
-        if allowed < len(rows):
+        if len(allowed) < len(rows):
             self._refusals += 1
             if self._on_refusal is not None:
                 self._on_refusal(self._refusals)
             raise BudgetExhausted
-        return float(values[0]) if single else values
+        return values.item() if points.ndim == 1 else values
 
     def _note(self, error: BaseException, points: Floats) -> None:
         """Note the first exception of the problem's code; one at a point outside the box is the optimizer's fault."""
@@ -217,27 +178,25 @@ class Objective:
         """Return the (n,) values of the (n, d) points, recorded and counted."""
         n = len(rows)
         if not n:
-            return empty(0)
-        kept = rows.copy()
-        points = kept.copy()
+            return np.empty(0)
+        points = rows.copy()  # the problem may write into it, or keep it
         began = perf_counter()
         returned = self._values(points)
         self.seconds += perf_counter() - began
-        values, improved = empty(n), empty(n, dtype=np.int64)
-        improvements, outside = self._scan(
-            kept, self._checked(returned, n), self._box, self.best_value, values, improved
-        )
-        if improvements == _ILLEGAL:
+        values = as_values(self._problem, returned, n)
+        lowest, outside = self._scan(rows, values, self._box)
+        if lowest == -np.inf:
             raise minus_infinity(self._problem)
         self.outside_box += outside
-        if improvements:
-            better = improved[:improvements]
+        if lowest < self.best_value:
+            best_before = np.minimum.accumulate(np.append(self.best_value, values[:-1]))
+            better = np.flatnonzero(values < best_before)
             self._improved_at += (better + (self._evaluations + 1)).tolist()
             self._improved_to += values[better].tolist()
             self.best_value = self._improved_to[-1]
-            self.best_point = kept[better[-1]].copy()
+            self.best_point = rows[better[-1]].copy()
         elif self.best_point is None:
-            self.best_point = kept[0].copy()
+            self.best_point = rows[0].copy()
         self._evaluations += n
         return values
 
@@ -245,56 +204,39 @@ class Objective:
         """Return the values to record of the (n, d) points, as the problem returns them."""
         return self._problem.evaluate(x)
 
-    def _record_one(self, value: float, place: int) -> float:
-        """Return what the point in the last row of the box is worth, and record it where it is the best so far."""
-        if value == -np.inf:
-            raise minus_infinity(self._problem)
-        if place == _OUTSIDE:
-            self.outside_box += 1
-        if place == _OUTSIDE or value != value:
-            value = np.inf
-        if value < self.best_value:
-            self._improved_at.append(self._evaluations + 1)
-            self._improved_to.append(value)
-            self.best_value = value
-            self.best_point = self._box[2].copy()
-        elif self.best_point is None:
-            self.best_point = self._box[2].copy()
-        return value
-
-    def _checked(self, values: ArrayLike, n: int) -> Floats:
-        """Return what the problem returned for n points as (n,) float64."""
-        return as_values(self._problem, values, n)
-
     @property
     def trace(self) -> Trace:
         """The improvements so far."""
         return Trace(np.array(self._improved_at, dtype=np.int64), np.array(self._improved_to, dtype=np.float64))
 
 
-def floats(numbers: ArrayLike, what: str) -> Floats:
-    """Return an array of float64; raises TypeError where numpy would drop imaginary parts or a mask, or parse texts."""
-    if isinstance(numbers, np.ma.MaskedArray):
-        raise TypeError(f"{what} must be plain numbers; fill the masked ones with inf or another value")
+def floats(numbers: ArrayLike, what: str, problem: Problem | None = None) -> Floats:
+    """Return a new array of float64; raises TypeError where numpy would drop imaginary parts or a mask, or parse texts.
+
+    The numbers are read once, into memory that nothing else has, row by row.
+    """
     array = np.asarray(numbers)
-    if array.dtype.kind not in "fiubO":
-        raise TypeError(f"{what} must be real numbers, not {array.dtype}")
-    return array.astype(np.float64, copy=False)
+    if isinstance(numbers, np.ma.MaskedArray) or array.dtype.kind not in "fiubO":
+        whose = what if problem is None else f"{what} of problem {problem.name!r}"
+        if array.dtype.kind in "fiubO":
+            raise TypeError(f"{whose} must be plain numbers; fill the masked ones with inf or another value")
+        raise TypeError(f"{whose} must be real numbers, not {array.dtype}")
+    return array.astype(np.float64, order="C")
 
 
 def repaired(problem: Problem, x: Floats) -> Floats:
     """Return what a problem's rule makes of the (n, d) points; raises ValueError where it changes their shape."""
-    given = floats(x, "points").copy()  # the rule may compute in place, or return an array that it keeps
+    given = floats(x, "points")  # the rule may compute in place, or return an array that it keeps
     shape = given.shape
-    points = floats(problem.repair(given), f"repaired points of problem {problem.name!r}").copy()
+    points = floats(problem.repair(given), "repaired points", problem)
     if points.shape != shape:
         raise ValueError(f"problem {problem.name!r} repaired points of shape {shape} to {points.shape}")
     return points
 
 
 def as_values(problem: Problem, returned: ArrayLike, n: int) -> Floats:
-    """Return what a problem returned for n points as (n,) float64; raises ValueError for another shape."""
-    values = floats(returned, f"values of problem {problem.name!r}")
+    """Return what a problem returned for n points as a new array, (n,) float64; raises ValueError for another shape."""
+    values = floats(returned, "values", problem)
     if values.shape != (n,):
         raise ValueError(f"problem {problem.name!r} returned shape {values.shape} for {n} points")
     return values
@@ -310,75 +252,38 @@ def minus_infinity(problem: Problem) -> ValueError:
     return ValueError(f"problem {problem.name!r} returned -inf; a value must be finite or +inf")
 
 
-def _take(x: Floats, box: Floats, batch: Floats) -> int:
-    """Copy the (d,) point to the last row of the (3, d) box and to ``batch``, (1, d); return where it is."""
-    if len(x) != box.shape[1]:
-        return _MISFIT
-    inside = True
-    for i in range(len(x)):
-        value = x[i]
-        box[2, i] = value
-        batch[0, i] = value
-        inside &= (value >= box[0, i]) & (value <= box[1, i])  # NaN is not
-    return _INSIDE if inside else _OUTSIDE
-
-
-def _scan(
-    points: Floats, returned: Floats, box: Floats, best: float, values: Floats, improved: NDArray[np.int64]
-) -> tuple[int, int]:
-    """Write what the points are worth to ``values`` and the rows of the improvements on ``best`` to ``improved``.
+def _scan(points: Floats, values: Floats, box: Floats) -> tuple[float, int]:
+    """Replace the values of points outside the box, and those that are NaN, by +inf.
 
     Args:
         points: (n, d).
-        returned: (n,) what the problem returned for them.
-        box: (3, d), its lower and upper ends first.
-        best: the best value before.
-        values: (n,).
-        improved: (n,) int64; only as many as there are improvements are written.
+        values: (n,) what the problem returned for them; overwritten.
+        box: (2, d), its lower and upper ends.
 
     Returns:
-        The numbers of improvements and of points outside the box; _ILLEGAL and 0 where a value is -inf.
+        The lowest value that counts, and the number of points outside the box; -inf and 0 where any value is -inf.
     """
-    improvements = outside = 0
-    for row in range(len(returned)):
-        value = returned[row]
+    lowest, outside = np.inf, 0
+    for row in range(len(values)):
+        value = values[row]
         if value == -np.inf:
-            return _ILLEGAL, 0
+            return value, 0
         inside = True
         for i in range(box.shape[1]):
-            inside &= (points[row, i] >= box[0, i]) & (points[row, i] <= box[1, i])
+            inside &= (points[row, i] >= box[0, i]) & (points[row, i] <= box[1, i])  # NaN is not
         outside += not inside
         if not inside or value != value:
-            value = np.inf
-        values[row] = value
-        if value < best:
-            best = value
-            improved[improvements] = row
-            improvements += 1
-    return improvements, outside
+            values[row] = np.inf
+        elif value < lowest:
+            lowest = value
+    return lowest, outside
 
 
-def passes(budget: int, dimension: int) -> tuple[Callable[..., int], Callable[..., tuple[int, int]]]:
-    """Return :func:`_take` and :func:`_scan`: compiled, unless the budget is not worth loading numba (0.4 s, 100 MB).
+def scanner(budget: int, dimension: int) -> Callable[[Floats, Floats, Floats], tuple[float, int]]:
+    """Return :func:`_scan`: compiled, unless the budget is not worth loading numba (0.4 s, 100 MB).
 
     A process that makes trials of a larger budget later can call this before them, so that none of them waits.
     """
     if "numba" in sys.modules or budget * dimension >= _WORTH_COMPILING:
-        return _compiled_passes()
-    return _take, _scan
-
-
-@cache
-def _compiled_passes() -> tuple[Callable[..., int], Callable[..., tuple[int, int]]]:
-    """Compile both, or load them from numba's cache on disk.
-
-    They come without numba's dispatcher, which would take longer than they do. So nothing checks the types of their
-    arguments, and others than those declared here would be misread.
-    """
-    from numba import types
-
-    number, whole, plane = types.float64, types.int64, types.float64[:, ::1]
-    any_vector = types.Array(number, 1, "A", readonly=True, aligned=False)
-    take = whole(any_vector, plane, plane)
-    scan = types.UniTuple(whole, 2)(plane, any_vector, plane, number, number[::1], whole[::1])
-    return compiled(_take, take), compiled(_scan, scan)
+        return compiled(_scan, "Tuple((float64, int64))(float64[:, ::1], float64[::1], float64[:, ::1])")
+    return _scan

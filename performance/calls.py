@@ -1,14 +1,14 @@
 """Measure what a call of the objective costs beside the function that it calls, in one run on one core.
 
-"Beside the function" is the time of ``objective(x)`` less that of ``problem.evaluate`` on an equal array. Both are
-called in turn, and the fastest of several rounds counts, so that a busy moment of the machine favours neither. Where
-ioh is installed, it is measured in the same turns, with its logger, on the same sphere in Python.
+"Beside the function" is the processor time of ``objective(x)`` less that of ``problem.evaluate`` on an equal array.
+Both are called in turn, and the fastest of several rounds counts, so that a busy moment of the machine favours neither.
+Where ioh is installed, it is measured in the same turns, with its logger, on the same sphere in Python.
 """
 
 import tempfile
 from collections.abc import Callable
 from contextlib import chdir, suppress
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -42,17 +42,17 @@ def us_a_call(rounds: int, *timed: tuple[Callable[[Any], Any], list[Any]]) -> li
     """Return the microseconds a call of each function, on one of its arguments after the other."""
     repeats, fastest = [], [np.inf] * len(timed)
     for function, arguments in timed:
-        began = perf_counter()
+        began = process_time()
         for x in arguments:
             function(x)
-        repeats.append(max(1, round(0.02 / (perf_counter() - began))))
+        repeats.append(max(1, round(0.02 / (process_time() - began))))
     for _ in range(rounds):
         for index, (function, arguments) in enumerate(timed):
-            began = perf_counter()
+            began = process_time()
             for _ in range(repeats[index]):
                 for x in arguments:
                     function(x)
-            took = (perf_counter() - began) / repeats[index] / len(arguments)
+            took = (process_time() - began) / repeats[index] / len(arguments)
             fastest[index] = min(fastest[index], took * 1e6)
     return fastest
 

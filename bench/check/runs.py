@@ -18,7 +18,7 @@ from bench.check.conformance.subject import Subject, make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, TIMEOUT
-from bench.objective import passes
+from bench.objective import scanner
 from bench.optimizer import Optimizer
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
@@ -135,9 +135,9 @@ def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchErr
 def ready() -> None:
     """Load this module and numba, and limit BLAS to one thread, once for all forks.
 
-    Importing numba, for the passes over points, takes about a second; finding the libraries of BLAS, milliseconds.
+    Importing numba, for the scan of points, takes about a second; finding the libraries of BLAS, milliseconds.
     """
-    passes(FUNCTION_BUDGET, 1)
+    scanner(FUNCTION_BUDGET, 1)
     threadpool_limits(limits=1)
 
 

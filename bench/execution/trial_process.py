@@ -24,7 +24,7 @@ from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.execution import apart
 from bench.execution.answers import Box
 from bench.helpers.text import option, printable
-from bench.objective import integer_flags, passes
+from bench.objective import integer_flags, scanner
 from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import from_file
 from bench.problem import FunctionProblem, Problem
@@ -112,7 +112,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
     except BaseException as error:  # only its own trials fail
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
-        passes(_study().evaluations(problem.dimension), problem.dimension)
+        scanner(_study().evaluations(problem.dimension), problem.dimension)
         if (kind := type(problem.unscored)) not in _warm:
             _warm.add(kind)
             counted = scoring.objective(problem, 1, np.random.default_rng(0))
@@ -144,7 +144,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
             problem = FunctionProblem(_sphere, box.lower, box.upper, integer=box.integer)
             with _noting():
                 search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
-        passes(budget, len(box.lower))  # the optimizer may have imported numba
+        scanner(budget, len(box.lower))  # the optimizer may have imported numba
         if is_warm:
             return False
     _settle()

@@ -11,16 +11,13 @@ from typing import Any
 def compiled(function: Callable[..., Any], signature: Any) -> Callable[..., Any]:
     """Return a function compiled for a numba signature, or loaded from numba's cache on disk.
 
-    It comes without numba's dispatcher: nothing checks the types of its arguments, and others than those of the
-    signature would be misread. With ``NUMBA_DISABLE_JIT`` it is the function itself.
+    With ``NUMBA_DISABLE_JIT`` it is the function itself.
     """
-    from numba import config, njit
+    from numba import njit
 
-    if config.DISABLE_JIT:
-        return function
+    loop: Callable[..., Any]
     try:
-        dispatcher = njit([signature], cache=True)(function)
+        loop = njit([signature], cache=True)(function)
     except RuntimeError:  # no folder that numba could write to
-        dispatcher = njit([signature])(function)
-    made: Callable[..., Any] = dispatcher.get_overload(signature)
-    return made
+        loop = njit([signature])(function)
+    return loop

@@ -20,7 +20,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from bench.errors import BenchError
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
@@ -98,7 +97,7 @@ class Scored(Problem):
         """Return the (n, m) violations of the (n, d) points ``x``; a point is feasible where all are at most 0."""
         if not self.handling:
             return None
-        excess = floats(self.problem.violations(x.copy()), f"violations of problem {self.name!r}")  # type: ignore[arg-type]
+        excess = floats(self.problem.violations(x.copy()), "violations", self.problem)  # type: ignore[arg-type]
         if excess.ndim != 2 or len(excess) != len(x):
             raise ValueError(f"problem {self.name!r} returned violations of shape {excess.shape} for {len(x)} points")
         return excess
@@ -120,7 +119,7 @@ class Scored(Problem):
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""
-        return as_values(self.problem, self._computed(self.problem.noiseless, x), len(x)).copy()  # it may reuse it
+        return as_values(self.problem, self._computed(self.problem.noiseless, x), len(x))
 
     def _computed(self, values: Callable[[Floats], Floats], x: Floats) -> Floats:
         """Return what a function of the problem returns for the (n, d) points, +inf where it may fail and raises."""
@@ -170,24 +169,17 @@ class ScoredObjective(Objective):
         self._found: Assessment  # of the points under evaluation
         self._least = np.inf
 
-    def __call__(self, x: ArrayLike) -> Any:
-        """Return the (n,) values of (n, d) points, or the float of one (d,) point; see :class:`Objective`."""
-        points = floats(x, "points")
-        if points.ndim == 1:
-            return float(super().__call__(points[np.newaxis])[0])
-        return super().__call__(points)
-
     def _values(self, x: Floats) -> Floats:
         self._found = self._problem.assess(x, self._noise)
         return self._found.values
 
     def _evaluate(self, rows: Floats) -> Floats:
-        kept, before, none = rows.copy(), self.best_value, self.best_point is None
-        values = super()._evaluate(kept)
-        if not len(kept):
+        before, none = self.best_value, self.best_point is None
+        values = super()._evaluate(rows)
+        if not len(rows):
             return values
         assessment = self._found
-        inside = ((kept >= self.lower) & (kept <= self.upper)).all(axis=1)
+        inside = ((rows >= self.lower) & (rows <= self.upper)).all(axis=1)
         violation = np.where(inside, assessment.violation, np.inf)
         least = int(violation.argmin())
         if self.best_value < before:
@@ -196,7 +188,7 @@ class ScoredObjective(Objective):
             self._least = float(violation[least])
             self.best_point = assessment.points[least].copy()
         elif none:  # no point of a trial lies in the box so far
-            self.best_point = self._problem.rounded(kept[:1])[0]
+            self.best_point = self._problem.rounded(rows[:1])[0]
         return np.where(inside, assessment.shown, np.inf)
 
 

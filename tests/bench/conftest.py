@@ -162,10 +162,10 @@ def draws(drawn):
         yield
 
 
-COMPILED, INTERPRETED = objective.passes(10**9, 1), (objective._take, objective._scan)
+COMPILED, INTERPRETED = objective.scanner(10**9, 1), objective._scan
 
 
 @pytest.fixture(params=[COMPILED, INTERPRETED], ids=["compiled", "interpreted"])
-def passes(request, monkeypatch):
+def scanner(request, monkeypatch):
     """Have objectives count by both: a small budget is not worth loading numba."""
-    monkeypatch.setattr(objective, "passes", lambda budget, dimension: request.param)
+    monkeypatch.setattr(objective, "scanner", lambda budget, dimension: request.param)

@@ -13,7 +13,7 @@ import pytest
 from bench import BenchError, BudgetExhausted, FunctionProblem, Objective, Trace
 from tests.bench.objectives import objective
 
-pytestmark = pytest.mark.usefixtures("passes")  # compiled and interpreted
+pytestmark = pytest.mark.usefixtures("scanner")  # compiled and interpreted
 
 
 def test_evaluates_batches_and_single_points():
@@ -337,12 +337,12 @@ def test_numba_is_loaded_only_where_the_budget_is_worth_it():
     code = """if True:
         import sys
         import bench, numpy as np
-        from bench.objective import Objective, passes
+        from bench.objective import Objective, scanner
         problem = bench.FunctionProblem(lambda x: (x**2).sum(axis=1), [-5.0] * 10, [5.0] * 10)
         small = Objective(problem, 999, np.random.default_rng(0))
         assert small(np.ones(10)) == 10.0 and "numba" not in sys.modules
         large = Objective(problem, 1000, np.random.default_rng(0))
         assert large(np.ones(10)) == 10.0 and "numba" in sys.modules
-        assert passes(1, 1) == passes(10**9, 1)
+        assert scanner(1, 1) is scanner(10**9, 1)
         """
     subprocess.run([sys.executable, "-c", code], check=True)

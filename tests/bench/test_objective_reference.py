@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from bench import BudgetExhausted, FunctionProblem, Objective, Problem
 from tests.bench.objectives import objective
 
-pytestmark = pytest.mark.usefixtures("passes")  # compiled and interpreted
+pytestmark = pytest.mark.usefixtures("scanner")  # compiled and interpreted
 
 
 class Reference:
