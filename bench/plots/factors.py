@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+import seaborn
 from matplotlib.axes import Axes
 
 from bench.plots import style
@@ -39,17 +40,12 @@ def share_map(shares: pd.Series[float], factors: Sequence[str], *, ax: Axes | No
         grid[row, row] = shares.get(name, np.nan)
         for column, other in enumerate(factors[:row]):
             grid[row, column] = shares.get(f"{other} × {name}", np.nan)
-    drawn = np.nan_to_num(grid)
-    ax.imshow(np.ma.masked_invalid(grid), cmap="Blues", vmin=0, vmax=max(float(drawn.max()), 0.01), aspect="auto")
-    for row, column in zip(*np.nonzero(np.isfinite(grid)), strict=True):
-        share = grid[row, column]
-        dark = share > 0.6 * max(float(drawn.max()), 0.01)
-        ax.text(column, row, f"{share:.0%}", ha="center", va="center", color=style.BRIGHT if dark else style.DARK)
     names = list(style.names(factors, at_most=14).values())
-    ax.set_xticks(range(size), names)
-    ax.set_yticks(range(size), names)
-    ax.tick_params(length=0)
+    most = 1.6 * max(np.nan_to_num(grid).max(), 0.01)  # dark text can be read on every cell
+    seaborn.heatmap(
+        pd.DataFrame(grid, names, names), cmap="Blues", vmin=0, vmax=most, annot=True, fmt=".0%",
+        annot_kws={"color": style.DARK}, cbar=False, ax=ax,
+    )  # fmt: skip
+    ax.tick_params(length=0, rotation=0)
     ax.grid(visible=False)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
     return ax

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+import seaborn
 from matplotlib.axes import Axes
-from matplotlib.cbook import boxplot_stats
 from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
@@ -138,21 +139,21 @@ def _note(values: NDArray[np.float64], lost: str) -> str:
 
 
 def _boxes(ax: Axes, by_row: Sequence[NDArray[np.float64]]) -> None:
-    """Draw horizontal boxes, each kind of line as one artist.
-
-    seaborn 0.13 draws four artists a box, slower, with an option (``vert``) that matplotlib 3.13 will not have.
-    """
-    rows = np.flatnonzero([len(values) for values in by_row])
-    if not len(rows):
-        return
-    boxes = pd.DataFrame(boxplot_stats([by_row[row] for row in rows.tolist()]))
-    ax.hlines(rows, boxes["whislo"], boxes["whishi"], color="black", linewidth=0.7, zorder=2)
-    ax.barh(rows, boxes["q3"] - boxes["q1"], 0.62, boxes["q1"], facecolor="white", edgecolor="black", linewidth=0.7)
-    ax.vlines(boxes["med"], rows - 0.31, rows + 0.31, color="black", linewidth=1.4, zorder=4)
+    """Draw a horizontal box a row, without outliers, as every value is a point."""
+    thick = {"linewidth": 1.4}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "vert: bool")  # seaborn 0.13 uses this option, which matplotlib deprecates
+        seaborn.boxplot(
+            by_row, orient="h", width=0.62, color="white", saturation=1, linecolor="black", linewidth=0.7,
+            medianprops=thick, showcaps=False, showfliers=False, ax=ax,
+        )  # fmt: skip
 
 
 def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], pens: Sequence[style.Pen]) -> None:
-    """Draw every trial as a point, the same way every time, unlike seaborn's stripplot, which jitters at random."""
+    """Draw every trial as a point.
+
+    seaborn's stripplot has one marker for all rows, and takes jitter from numpy's global generator.
+    """
     many = sum(map(len, by_row)) > style.MANY_POINTS
     for row, (values, pen) in enumerate(zip(by_row, pens, strict=True)):
         ax.plot(

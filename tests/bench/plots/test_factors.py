@@ -41,7 +41,7 @@ def test_the_map_has_parameters_on_its_diagonal_and_pairs_below():
     figure, ax = axes()
     share_map(pd.Series({"a": 0.5, "b": 0.2, "a × b": 0.1, "randomness of trials": 0.2}), ["a", "b"], ax=ax)
     texts = {text.get_position(): text.get_text() for text in ax.texts}
-    assert texts == {(0, 0): "50%", (0, 1): "10%", (1, 1): "20%"}
+    assert texts == {(0.5, 0.5): "50%", (0.5, 1.5): "10%", (1.5, 1.5): "20%"}
     figure.canvas.draw()
 
 
