@@ -68,7 +68,8 @@ def test_every_trial_is_a_point_and_failed_ones_are_counted():
     figure = drawn({("p", "a"): [1.0, 2.0, float("inf")], ("p", "b"): [3.0], ("q", "a"): [4.0], ("q", "b"): [5.0, 6.0]})
     panels = figure.figure.axes
     assert [ax.get_title(loc="left") for ax in panels] == ["p", "q"]
-    assert [sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() in style.MARKERS) for ax in panels] == [3, 3]
+    points = [[line for line in ax.lines if line.get_marker() in style.MARKERS] for ax in panels]
+    assert [sum(len(line.get_xdata()) for line in lines) for lines in points] == [3, 3]
     assert panels[0].texts[0].get_text() == "1 failed"
     assert len(figure.data) == 7
     assert figure.shown.loc[("p", "b"), "median"] == 3.0
