@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from bench.errors import BenchError
-from bench.helpers import pairs, print_error, print_line, replacing
+from bench.helpers import print_error, print_line, replacing
 from problems.backlash import EARLY_RAD
 from problems.backlash.commands import about_backlash
 
@@ -25,9 +25,7 @@ class FailOn(StrEnum):
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
-_recording, _fit, _verdict, _runs = (
-    partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict", "Trials of an optimizer")
-)
+_recording, _fit, _verdict = (partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict"))
 
 
 @about_backlash
@@ -98,13 +96,7 @@ def estimate(
     ] = None,
     confidence: Annotated[float, _verdict(help="The level of the intervals.")] = 0.95,
     resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
-    seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap and the trials.")] = 0,
-    optimizer: Annotated[
-        str | None, _runs(help="Also run this optimizer on each recording, as the thesis does.")
-    ] = None,
-    trials: Annotated[int, _runs(min=1, help="How many trials.")] = 30,
-    budget: Annotated[int, _runs(min=1, help="Evaluations a trial.")] = 60_000,
-    option: Annotated[list[str] | None, _runs("--set", help="A parameter of the optimizer, as agents=300.")] = None,
+    seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap.")] = 0,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -126,11 +118,12 @@ def estimate(
     trend follows, the fastest first, with the time at which it reaches the limit.
     """
     from rich.console import Console
+    from rich.progress import track
 
-    from problems.backlash.commands.progress import progress
+    from problems.backlash.joint.writing import check_folder
     from problems.backlash.recordings import parse_window, read_joints
     from problems.backlash.sensor import formatting, recording_files, records
-    from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
+    from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
     from problems.backlash.sensor.estimate import Settings
     from problems.backlash.sensor.trend import joints_of
     from problems.backlash.signature.calibration import load_calibration
@@ -144,14 +137,13 @@ def estimate(
         period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single, constrained=constrained,
         limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **chosen,
     )  # fmt: skip
-    if option and optimizer is None:
-        raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
-    asked = RunSettings(optimizer, pairs(option), trials, budget, seed) if optimizer is not None else None
     part = parse_window(window) if window is not None else None
     if plot is not None:
         from problems.backlash.sensor import plots
 
         plots.check_output(plot)
+    for output in filter(None, (csv, page)):
+        check_folder(output)
 
     columns: dict[str, Any] = {
         "time": time, "speed": speed, "position": position, "unit": unit, "time_unit": time_unit, "rate": rate,
@@ -159,9 +151,9 @@ def estimate(
     }  # fmt: skip
     for remark in remarks:
         print_line(remark, console=stderr)
-    made = estimate_files(paths, partial(read_joints, **columns), settings, asked, jobs=jobs)
-    with progress("estimating", len(paths), stderr) as track:
-        outcomes = [outcome for outcomes in track(made) for outcome in outcomes]
+    made = estimate_files(paths, partial(read_joints, **columns), settings, jobs=jobs)
+    bar = track(made, "estimating", len(paths), console=stderr, transient=True, disable=not stderr.is_terminal)
+    outcomes = [outcome for outcomes in bar for outcome in outcomes]
     stray = [one for one in outcomes if isinstance(one, Failed) and one.stray and str(one.path) not in recordings]
     for outcome in stray:  # of a folder
         print_line(f"{outcome.error}; it was left out", console=stderr)

@@ -147,13 +147,17 @@ def simulate(
 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
     """Write the folder of a wear curve, complete or not at all."""
-    from problems.backlash.commands.progress import progress
+    from rich.console import Console
+    from rich.progress import track
+
     from problems.backlash.joint.wear import monthly_recordings
     from problems.backlash.joint.writing import write_recording
 
     _check_folder(folder, force)
-    with progress("simulating", options["months"]) as track:
-        months = list(track(monthly_recordings(joint, **options)))
+    stderr = Console(stderr=True)
+    made = monthly_recordings(joint, **options)
+    hidden = not stderr.is_terminal
+    months = list(track(made, "simulating", options["months"], console=stderr, transient=True, disable=hidden))
     rows = [f"{month.name},{month.half_gap!r},{month.peak!r}" for month in months]
     with replacing(folder.resolve()) as temporary:  # "." and ".." have a name then
         temporary.mkdir()
@@ -169,8 +173,9 @@ def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, An
 
 def _check_folder(folder: Path, force: bool) -> None:
     """Raise BenchError for a folder that may not be replaced: one that holds other files than a wear curve's."""
-    if not folder.resolve().parent.is_dir():
-        raise BenchError(f"{folder} cannot be written: there is no folder {folder.parent}")
+    from problems.backlash.joint.writing import check_folder
+
+    check_folder(folder)
     if folder.exists() and not folder.is_dir():
         raise BenchError(f"{folder} is a file; --wear writes a folder")
     try:

@@ -28,6 +28,11 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
         require(*EXTRAS[kind], f"{path} needs")
     if path.exists() and not force:
         raise BenchError(f"{path} is there already; choose another name, or replace it with --force")
+    check_folder(path)
+
+
+def check_folder(path: Path) -> None:
+    """Raise BenchError for a path in a folder that does not exist."""
     if not path.parent.is_dir():
         raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
 

@@ -1,9 +1,9 @@
-"""The thesis's views of a study: Figs. 7.3 to 7.5, its tables of chapters 7 and 8, fits, the best fit, and memory."""
+"""The thesis's views of a study: Figs. 7.3 to 7.5, its tables of chapters 7 and 8, the best fit, and memory."""
 
 from bench import Results
 from bench.analysis import in_study_order
 from bench.report import Section
-from problems.backlash.report import amplitudes, fits, fitting_errors, levels, noise, reference, resources, wrist
+from problems.backlash.report import amplitudes, fitting_errors, levels, noise, reference, resources, wrist
 from problems.backlash.report.accuracy import expected_values
 
 
@@ -15,11 +15,10 @@ def sections(results: Results) -> list[Section]:
     truths, unknown = expected_values(results)
     return [
         *levels.sections(frame, truths, unknown),
-        *fits.sections(results, frame),
         *fitting_errors.sections(frame, results.study),
         *reference.sections(results, frame),
         *amplitudes.sections(frame, truths, results.study),
         *noise.sections(results, frame, truths),
         *wrist.sections(results, frame, truths),
-        *resources.sections(frame, results.study),
+        *resources.sections(results.study),
     ]

@@ -1,51 +1,22 @@
-"""Fig. 7.5 and the thesis's other criterion of cost: the time of a trial, and the memory of a search."""
+"""The thesis's other criterion of cost: the memory of a search. The harness's section on time has its Fig. 7.5."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from importlib.resources import files
 
 import pandas as pd
 
 from bench import Study
-from bench.analysis import timing
-from bench.report import Section, Table, listing, seconds, timing_figure
+from bench.report import Section, Table
 
-TITLE = "Execution time (thesis Fig. 7.5) and memory"
+TITLE = "Memory of a search"
 HARNESS = "random-search"  # its search needs nothing of its own
 
 
-def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
-    """Return the section on time and memory, none without a finished trial whose time is known."""
-    table = timing(frame)
-    finished = table[table["trials"] > 0].dropna(subset=["wall_mean"])
-    if finished.empty:
-        return []
-    finished = finished.sort_values("wall_mean", kind="stable").set_index("optimizer")
-    mean = finished["wall_mean"]
-    times = listing([f"{seconds(value)} with {label}" for label, value in mean.items()])
-    text = (
-        f"One trial takes {times} on average. The thesis shows its times as bars without numbers, so none can be "
-        "compared. The section on time has the medians and the quartiles."
-    )
-    shown = pd.DataFrame(
-        {
-            "trials": finished["trials"],
-            "mean time in s": mean,
-            "times the fastest": mean / mean.iloc[0],
-            "in the objective %": 100 * finished["objective_mean"] / mean,
-        }
-    )
-    caption = "Mean wall time of one trial, and the percentage of it spent in the objective."
-    decimals = {"times the fastest": 1, "in the objective %": 1}
-    bars = replace(
-        timing_figure(table),
-        name="execution-time",
-        caption="Mean wall time of one trial of each optimizer over all datasets, as in thesis Fig. 7.5.",
-    )
+def sections(study: Study) -> list[Section]:
+    """Return the section on memory, none where that of the study's optimizers was not measured."""
     memory = memory_of(study)
-    words, items = ((_memory_text(memory),), (_memory_table(memory),)) if len(memory) else ((), ())
-    return [Section(TITLE, (text, *words), (bars, Table("mean-times", caption, shown, decimals=decimals), *items))]
+    return [Section(TITLE, (_memory_text(memory),), (_memory_table(memory),))] if len(memory) else []
 
 
 def measured() -> pd.DataFrame:

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -11,12 +10,11 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.helpers import print_line
-from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
+from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import HORIZON, Trend
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
-from problems.backlash.signature.problem import FOUND
 
 ARC_MINUTES = 60 * 180 / math.pi  # in a rad
 UNIT = {
@@ -62,8 +60,6 @@ def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = N
     ]
     if estimate.calibration:
         rows += zip(("calibration", "", ""), calibration_of(settings), strict=False)
-    if outcome.runs:
-        rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, estimate)]
     rows += [("note", note) for note in estimate.notes[: -1 if estimate.verdict == "undecided" else None]]
     column = max(len(name) for name, _ in rows)
     lines = [f"{outcome.path}: {_verdict(estimate, settings)}", *(f"  {name:{column}}  {text}" for name, text in rows)]
@@ -76,32 +72,12 @@ def broken(line: str, width: int, indent: int = 4) -> list[str]:
     return wrap(line, narrow, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
 
 
-def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
-    """Return the lines on an optimizer's runs."""
-    settings, sizes, gaps = runs.settings, runs.sizes_rps, runs.backlashes_rad
-    best = abs(estimate.variables["A"])
-    size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (best fit: {best:.4f})"
-    lines = [f"{settings.runs} runs of {settings.budget} evaluations: {size}"]
-    inside = gaps[np.isfinite(gaps)]  # the others are outside the calibration
-    if len(inside):
-        outside = (
-            f", {len(gaps) - len(inside)} runs outside the calibration left out" if len(inside) < len(gaps) else ""
-        )
-        lines.append(
-            f"half-gap {1e3 * inside.mean():.3f} mrad, standard deviation {1e3 * _deviation(inside):.3f}{outside}"
-        )
-    lines.append(f"{runs.found} of {settings.runs} runs found the best fit, within {FOUND:.0%} of its RMSE")
-    return lines
-
-
 def print_table(
     outcomes: Sequence[Estimated | Failed], names: Sequence[str], trends: Iterable[Trend], settings: Settings
 ) -> None:
-    """Print a row a file, the trials of an optimizer, every note once, and the trends."""
+    """Print a row a file, every note once, and the trends."""
     console = Console(width=None if Console().is_terminal else WIDTH)
     console.print(table(outcomes, names, console.width), highlight=False)
-    if trials := trials_table(outcomes, names):
-        console.print(trials, highlight=False)
     calibrated = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
     calibration = [f"calibration: {line}" for line in calibration_of(settings)] if calibrated else []
     for line in [
@@ -142,23 +118,6 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: i
         verdict = Text(estimate.verdict, style=STYLES.get(estimate.verdict, ""))
         made.add_row(verdict, short, *numbers[: len(shown)])
     return made
-
-
-def trials_table(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> Table | None:
-    """Return what the trials of an optimizer found, a row a file; None where none was run."""
-    made = Table(box=None, pad_edge=False)
-    made.add_column("file", no_wrap=True)
-    for heading in ("fitted |A| of the\ntrials, rps", "half-gap of the\ntrials, mrad", "best fit\nfound"):
-        made.add_column(heading, justify="right", no_wrap=True)
-    for name, outcome in zip(names, outcomes, strict=True):
-        if isinstance(outcome, Estimated) and (runs := outcome.runs):
-            sizes, gaps = runs.sizes_rps, 1e3 * runs.backlashes_rad
-            made.add_row(
-                Text(shortened(name, SHORT)), f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
-                f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
-                f"{runs.found} of {runs.settings.runs}",
-            )  # fmt: skip
-    return made if made.row_count else None
 
 
 def shortened(name: str, most: int) -> str:
@@ -231,10 +190,10 @@ def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
     rows = [("amplitude", f"{estimate.amplitude_rps:.4f} rps of the motor{span}")]
     if math.isnan(estimate.backlash_rad):
         why = "the amplitude is outside the calibration" if estimate.calibration else "needs a calibration"
-        if settings.calibration and not estimate.calibration:
-            why = "the calibration is of another joint or speed"
-        if estimate.verdict == "undecided" and estimate.calibration:
+        if estimate.verdict == "undecided":
             why = "see the verdict"
+        elif settings.calibration and not estimate.calibration:
+            why = "the calibration is of another joint or speed"
         return [*rows, ("half-gap", f"not estimated: {why}")]
     gap, ends = estimate.backlash_rad, estimate.interval_rad
     return [
@@ -270,7 +229,10 @@ def _hidden(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
         estimate.interval_rad[1],
         settings.calibration if estimate.calibration else None,
     )
-    rows = [("amplitude", f"none detected; the noise hides any below {most:.4f} rps")]
+    hidden = f"the noise hides any below {most:.4f} rps"
+    if most > np.ptp(estimate.recording.speed):
+        hidden = "the recording is too short or too noisy to show one"
+    rows = [("amplitude", f"none detected; {hidden}")]
     if calibration and 60 * most > calibration.range[1]:
         rows.append(("half-gap", "the noise hides any in the calibrated range"))
     elif calibration:
@@ -314,10 +276,6 @@ def _limit(trend: Trend) -> str:
 
 def _when(series: Series, at: float) -> str:
     return WORD[series.unit] + series.label(at)
-
-
-def _deviation(values: Any) -> float:
-    return float(values.std(ddof=1)) if len(values) > 1 else 0.0
 
 
 def _range(ends: Iterable[float], digits: str, factor: float = 1.0) -> str:

@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocat
 from bench.errors import BenchError
 from bench.helpers import file_name, replacing, unique
 from bench.plots import style
+from problems.backlash.joint.writing import check_folder
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.formatting import BY, UNIT
@@ -36,8 +37,7 @@ def check_output(path: Path) -> None:
         raise BenchError(f"{path} is a file without a picture's ending; give a folder, or a .svg, .png or .pdf file")
     if path.suffix and path.suffix.lower() not in LEFT_OUT:
         raise BenchError(f"{path} must end in {', '.join(LEFT_OUT)}, or be a folder")
-    if not path.parent.is_dir():
-        raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
+    check_folder(path)
 
 
 def save_figures(

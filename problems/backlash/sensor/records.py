@@ -28,7 +28,7 @@ def _failure(outcome: Failed) -> dict[str, Any]:
 
 def _content(outcome: Estimated, joint: Joint, at: float) -> dict[str, Any]:
     estimate = outcome.estimate
-    content = {
+    return {
         "file": str(outcome.path),
         "joint": joint.series.name,
         "date": _date(joint, at),
@@ -38,16 +38,6 @@ def _content(outcome: Estimated, joint: Joint, at: float) -> dict[str, Any]:
         "trend": _trend(joint),
         "limit": _limit(joint),
     }
-    if runs := outcome.runs:
-        content["runs"] = {
-            "optimizer": runs.settings.name,
-            "budget": runs.settings.budget,
-            "amplitudes_rps": runs.sizes_rps.tolist(),
-            "backlashes_rad": runs.backlashes_rad.tolist(),
-            "rmses_rps": runs.values_rps.tolist(),
-            "found": runs.found,
-        }
-    return content
 
 
 def _trend(joint: Joint) -> dict[str, Any] | None:
@@ -75,7 +65,7 @@ def _date(joint: Joint, at: float) -> str | None:
 
 
 def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[Joint]) -> list[dict[str, Any]]:
-    """Return a row an outcome with the keys of :func:`json_objects`: trend, limit and intervals as columns, no trials.
+    """Return a row an outcome with the keys of :func:`json_objects`: trend, limit and intervals as columns.
 
     Notes are joined.
     """
@@ -89,7 +79,7 @@ def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[Joint]) -> list[dict[
                 row[key] = "; ".join(value)
             elif isinstance(value, list):
                 row |= {f"{key}_low": value[0], f"{key}_high": value[1]}
-            elif key != "runs":
+            else:
                 row[key] = value
         rows.append(row)
     return rows

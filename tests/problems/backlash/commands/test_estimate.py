@@ -156,15 +156,6 @@ def test_every_option_reaches_the_estimate(command, stub, tmp_path, calibration)
     assert (settings.calibration, settings.gear_ratio, settings.resamples) == (None, 40.0, 200)
 
 
-def test_an_optimizer_s_runs_are_told_besides(command, recording, calibration):
-    said = command(
-        estimate, recording, "--calibration", calibration, "--resamples", 0,
-        "--optimizer", "gwo", "--trials", 2, "--budget", 60, "--set", "agents=20",
-    )  # fmt: skip
-    assert "gwo          2 runs of 60 evaluations: fitted |A| " in said
-    assert "of 2 runs found the best fit, within 1% of its RMSE\n" in said
-
-
 def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
     (tmp_path / "a.csv").write_text("t,v\n0,1\n1,a\n2,3\n")
     (tmp_path / "b.csv").write_text("t,v\n0,1\n1,1\n2,1\n")
@@ -184,16 +175,11 @@ def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
         (["x*.csv"], "no file matches x*.csv"),
         (["a.csv", "--calibration", "none.toml"], "calibration none.toml cannot be read"),
         (["a.csv", "--window", "3"], "'3' is not a window"),
-        (["a.csv", "--optimizer", "gwoo"], "did you mean 'gwo'"),
-        (["a.csv", "--optimizer", "gwo", "--set", "agents"], "'agents' is not KEY=VALUE"),
-        (["a.csv", "--set", "agents=3"], "give --optimizer too"),
+        (["a.csv", "--page", "none/a.html"], "none/a.html cannot be written: there is no folder none"),
+        (["a.csv", "--csv", "none/a.csv"], "none/a.csv cannot be written: there is no folder none"),
         (["a.csv", "--plot", "a.jpg"], "a.jpg must end in .svg, .png, .pdf"),
         (["a.csv", "--plot", "none/a.svg"], "there is no folder none"),
         (["a.csv", "--resamples", 10**30], "resamples must be a whole number from 0 to 1000000"),
-        (
-            ["a.csv", "--optimizer", "gwo", "--trials", 10**30],
-            "trials of an optimizer must be a whole number from 1 to 1",
-        ),
         (["a.csv", "--confidence", 95], "confidence must lie between 0 and 1"),
         (
             ["a.csv", "--jobs", 0],

@@ -15,7 +15,6 @@ from bench.study import Entry, Study
 from problems.backlash.report import (
     accuracy,
     amplitudes,
-    fits,
     fitting_errors,
     levels,
     noise,
@@ -90,7 +89,7 @@ def usual(tmp_path_factory):
     return make(tmp_path_factory.mktemp("usual") / "s")
 
 
-MODULES = {levels, fits, fitting_errors, reference, amplitudes, noise, resources}
+MODULES = {levels, fitting_errors, reference, amplitudes, noise, resources}
 HOLDERS = {"table": fitting_errors, "amplitude": amplitudes, "backlash": levels, "mean": resources}
 
 
@@ -271,24 +270,9 @@ def test_both_forms_of_fig_7_4_carry_every_trial_and_the_expected_amplitude(tmp_
     assert drawn == {"my alo": 12, "my goa": 12, "my da": 12, "my gwo": 11, "my cma-es": 12}
 
 
-def test_fig_7_3_has_both_truths_and_the_quartiles_of_what_was_found(tmp_path):
-    results = make(
-        tmp_path / "s", miss={"gwo": lambda level, trial: float(trial)}, fail=[("signature-03", "my gwo", 5)]
-    )
-    figure = table(results, "backlash-and-amplitude")
-    assert len(figure.figure.axes) == 2
-    assert len(figure.data) == 2 * 2 * 5
-    cell = figure.data.set_index(["figure", "problem", "optimizer"]).loc["amplitude_rpm", "signature-03", "my gwo"]
-    expected = truth(3)["amplitude_rpm"]
-    assert cell[["expected", "q1", "median", "q3"]].tolist() == pytest.approx(expected + np.array([0, 1, 2, 3]))
-    assert cell[["tolerance", "trials", "found"]].tolist() == pytest.approx([TOLERANCE_RPM, 6, 5])
-    assert figure.shown.loc["signature-04", "Backlash δ in 1e-6 rad"] == pytest.approx(700)
-    assert figure.shown.loc["signature-03", "Amplitude |A|, my gwo"] == pytest.approx(expected + 2)
-
-
 def test_the_smallest_step_is_taken_between_neighbouring_datasets_alone(usual):
     def said(*rows):
-        table = [(p, f, value, 1.0) for p, *pair in rows for f, value in zip(levels.SHOWN, pair, strict=True)]
+        table = [(p, f, value, 1.0) for p, *pair in rows for f, value in zip(levels.METRICS, pair, strict=True)]
         return levels.smallest_step(pd.DataFrame(table, columns=["problem", "figure", "expected", "tolerance"]))
 
     assert (
@@ -310,7 +294,6 @@ def test_data_that_changed_is_said_and_left_out(tmp_path):
     results = Results(tmp_path / "s")
     (warning,) = views(results, levels)[0].warnings
     assert warning.startswith("The expected values of signature-03 are not known here and left out: the data of")
-    assert table(results, "backlash-and-amplitude").shown.index.tolist() == ["signature-04"]
     assert table(results, "amplitude-errors").frame["trials"].tolist() == [6] * 5
     data = table(results, "amplitude-dots").data
     assert data.groupby("problem", observed=True)["expected"].count().tolist() == [0, 30]
@@ -330,7 +313,7 @@ def test_without_a_truth_there_are_figures_of_the_amplitude_but_no_errors(tmp_pa
     results = recorded(tmp_path / "r")
     items = [item.name for section in views(results) for item in section.items]
     fits = ["reference-fit-by-optimizer", "reference-fit-found", "reference-fit"]
-    assert items == [*fits, "amplitude-dots", "amplitude-boxes", "execution-time", "mean-times"]
+    assert items == [*fits, "amplitude-dots", "amplitude-boxes"]
     assert "No expected amplitude is known" in words(results)
     assert not any(section.warnings for section in views(results))
 
@@ -391,15 +374,6 @@ def test_no_rank_correlation_from_three_datasets(tmp_path):
     assert "rank correlation" not in words(make(tmp_path / "s", datasets=(3, 4, 5)), amplitudes)
 
 
-def test_mean_times_are_those_of_the_finished_trials(tmp_path):
-    results = make(tmp_path / "s", optimizers=("gwo", "alo"), fail=[("signature-03", "my gwo", k) for k in range(6)])
-    times = table(results, "mean-times").frame
-    assert times["trials"].to_dict() == {"my gwo": 6, "my alo": 12}
-    assert times["mean time in s"].tolist() == [1.0, 1.0]
-    assert times["in the objective %"].tolist() == [50.0, 50.0]
-    assert "One trial takes 1 s with my gwo and 1 s with my alo on average" in words(results, resources)
-
-
 @pytest.mark.sampled(1)
 @pytest.mark.filterwarnings("error", "default::ResourceWarning")
 @pytest.mark.parametrize(
@@ -443,9 +417,8 @@ def test_the_views_come_in_the_thesis_s_order(usual):
     assert [
         (section.title, [item.name for item in section.items if isinstance(item, Figure)]) for section in views(usual)
     ] == [
-        ("Backlash and amplitude of the datasets (thesis Fig. 7.3)", ["backlash-and-amplitude"]),
+        ("Backlash found (datasets of thesis Fig. 7.3)", []),
         ("Fitting error (thesis Table 7.2)", []),
         ("Reference fit", []),
         ("Disturbance amplitude (thesis Fig. 7.4)", ["amplitude-dots", "amplitude-boxes"]),
-        ("Execution time (thesis Fig. 7.5) and memory", ["execution-time"]),
     ]

@@ -1,5 +1,6 @@
-"""Many recordings: a bad one does not stop the others; an optimizer's seeded runs stand beside each estimate."""
+"""Many recordings: a bad one does not stop the others."""
 
+import runpy
 from functools import partial
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import problems.backlash.sensor.batch as batch
 from bench.errors import BenchError
 from problems.backlash.joint.writing import write_recording
 from problems.backlash.recordings import read_joints
-from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files, repeat
+from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.signature.datasets import noisy
 
@@ -44,7 +45,7 @@ def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, 
     (bad,), (good,), (odd,) = estimate_files(paths, read, NONE)
     assert (bad, odd) == (Failed(paths[0], "recording bad.csv is bad"), Failed(paths[2], "odd.csv: it is odd"))
     assert isinstance(good, Estimated)
-    assert (good.path, good.runs) == (paths[1], None)
+    assert good.path == paths[1]
 
 
 @pytest.mark.parametrize("jobs", [0, -2, 1.5])
@@ -78,25 +79,19 @@ def test_estimates_do_not_depend_on_the_number_of_workers(paths, monkeypatch):
         assert [content(each) for (each,) in estimate_files(paths, read_joints, settings, jobs=jobs)] == alone
 
 
-DEADLY = """
-import os
-def deadly(objective, rng):
-    if objective.upper[0] < {most}:
-        os.kill(os.getpid(), 9)
-    objective(objective.initial(1))
-"""
-
-
-def test_what_ends_its_process_costs_itself_only(paths, monkeypatch, tmp_path):
-    """The bound of A grows with the disturbance."""
+def test_what_ends_its_process_costs_itself_only(monkeypatch, tmp_path):
+    """The files are programs, which their reader runs."""
     monkeypatch.setattr(batch, "FEW", 1)
-    (tmp_path / "mine.py").write_text(DEADLY.format(most=np.ptp(recording(paths[1]).speed) / 2))
-    runs = RunSettings(f"{tmp_path / 'mine.py'}:deadly", runs=1, budget=10)
-    outcomes = [outcome for (outcome,) in estimate_files(paths, read_joints, NONE, runs, jobs=2)]
-    assert [outcome.path for outcome in outcomes] == paths
-    assert [isinstance(outcome, Failed) for outcome in outcomes] == [True, False, False, False]
-    assert outcomes[0].error.startswith(
-        f"{paths[0]}: the process that estimated it ended (signal SIGKILL), such as for want of memory; estimate it"
+    paths = [tmp_path / f"{name}.py" for name in ("first", "deadly", "last")]
+    for path in paths:
+        path.write_text("raise ValueError('no recording')")
+    paths[1].write_text("import os\nos.kill(os.getpid(), 9)")
+    first, deadly, last = [outcome.error for (outcome,) in estimate_files(paths, runpy.run_path, NONE, jobs=2)]
+    assert (first, last) == tuple(
+        f"{path}: the estimate failed with ValueError: no recording" for path in (paths[0], paths[2])
+    )
+    assert deadly.startswith(
+        f"{paths[1]}: the process that estimated it ended (signal SIGKILL), such as for want of memory; estimate it"
     )
 
 
@@ -109,48 +104,3 @@ def test_a_joint_that_cannot_be_estimated_costs_no_other_of_its_file(monkeypatch
     ((good, bad),) = estimate_files([Path("cell.csv")], lambda _: joints, NONE)
     assert (good.path, good.joint) == (Path("cell.csv"), "J4")
     assert bad == Failed(Path("cell.csv"), "recording cell.csv (J5): line 7 has no number", "J5")
-
-
-@pytest.fixture(scope="module")
-def found():
-    runs = RunSettings("random-search", runs=3, budget=400)
-    ((found,),) = estimate_files([Path("8.csv")], read, NONE, runs)
-    return found
-
-
-def test_runs_of_an_optimizer_are_seeded_and_their_sizes_have_no_sign(found):
-    runs = found.runs
-    assert runs.sizes_rps.shape == runs.values_rps.shape == runs.backlashes_rad.shape == (3,)
-    assert (runs.sizes_rps > 0).all()
-    assert len(set(runs.values_rps)) == 3
-    assert (runs.values_rps >= found.estimate.rmse_rps).all()  # the reference fit is the best
-    again = repeat(found.estimate, NONE, RunSettings("random-search", runs=3, budget=400))
-    assert again.values_rps.tolist() == runs.values_rps.tolist()
-    other = repeat(found.estimate, NONE, RunSettings("random-search", runs=3, budget=400, seed=1))
-    assert not set(other.values_rps) & set(runs.values_rps)
-
-
-def test_a_run_has_found_the_best_fit_within_a_percent_of_its_rmse(found, make_estimate):
-    values = found.runs.values_rps
-    second = sorted(values)[1]
-    for rmse, count in ((second / 1.009, 2), (second / 1.011, 1), (min(values) / 1.011, 0)):
-        estimate = make_estimate(problem=found.estimate.problem, rmse_rps=rmse)
-        assert repeat(estimate, NONE, RunSettings("random-search", runs=3, budget=400)).found == count
-
-
-def test_an_optimizer_is_checked_before_any_recording_is_read():
-    for options, said in (
-        ({"name": "gwoo"}, "did you mean 'gwo'"),
-        ({"name": "gwo", "options": {"agent": 3}}, "no parameter 'agent'"),
-        ({"name": "gwo", "budget": 3}, "below one generation"),
-        ({"name": "gwo", "runs": 0}, "from 1 to"),
-    ):
-        with pytest.raises(BenchError, match=said):
-            RunSettings(**options)
-
-
-def test_an_optimizer_that_fails_is_one_sentence(tmp_path, make_estimate):
-    (tmp_path / "mine.py").write_text("def broken(objective, rng):\n    raise ZeroDivisionError('by zero')\n")
-    runs = RunSettings(f"{tmp_path / 'mine.py'}:broken", runs=2, budget=10)
-    with pytest.raises(BenchError, match="failed in run 0: ZeroDivisionError: by zero"):
-        repeat(make_estimate(), NONE, runs)

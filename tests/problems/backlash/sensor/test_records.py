@@ -4,32 +4,26 @@ import json
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns, RunSettings
+from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.sensor.records import csv_rows, json_objects
 from problems.backlash.sensor.trend import joints_of
 
-RUNS = RepeatedRuns(
-    RunSettings("random-search", runs=2, budget=100), np.array([0.5, 0.6]), np.array([1e-3, 2e-3]), np.array([5, 6]), 1
-)
-
 
 def test_csv_has_a_column_for_each_end_of_an_interval(make_estimate):
-    good = Estimated(Path("g"), make_estimate(0.001, notes=("few turns", "drift")), RUNS)
+    good = Estimated(Path("g"), make_estimate(0.001, notes=("few turns", "drift")))
     first, second = csv_rows([good, Failed(Path("b"), "no")], joints_of([good], Settings()))
     assert (first["interval_rad_low"], first["interval_rad_high"]) == pytest.approx((0.0009, 0.0011))
     assert (first["notes"], first["limit_status"], first["limit_interval_low"]) == ("few turns; drift", "unknown", None)
-    assert "runs" not in first
     assert second == {"file": "b", "error": "no"}
 
 
 def test_an_object_holds_only_what_json_knows(make_estimate):
     nan = (math.nan, math.nan)
     estimate = make_estimate(math.nan, amplitude_interval_rps=(0.1, math.inf), interval_rad=nan, amplitude_rps=1.0)
-    outcome, failed = Estimated(Path("a.csv"), estimate, RUNS), Failed(Path("b.csv"), "no", "J5")
+    outcome, failed = Estimated(Path("a.csv"), estimate), Failed(Path("b.csv"), "no", "J5")
     content, failure = json.loads(
         json.dumps(json_objects([outcome, failed], joints_of([outcome], Settings())), allow_nan=False)
     )
@@ -40,7 +34,6 @@ def test_an_object_holds_only_what_json_knows(make_estimate):
     assert content["backlash_rad"] is None
     assert content["interval_rad"] == [None, None]
     assert content["amplitude_interval_rps"] == [0.1, None]
-    assert content["runs"]["amplitudes_rps"] == [0.5, 0.6]
     assert failure == {"file": "b.csv", "joint": "J5", "error": "no"}
 
 
