@@ -24,9 +24,6 @@ def calibrate(
     gaps: Annotated[
         str | None, typer.Option(help="Half-gaps in rad, FROM:TO:COUNT, such as 0:0.004:21, instead of levels.")
     ] = None,
-    method: Annotated[
-        str, typer.Option(help="cubic, by least squares as eq. 4.7, or monotone, a growing curve through every pair.")
-    ] = "cubic",
     fits: Annotated[
         bool,
         typer.Option(help="Compute how strong the fits to each gap are, too, which takes a second or so a gap."),
@@ -42,8 +39,9 @@ def calibrate(
 ) -> None:
     """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
 
-    The default, the thesis's joint at its levels 2 to 11, reproduces eq. 4.7. The amplitude of the best fit to a
-    recording is some per cent off; a calibration holds this difference, unless --no-fits leaves it out.
+    The default, the thesis's joint at its levels 2 to 11, reproduces eq. 4.7, whose cubic is printed. The amplitude of
+    the best fit to a recording is some per cent off; a calibration holds this difference, unless --no-fits leaves it
+    out.
     """
     from problems.backlash.joint import Joint, load_joint
     from problems.backlash.joint.writing import check_output
@@ -56,7 +54,7 @@ def calibrate(
     if output is not None:
         check_output(output, (".toml",), force=force)
     chosen = load_joint(joint)
-    made = calibration.calibrate(chosen, half_gaps, method=method)
+    made = calibration.calibrate(chosen, half_gaps)
     if fits:
         from problems.backlash.sensor.response import response
 
@@ -69,13 +67,13 @@ def calibrate(
         for path in save_figures(plot, chosen, made):
             print_line(str(path))
     if output is not None:
-        made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
+        made.save(output, command=_command(joint, levels, gaps, fits=fits))
         print_line(str(output))
 
 
-def _command(joint: Path | None, levels: str | None, gaps: str | None, method: str, *, fits: bool) -> str:
+def _command(joint: Path | None, levels: str | None, gaps: str | None, *, fits: bool) -> str:
     """Return the command that makes the same calibration."""
-    options = {"--joint": joint, "--levels": levels, "--gaps": gaps, "--method": method}
+    options = {"--joint": joint, "--levels": levels, "--gaps": gaps}
     words = (str(word) for pair in options.items() if pair[1] is not None for word in pair)
     return shlex.join(["bench", "calibrate", *words, *([] if fits else ["--no-fits"])])
 

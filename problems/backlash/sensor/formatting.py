@@ -14,7 +14,7 @@ from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import HORIZON, Trend
-from problems.backlash.signature.calibration import Calibration, sensor_calibration
+from problems.backlash.signature.calibration import EQUATION_4_7, Calibration, sensor_calibration
 
 ARC_MINUTES = 60 * 180 / math.pi  # in a rad
 UNIT = {
@@ -174,12 +174,12 @@ def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
     formats = [f"{len(title)}.6f" for title in columns]
     rows = zip(*columns.values(), strict=True)
     lines = [made.name, "   ".join(columns), *("   ".join(map(format, row, formats)) for row in rows)]
-    if made.method == "cubic":
-        lines.append(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
     low, high = (amplitude / 60 for amplitude in made.range)
     lines.append(f"range: {low:.4g} to {high:.4g} rps; no backlash is estimated outside")
     if is_default and math.isfinite(made.deviation):
         lines.append(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
+        if len(made.amplitude) > len(EQUATION_4_7):  # else it is determined by the pairs, or not at all
+            lines.append(f"least-squares cubic, as eq. 4.7: {made.formula()}")
     return lines
 
 

@@ -1,7 +1,7 @@
 """Convert an amplitude to a backlash by the mapping delta = f(A) of section 4.4, made with the simulator.
 
 >>> from problems.backlash.joint import half_gap, load_joint
->>> made = calibrate(load_joint("joint.toml"), [half_gap(level) for level in range(2, 12)], method="cubic")
+>>> made = calibrate(load_joint("joint.toml"), [half_gap(level) for level in range(2, 12)])
 >>> made.save("calibration.toml")
 >>> load_calibration("calibration.toml").backlash(42.0)    # rpm -> rad
 
@@ -34,7 +34,7 @@ from problems.backlash.signature.datasets import DEFAULT, simulated
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
 EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)  # rpm; the amplitudes of those levels in Table 7.3
 MOST_GAPS = 100
-FEWEST = {"monotone": 2, "cubic": 4}
+FEWEST = 2  # pairs
 # The largest relative difference of a recording's gear ratio and motor speed from the calibration's. A simulated joint
 # that differs by 1% in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
 # 7.2.1; one that differs by 2%, by up to 3.5e-4 rad ('python validation/sensor.py --elsewhere').
@@ -46,15 +46,14 @@ FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """A growing curve through, or near, pairs of amplitude and half-gap.
+    """A growing curve through pairs of amplitude and half-gap, a shape-preserving interpolation.
 
-    "monotone" is a shape-preserving interpolation, "cubic" the least-squares polynomial of section 4.4. The thesis's
-    cubic was fitted to small gaps and is 2.6e-4 rad off at the largest gap of its datasets.
+    Section 4.4 has a least-squares cubic instead (``coefficients``). The thesis's own was fitted to small gaps and is
+    2.6e-4 rad off at the largest gap of its datasets.
 
     Attributes:
         amplitude: (m,) expected amplitudes in rpm, increasing.
         half_gap: (m,) rad, increasing.
-        method: the kind of curve, "monotone" or "cubic".
         name: the joint of this calibration and the calibration's origin.
         fitted: (m,) rpm, increasing: the mean strength of the fits to a half-gap's recordings; None if unknown.
         scatter: (m,) rpm: the standard deviation of those strengths over the positions of the samples; None likewise.
@@ -63,13 +62,12 @@ class Calibration:
         friction: the friction at the load as a part of gravity's torque; None if unknown.
 
     Raises:
-        BenchError: for too few pairs, pairs that do not increase, a cubic that does not grow between them, and fitted
-            amplitudes that do not grow with the half-gap or have no scatter.
+        BenchError: for too few pairs, pairs that do not increase, and fitted amplitudes that do not grow with the
+            half-gap or have no scatter.
     """
 
     amplitude: Floats
     half_gap: Floats
-    method: str = "monotone"
     name: str = ""
     fitted: Floats | None = None
     scatter: Floats | None = None
@@ -78,17 +76,14 @@ class Calibration:
     friction: float | None = None
 
     def __post_init__(self) -> None:
-        if self.method not in FEWEST:
-            raise BenchError(f"the method of a calibration must be 'monotone' or 'cubic', not {self.method!r}")
         if self.amplitude.shape != self.half_gap.shape or self.amplitude.ndim != 1:
             raise BenchError(
                 f"a calibration pairs each amplitude with a half-gap, but there are {self.amplitude.size} amplitudes "
                 f"and {self.half_gap.size} half-gaps"
             )
-        if len(self.amplitude) < FEWEST[self.method]:
+        if len(self.amplitude) < FEWEST:
             raise BenchError(
-                f"a {self.method} calibration needs at least {FEWEST[self.method]} pairs of amplitude and half-gap, "
-                f"not {len(self.amplitude)}"
+                f"a calibration needs at least {FEWEST} pairs of amplitude and half-gap, not {len(self.amplitude)}"
             )
         self._check_growing(self.half_gap, "half-gap")
         self._check_growing(self.amplitude, "amplitude")
@@ -98,26 +93,15 @@ class Calibration:
         if self.friction is not None and not (is_finite(self.friction) and self.friction >= 0):
             raise BenchError(f"the friction of a calibration must be finite and not negative, not {self.friction!r}")
         self._check_fits()
-        if self.method == "cubic" and not self._cubic_grows():
-            raise BenchError(
-                f"no calibration: the cubic through these pairs does not grow all the way from {self.range[0]:.4g} to "
-                f"{self.range[1]:.4g} rpm; take a smaller range of half-gaps, or the method 'monotone'"
-            )
 
     @property
     def range(self) -> tuple[float, float]:
         """The smallest and the largest amplitude in rpm that this calibration covers."""
         return float(self.amplitude[0]), float(self.amplitude[-1])
 
-    def in_range(self, amplitude: float) -> bool:
-        """Return whether this calibration covers an amplitude in rpm of either sign."""
-        return self.range[0] <= abs(amplitude) <= self.range[1]
-
     def backlash(self, amplitude: float) -> float:
         """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range."""
-        if self.method == "monotone":
-            return float(self._curve(abs(amplitude)))
-        return 1e-6 * float(np.polyval(self.coefficients, abs(amplitude))) if self.in_range(amplitude) else np.nan
+        return float(self._curve(abs(amplitude)))
 
     def expected(self, fitted: float) -> float:
         """Return the expected amplitude in rpm for a fit's strength in rpm; NaN outside the fitted range.
@@ -157,15 +141,10 @@ class Calibration:
             "and give --calibration"
         )
 
-    @cached_property
+    @property
     def coefficients(self) -> Floats:
         """(4,) of the least-squares cubic in the form of eq. 4.7: 1e-6 rad by powers of the amplitude in rpm."""
         return np.polyfit(self.amplitude, 1e6 * self.half_gap, 3)
-
-    @property
-    def residual(self) -> float:
-        """The largest distance in rad of a pair's half-gap from the curve; 0 for an interpolation."""
-        return float(max(abs(self.backlash(a) - gap) for a, gap in zip(self.amplitude, self.half_gap, strict=True)))
 
     @property
     def deviation(self) -> float:
@@ -188,19 +167,17 @@ class Calibration:
         """
         content: dict[str, Any] = {
             "name": self.name,
-            "method": self.method,
             "amplitude_rpm": self.amplitude.tolist(),
             "half_gap_rad": self.half_gap.tolist(),
         }
         content |= {key: value for key in JOINT if (value := getattr(self, key)) is not None}
         if self.fitted is not None and self.scatter is not None:
             content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
-        remark = f"# {self.formula()}\n" if self.method == "cubic" else ""
         with replacing(Path(path)) as temporary:
             temporary.write_text(
                 f"# {command}\n"
                 "# The half-gap of a joint by the amplitude of the disturbance it makes.\n"
-                f"{remark}{tomli_w.dumps(content)}",
+                f"{tomli_w.dumps(content)}",
                 encoding="utf-8",
             )
 
@@ -223,7 +200,7 @@ class Calibration:
         """
         later = np.append(np.minimum.accumulate(values[::-1])[::-1][1:], np.inf)  # the smallest value after each
         count = int(np.argmin(np.append(values < later, False)))
-        if count < FEWEST[self.method] or (np.diff(self.half_gap[:count]) <= 0).any():
+        if count < FEWEST or (np.diff(self.half_gap[:count]) <= 0).any():
             return "take half-gaps over which it grows"
         last = self.half_gap[count - 1]
         return (
@@ -247,12 +224,6 @@ class Calibration:
                 "every scatter of a calibration must be finite and not negative, and every fitted amplitude positive"
             )
 
-    def _cubic_grows(self) -> bool:
-        """Return whether the cubic's slope, a parabola, is positive from end to end."""
-        slope = np.polyder(self.coefficients)
-        vertex = -slope[1] / (2 * slope[0]) if slope[0] else self.range[0]
-        return bool((np.polyval(slope, [*self.range, np.clip(vertex, *self.range)]) > 0).all())
-
     @cached_property
     def _curve(self) -> PchipInterpolator:
         return PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)
@@ -274,8 +245,8 @@ def polynomial(coefficients: Sequence[float] | Floats) -> str:
     return f"{first:.4f} A^3{''.join(terms)}"
 
 
-def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monotone") -> Calibration:
-    """Return the "monotone" or "cubic" calibration of a joint by a simulation of each of 2 to 100 half-gaps in rad.
+def calibrate(joint: Joint, half_gaps: Sequence[float]) -> Calibration:
+    """Return the calibration of a joint by a simulation of each of 2 to 100 half-gaps in rad.
 
     Raises:
         BenchError: for too few or too many half-gaps, half-gaps that do not increase, and a joint whose disturbance is
@@ -297,7 +268,7 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
         )
     extent = f"half-gaps {gaps.min():g} … {gaps.max():g} rad"
     return Calibration(
-        amplitude, gaps, method, f"{described(joint)}, simulated, {extent}",
+        amplitude, gaps, f"{described(joint)}, simulated, {extent}",
         gear_ratio=joint.gear_ratio, speed_rps=joint.nominal_speed, friction=joint.friction,
     )  # fmt: skip
 
@@ -319,7 +290,7 @@ def sensor_calibration() -> Calibration:
 
 
 def load_calibration(path: str | Path) -> Calibration:
-    """Return the calibration of a TOML file: its name and method, amplitudes in rpm and half-gaps in rad.
+    """Return the calibration of a TOML file: its name, amplitudes in rpm and half-gaps in rad.
 
     ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate' writes, may be left out; so may ``gear_ratio``,
     ``speed_rps`` and ``friction``, which recordings are not compared with then.
@@ -330,8 +301,10 @@ def load_calibration(path: str | Path) -> Calibration:
     where = f"calibration {path}"
     content = read_toml(path, where)
     allowed = {
-        "name", "method", *JOINT, "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
+        "name", *JOINT, "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
     }  # fmt: skip
+    if content.pop("method", "monotone") != "monotone":  # in files of older versions
+        raise BenchError(f"{where} is a cubic, which only older versions read; make it anew by 'bench calibrate'")
     for key in content:
         if key not in allowed:
             raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, allowed)}")
@@ -341,8 +314,7 @@ def load_calibration(path: str | Path) -> Calibration:
     )
     joint = (content.get(key) for key in JOINT)
     try:
-        method, name = content.get("method", "monotone"), str(content.get("name", path))
-        return Calibration(amplitude, gaps, method, name, fitted, scatter, *joint)
+        return Calibration(amplitude, gaps, str(content.get("name", path)), fitted, scatter, *joint)
     except BenchError as error:
         raise BenchError(f"{where}: {error}") from error
 

@@ -107,7 +107,7 @@ def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figu
         published = np.polyval(EQUATION_4_7, between)
         ax.plot(between, published, "--", color=style.REFERENCE, linewidth=1.0, label="eq. 4.7 of the thesis")
     curve = 1e6 * np.array([calibration.backlash(a) for a in between])
-    ax.plot(between, curve, color=style.PALETTE[0], linewidth=1.0, label=calibration.method)
+    ax.plot(between, curve, color=style.PALETTE[0], linewidth=1.0, label="calibration")
     ax.plot(calibration.amplitude, 1e6 * calibration.half_gap, "o", color="black", markersize=3, label="simulated")
     ax.set_xlabel(AMPLITUDE)
     ax.set_ylabel(DELTA)

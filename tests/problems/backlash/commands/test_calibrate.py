@@ -13,16 +13,16 @@ def test_the_default_gives_the_thesis_s_cubic_its_range_and_its_distance_from_eq
     said = command(calibrate, "--no-fits")
     assert said.startswith("default joint, simulated, half-gaps 0.0003 … 0.0021 rad\n")
     assert "        0.275503          0.000300\n" in said
-    assert "delta = 1e-6 (-0.0015 A^3 + 0.4073 A^2 + 10.7968 A + 17.0994) rad, A in rpm; at most 2e-07 rad" in said
+    assert "delta = 1e-6 (-0.0015 A^3 + 0.4073 A^2 + 10.7968 A + 17.0994) rad, A in rpm\n" in said
     assert "range: 0.2755 to 1.111 rps" in said
-    assert "difference from eq. 4.7 of the thesis: at most 2.9" in said
+    assert "difference from eq. 4.7 of the thesis: at most 2." in said
 
 
 def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path):
     (tmp_path / "joint.toml").write_text("payload_kg = 4\n")
     output = tmp_path / "calibration.toml"
     said = command(
-        calibrate, "--joint", tmp_path / "joint.toml", "--gaps", "0.0005:0.0015:3", "--method", "monotone",
+        calibrate, "--joint", tmp_path / "joint.toml", "--gaps", "0.0005:0.0015:3",
         "--no-fits", "--output", output, "--plot", tmp_path / "figures",
     )  # fmt: skip
     assert "eq. 4.7" not in said
@@ -51,7 +51,7 @@ def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_
         return np.array([22.75, 41.5]), np.array([0.5, 1.25])
 
     monkeypatch.setattr(response, "response", known)
-    given = ["--gaps", "0.0005:0.0011:2", "--method", "monotone"]
+    given = ["--gaps", "0.0005:0.0011:2"]
     said = command(calibrate, *given, "--jobs", 1, "--output", tmp_path / "a.toml")
     assert asked == [(Joint(), [0.0005, 0.0011], 1)]
     assert "amplitude in rps   half-gap in rad   fit in rps   its scatter\n" in said
@@ -72,14 +72,12 @@ def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_
         (["--levels", "2:21"], "from 1 to 20"),
         (["--levels", "2"], "--levels must be FIRST:LAST"),
         (["--levels", "5:2"], "--levels must be FIRST:LAST"),
-        (["--levels", "2:3"], "needs at least 4 pairs"),
         (["--gaps", "0:0.004"], "--gaps must be FROM:TO:COUNT"),
         (["--gaps", "0:0.004:x"], "--gaps must be FROM:TO:COUNT"),
         (["--gaps", "0:0.004:1000"], "in 2 to 100 half-gaps"),
         (["--gaps", "nan:0.004:5"], "--gaps must rise"),
         (["--gaps", "0.004:0.001:5"], "--gaps must rise"),
         (["--gaps", "0:0.004:5", "--levels", "2:11"], "either --levels or --gaps"),
-        (["--method", "spline"], "must be 'monotone' or 'cubic', not 'spline'"),
         (["--output", "a.csv"], "a.csv must end in .toml"),
         (["--output", "there.toml"], "is there already"),
         (["--output", "none/a.toml"], "there is no folder none"),
