@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
+from bench.cli.console import table
 from bench.helpers.parsing import parse_json, read_text
 from bench.storage.folder import ANSWER
 
@@ -31,13 +31,7 @@ def shown(content: dict[str, Any]) -> Group:
     if content.get("selection"):
         parts.append(Text(str(content["selection"])))
     if content["rows"]:
-        first, *heads = map(str, content["columns"])
-        table = Table(first, box=None, pad_edge=False)
-        for head in heads:
-            table.add_column(head, justify="right")
-        for row in content["rows"]:
-            table.add_row(*(Text(str(cell)) for cell in row))
-        parts += [Text(), table]
+        parts += [Text(), table([*map(str, content["columns"])], content["rows"], right=True)]
     if content.get("more"):
         parts.append(Text(str(content["more"])))
     return Group(*parts)

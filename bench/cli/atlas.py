@@ -7,10 +7,8 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
-from bench.cli.console import Jobs
+from bench.cli.console import Jobs, table
 from bench.helpers.console import print_line
 from bench.helpers.text import count
 
@@ -50,14 +48,12 @@ def command(
         on_progress("comparing", 1, 1)
         comparison = compare(surveyed)
     page = write_atlas(comparison, chosen, output, trials=trials, budget=budget, seed=seed)
-    shown = Table(box=None, pad_edge=False)
-    for head in ("method", "implementation", "letter", "finding"):
-        shown.add_column(head, overflow="fold")
-    for entry in comparison.surveyed:
-        implementation = entry.implementation
-        letter = comparison.groups.get(implementation.key, "–")
-        shown.add_row(*map(Text, (implementation.method, implementation.label, letter, "; ".join(findings(entry)))))
-    console.print(shown)
+    rows = [
+        (made.method, made.label, comparison.groups.get(made.key, "–"), "; ".join(findings(entry)))
+        for entry in comparison.surveyed
+        for made in [entry.implementation]
+    ]
+    console.print(table(("method", "implementation", "letter", "finding"), rows))
     print_line(
         f"{comparison.counted} ({count(len(comparison.tests), 'test')}, adjusted together); "
         "implementations of one letter were not found different",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.table import Table
+from rich.text import Text
 
 from bench.cli import completion
 from bench.numbers import require_jobs, span
@@ -71,6 +74,23 @@ ProblemParameters = Annotated[
     list[str] | None,
     typer.Option("--problem-option", help="An option of the problem, as in unit=rpm; repeatable."),
 ]
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], *, right: bool = False, title: str = "") -> Table:
+    """Return a table without borders for a terminal, whose cells are printed as they are.
+
+    Args:
+        heads: of the columns; no head is printed where all are "".
+        rows: the cells of each; a ``Text`` keeps its style.
+        right: whether the columns but the first are aligned at the right, as numbers are.
+        title: printed above the table.
+    """
+    made = Table(title=title or None, title_justify="left", box=None, pad_edge=False, show_header=any(heads))
+    for place, head in enumerate(heads):
+        made.add_column(Text(head), justify="right" if right and place else "left", overflow="fold")
+    for row in rows:
+        made.add_row(*(cell if isinstance(cell, Text) else Text(str(cell)) for cell in row))
+    return made
 
 
 def usage(error: Any) -> str:

@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from bench.cli import completion
+from bench.cli.console import table
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 from bench.sandbox.messages import describe_error
@@ -64,12 +63,7 @@ def command(
             frame.to_csv(temporary, lineterminator="\n", encoding="utf-8")
     for first in range(0, len(frame), BESIDE):
         part = frame.iloc[first : first + BESIDE]
-        table = Table("feature", box=None, pad_edge=False)
-        for name in part.index:
-            table.add_column(Text(str(name)), justify="right")
-        for feature in part:
-            values = ["–" if pd.isna(value) else f"{value:.4g}" for value in part[feature]]
-            table.add_row(str(feature), *values)
-        console.print(table, "")
+        features = part.map(lambda value: "–" if pd.isna(value) else f"{value:.4g}").T
+        console.print(table(["feature", *map(str, part.index)], features.itertuples(), right=True), "")
     if csv is not None:
         print_line(f"features: {csv}", console=console)

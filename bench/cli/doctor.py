@@ -16,10 +16,10 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
+from bench.cli.console import table
 from bench.errors import BenchError
 from bench.helpers.console import print_line
 from bench.plugins import registry
@@ -73,14 +73,12 @@ def examine(folder: Path | None = None) -> Iterator[Diagnosis]:
 
 
 def _show(findings: list[Diagnosis], console: Console) -> None:
-    table = Table("", "what", "found", "state", box=None, pad_edge=False)
-    last = ""
+    rows, last = [], ""
     for finding in findings:
-        topic = Text(finding.topic if finding.topic != last else "", style="bold")
-        state = Text(finding.state, style=STYLES[finding.state])
-        table.add_row(topic, Text(finding.name), Text(finding.found), state)
+        topic = Text(finding.topic if finding.topic != last else "", "bold")
+        rows.append((topic, finding.name, finding.found, Text(finding.state, STYLES[finding.state])))
         last = finding.topic
-    console.print(table)
+    console.print(table(("", "what", "found", "state"), rows))
     extras = [finding.name for finding in findings if finding.topic == "extras" and finding.state == "note"]
     if extras:  # in one line, as the table has each
         install = f"pip install '{registry.DISTRIBUTION}[{','.join(extras)}]'"

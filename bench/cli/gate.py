@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.panel import Panel
-from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
+from bench.cli.console import table
 from bench.helpers.console import print_line
 
 STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
@@ -68,10 +68,8 @@ def command(
         with replacing(markdown) as temporary:
             temporary.write_text(verdict.markdown(), encoding="utf-8")
     console.print(Panel(Text(verdict.sentence), title=outcome, style=STYLES[outcome]))
-    table = Table(*HEADS, box=None, pad_edge=False)
-    for row in verdict.rows:
-        table.add_row(*map(Text, row), style="red" if row[-1] == "worse" else "")
-    console.print(table)
+    rows = [[Text(cell, style="red" if row[-1] == "worse" else "") for cell in row] for row in verdict.rows]
+    console.print(table(HEADS, rows))
     for note in verdict.notes:
         print_line(note, console=console)
     if code := 0 if allow_undecided and outcome == "undecided" else CODES[outcome]:

@@ -11,10 +11,10 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
+from bench.cli.console import table
 from bench.errors import BenchError, nearest
 from bench.plugins import registry
 
@@ -78,7 +78,7 @@ def command(
         print(json.dumps(records(kind, family) if matching is None else matching, indent=1, default=str))
     elif matching is not None:
         rows = [(*_words(record), "red" if "error" in record else "") for record in matching]
-        _print(f"with {search!r}", rows, Console())
+        _print(f"with {search!r}", rows, True, Console())
     else:
         show(kind, family, full, Console())
 
@@ -122,63 +122,55 @@ def _require_known(what: str, name: str, names: Iterable[str]) -> None:
 def show(kind: str, family: str, full: bool, console: Console) -> None:
     """Print the plug-ins of one kind or of all, or of one family; one that fails to load by its error."""
     if family and kind == "problems":
-        console.print(_problems(family), "")
-        try:  # to load one, which may need an extra
-            if grid := registry.grid(family):
-                registry.load(kind, family).load(next(grid.names(instances=[1])))
-        except BenchError as error:
-            console.print(Text(str(error), style="red"))
-        return
-    if kind == "all":
+        _print_suite(family, console)
+    elif kind == "all":
         for group in KINDS:
             console.print(Text(f"{group}: {', '.join(sorted(registry.entries(group)))}"), "")
         console.print(
             Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
         )
-        return
-    if family and registry.is_family(registry.load(kind, family)):
-        plugin = registry.load(kind, family)
+    elif family and registry.is_family(plugin := registry.load(kind, family)):
         rows = [(name, *_describe(_optimizer, name)) for name in plugin.names()]
-        if not rows:
-            about = inspect.getdoc(plugin) or f"{family} has no list of its members"
-            for paragraph in about.replace("``", "").split("\n\n"):
-                console.print(Text(" ".join(paragraph.split())))
+        if rows:
+            _print(kind, _shared_lines_first(rows, f"all of {family}") if full else rows, full, console)
             return
-        rows = _shared_lines_first(rows, f"all of {family}") if full else rows
+        about = inspect.getdoc(plugin) or f"{family} has no list of its members"
+        for paragraph in about.replace("``", "").split("\n\n"):
+            console.print(Text(" ".join(paragraph.split())))
     else:
         full = full or bool(family)
         names = [family] if family else sorted(registry.entries(kind))
-        rows = [(name, *_describe(_about, kind, name, full)) for name in names]
-    _print(kind, rows if full else [(name, about.partition("\n")[0], style) for name, about, style in rows], console)
+        _print(kind, [(name, *_describe(_about, kind, name, full)) for name in names], full, console)
 
 
-def _print(title: str, rows: list[Row], console: Console) -> None:
-    table = _table(title, "name", "what it is")
-    for name, about, style in rows:
-        table.add_row(Text(name, no_wrap=True), Text(about, style=style))
-    console.print(table, "")
+def _print(title: str, rows: list[Row], full: bool, console: Console) -> None:
+    """Print a table of names and what they are, in one line each unless ``full``."""
+    cells = [
+        (Text(name, no_wrap=True), Text(about if full else about.partition("\n")[0], style))
+        for name, about, style in rows
+    ]
+    console.print(table(("name", "what it is"), cells, title=title), "")
 
 
-def _table(title: str, *heads: str) -> Table:
-    return Table(*heads, title=title, title_justify="left", box=None, pad_edge=False)
-
-
-def _problems(family: str) -> Table:
-    """Return a suite's functions with their dimensions, or the names of another family of problems."""
-    grid = registry.grid(family)
-    if grid is None:
-        table = _table(family, "name")
-        for record in _problem_records(family):
-            table.add_row(Text(record["name"]))
-        return table
-    titles, instances = ["what it is"] if grid.titles else [], ["instances"] if grid.instances else []
-    table = _table(family, "function", *titles, "dimensions", *instances, "first name")
-    for record in _problem_records(family):
-        title = [record["title"]] if grid.titles else []
-        number = [f"1 to {grid.instances}"] if grid.instances else []
-        dimensions = ", ".join(map(str, record["dimensions"]))
-        table.add_row(record["function"], *title, dimensions, *number, Text(record["name"]))
-    return table
+def _print_suite(family: str, console: Console) -> None:
+    """Print a suite's functions with their dimensions, or the names of another family of problems."""
+    grid, listed = registry.grid(family), _problem_records(family)
+    columns = {"name": [record["name"] for record in listed]}
+    if grid:
+        columns = {
+            "function": [record["function"] for record in listed],
+            "what it is": [record["title"] for record in listed if grid.titles],
+            "dimensions": [", ".join(map(str, record["dimensions"])) for record in listed],
+            "instances": [f"1 to {grid.instances}" for _ in listed if grid.instances],
+            "first name": columns["name"],
+        }
+    shown = {head: cells for head, cells in columns.items() if cells}
+    console.print(table([*shown], zip(*shown.values(), strict=True), title=family), "")
+    try:  # to load one, which may need an extra
+        if grid:
+            registry.load("problems", family).load(next(grid.names(instances=[1])))
+    except BenchError as error:
+        console.print(Text(str(error), style="red"))
 
 
 def records(kind: str, family: str = "") -> list[dict[str, Any]]:

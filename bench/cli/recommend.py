@@ -8,11 +8,9 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import ProblemParameters
+from bench.cli.console import ProblemParameters, table
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 
@@ -51,18 +49,16 @@ def command(
     advice = recommend(problem, folders, budget, pairs(problem_option), name)
     console = Console()
     if len(advice.nearest):
-        near = Table("most similar problem", "distance", "best there", box=None, pad_edge=False)
-        for row in advice.nearest.to_dict("records"):
-            near.add_row(Text(str(row["problem"])), f"{row['distance']:.2f}", Text(str(row["best"])))
-        console.print(near, "")
+        near = [(row["problem"], f"{row['distance']:.2f}", row["best"]) for row in advice.nearest.to_dict("records")]
+        console.print(table(("most similar problem", "distance", "best there"), near), "")
     where, reached = ("these", "targets after the sample") if len(advice.nearest) else ("all", "targets")
     heads = (f"best on {where}", reached, "points above the single best, without a sample")
-    best = Table(*heads, box=None, pad_edge=False)
+    best = []
     for row in advice.best.to_dict("records"):
         gain, low, high = (100 * float(row[name]) for name in ("gain", "low", "high"))
         interval = "" if isnan(low) else f" ({low:+.1f} to {high:+.1f})"
-        best.add_row(Text(str(row["optimizer"])), f"{row['score']:.1%}", f"{gain:+.1f}{interval}")
-    console.print(best, "")
+        best.append((row["optimizer"], f"{row['score']:.1%}", f"{gain:+.1f}{interval}"))
+    console.print(table(heads, best), "")
     for note in advice.notes:
         print_line(note, console=console)
     if advice.study is None:

@@ -8,11 +8,9 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Parameters
+from bench.cli.console import Parameters, table
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_line
 
@@ -76,22 +74,15 @@ def command(
     console = Console()
     with steps(console, "similar") as on_progress:
         result = similarity(behaviours(loaded, problems, trials, budgets, seed, on_progress), seed=seed)
-    table = Table(box=None, pad_edge=False)
-    for head in ("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"):
-        table.add_column(head, overflow="fold")
+    rows = []
     for name in names:
         involved = result.pairs[(result.pairs["first"] == name) | (result.pairs["second"] == name)]
         near = involved.sort_values("distance", kind="stable").to_dict("records")[0]
         neighbour = near["second"] if near["first"] == name else near["first"]
         own_distance = float(result.distances.to_numpy()[names.index(name), names.index(name)])
-        cells = (
-            f"{own_distance:.3f}",
-            neighbour,
-            f"{near['distance']:.3f}",
-            p_text(near["p_holm"]).removeprefix("p ").removeprefix("= "),
-        )
-        table.add_row(Text(name), str(result.clusters[name]), *map(Text, cells))
-    console.print(table)
+        p = p_text(near["p_holm"]).removeprefix("p ").removeprefix("= ")
+        rows.append((name, result.clusters[name], f"{own_distance:.3f}", neighbour, f"{near['distance']:.3f}", p))
+    console.print(table(("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"), rows))
     groups = [list(alike.index) for _, alike in result.clusters.groupby(result.clusters) if len(alike) > 1]
     if trials < result.needed:
         few = f"{trials // 2} against {trials // 2} trials can distinguish none of {count(len(result.pairs), 'pair')}"

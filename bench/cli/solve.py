@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Constraints, Parameters, ProblemParameters, Untrusted
+from bench.cli.console import Constraints, Parameters, ProblemParameters, Untrusted, table
 from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
 from bench.helpers.text import said
@@ -58,16 +56,15 @@ def command(
     if row["status"] != "ok":
         print_error(row["error"] if row.get("problem") else f"{optimizer} failed on {problem}: {row['error']}")
         sys.exit(1)
-    table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_row("best value, without noise" if row.get("noisy") else "best value", repr(row["fun"]))
-    for name, value in row["x"].items():
-        table.add_row(Text(f"  {name}"), f"{value:.10g}")
-    for name, value in row["metrics"].items():
-        table.add_row(Text(name), f"{value:.6g}")
-    table.add_row("evaluations", Text(f"{row['nfev']} (stopped by: {row['stop']})"))
     objective = row["objective_s"]
-    table.add_row("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer")
-    Console().print(table)
+    rows = [
+        ("best value, without noise" if row.get("noisy") else "best value", repr(row["fun"])),
+        *((f"  {name}", f"{value:.10g}") for name, value in row["x"].items()),
+        *((name, f"{value:.6g}") for name, value in row["metrics"].items()),
+        ("evaluations", f"{row['nfev']} (stopped by: {row['stop']})"),
+        ("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer"),
+    ]
+    Console().print(table(("", ""), rows))
 
 
 def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console, Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
-from bench.cli.console import Output
+from bench.cli.console import Output, table
 from bench.helpers.console import duration, print_line
 from bench.helpers.text import count
 
@@ -101,16 +100,16 @@ def summary(folder: Folder) -> Group:
         for problem in study.problems
         for entry in study.with_controls
     }
-    table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
+    rows = []
     for entry in study.with_controls:
         its_cells = [cell for cell in cells if cell.optimizer == entry.label]
         done, lost = sum(cell.done for cell in its_cells), sum(cell.failed for cell in its_cells)
         seconds = sum(cell.wall_s for cell in its_cells)  # 0 of imported trials, whose times are unknown
         mean = f"{seconds / done:.3g}" if done and seconds else ""
         planned = sum(trials for (_, label), trials in most.items() if label == entry.label)
-        table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
+        rows.append((entry.label, done, Text(str(lost), "red" if lost else ""), planned, mean))
     head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")
-    lines: list[RenderableType] = [*head, table]
+    lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
     if study.looks:
         looks = ", ".join(map(str, study.looks))
         at = ", ".join(f"{list(stopped.values()).count(look)} at {look}" for look in sorted({*stopped.values()}))
