@@ -22,7 +22,7 @@ FEWEST = 2  # trials of every optimizer on every instance; with fewer a stratum 
 
 def strata(frame: pd.DataFrame) -> dict[str, list[Samples]]:
     """Return the scores of each problem by stratum and optimizer (:func:`rows`), near-ties as ties."""
-    values: Floats = scores(frame, merge=True).to_numpy(dtype=np.float64)
+    values = np.asarray(scores(frame, merge=True), dtype=np.float64)
     return {label: [[values[cell] for cell in group] for group in groups] for label, groups in rows(frame).items()}
 
 
