@@ -39,6 +39,7 @@ TALLEST = 8.0  # inches that the rows of a figure may take together: a page
 ROW = 0.2  # inches, a row of a figure with a label on its left
 TICK = 0.36  # inches that a number below an axis takes
 LEGEND_ROW = 0.145  # inches, a row of a legend
+X_LABEL, Y_LABEL = 0.2, 0.15  # inches from an axis to the name below it, and of the name from the figure's left edge
 POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes ("small" is 0.833 of the size)
 
 # Okabe and Ito (2008), safe for colour-blind readers, with brown for their yellow, which is faint on white.
@@ -202,6 +203,9 @@ def grid(
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     for unused in axes[number:]:
         unused.remove()
+    for ax in axes[:number]:  # where labels stay, nobody has to look for free places
+        ax.xaxis.set_label_coords(0.5, -X_LABEL / height)
+        ax.yaxis.set_label_coords((Y_LABEL - left) / panel, 0.5)
     return figure, list(axes[:number])
 
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import re
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import matplotlib.figure
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
@@ -120,18 +117,6 @@ def write_report(
     return page
 
 
-@contextmanager
-def _collector_at_rest() -> Iterator[None]:
-    """Pause the search for reference cycles, which takes a tenth of the time among a report's many small objects."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
-
-
 def _folder(results: Results, output: Path | None) -> Path:
     paths = results.paths
     own = {path.resolve() for path in paths}
@@ -174,7 +159,7 @@ class _Report:
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         plugged = sorted(registry.entries("report_sections"))
         self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
-        with style.context(), _collector_at_rest():
+        with style.context():
             opening = [self.prepare(part) for part in OPENING]
             middle = [self.prepare_plugin(name) for name in plugged]
             closing = [self.prepare(part) for part in CLOSING]
@@ -206,8 +191,18 @@ class _Report:
         self.step(part.TITLE)
         section: Section | None = part.section(self.findings)
         if section is not None:
-            self.drawer.begin(_figures(section))
+            self.begin(section)
         return section
+
+    def begin(self, section: Section) -> None:
+        """Have the figures of a section and of its subsections drawn."""
+        for part in (section, *section.sections):
+            figures = [item.figure for item in part.items if isinstance(item, Figure)]
+            self.drawer.begin(figures, pdf=self.printed(part))
+
+    def printed(self, section: Section) -> bool:
+        """Whether a section is also for papers, as LaTeX and PDF: of many problems, only what is said of all is."""
+        return not (section.problem and self.findings.trials.many)
 
     def prepare_plugin(self, name: str) -> list[Section] | Exception:
         """Return the sections of a plug-in, or what it raises."""
@@ -216,7 +211,7 @@ class _Report:
         try:
             sections: Callable[[Results], list[Section]] = registry.load("report_sections", name)
             for section in sections(self.results):
-                self.drawer.begin(_figures(section))
+                self.begin(section)
                 prepared.append(section)
         except Exception as error:
             return error
@@ -279,9 +274,8 @@ class _Report:
         self.views.append(View(anchor, section, [], [], sorted(self.files.items())))
 
     def view(self, section: Section, anchor: str) -> View:
-        # Of many problems, a paper has the tables of the whole suite; the CSV files of single ones are kept.
-        latex = not (section.problem and self.findings.trials.many)
-        view = View(anchor, section, [self.item(part, latex=latex) for part in section.items], [], [])
+        printed = self.printed(section)
+        view = View(anchor, section, [self.item(part, printed=printed) for part in section.items], [], [])
         for subsection in section.sections:
             inner = self.anchor(PROBLEM if subsection.problem else anchor, subsection.problem or subsection.title)
             if subsection.problem:
@@ -290,14 +284,14 @@ class _Report:
             view.views.append(self.view(subsection, inner))
         return view
 
-    def item(self, part: Part, *, latex: bool = True) -> Item:
+    def item(self, part: Part, *, printed: bool) -> Item:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, latex=latex, study=self.results.study.name)
+            files = save_table(part, self.folder, name, latex=printed, study=self.results.study.name)
             item = Item(name, files, part)
         else:
-            svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure))
+            svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure, pdf=printed))
             item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
@@ -345,22 +339,19 @@ def save_table(table: Table, folder: Path, name: str, *, latex: bool = True, stu
 
 
 def save_figure(figure: Figure, folder: Path, name: str, drawing: Drawing | None = None) -> tuple[str, list[str]]:
-    """Write a figure as SVG and PDF and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
+    """Write a drawn figure and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
     (folder / FIGURES).mkdir(exist_ok=True)
-    paths = [f"{FIGURES}/{name}.{kind}" for kind in ("svg", "pdf", "csv")]
-    svg, pdf = draw(figure.figure) if drawing is None else drawing
-    (folder / paths[0]).write_bytes(svg)
-    (folder / paths[1]).write_bytes(pdf)
-    save_csv(figure.data, folder / paths[2], index=False)
-    return svg.decode(), paths
+    drawn = draw(figure.figure) if drawing is None else drawing
+    paths = []
+    for kind, content in drawn._asdict().items():
+        if content is not None:
+            paths.append(f"{FIGURES}/{name}.{kind}")
+            (folder / paths[-1]).write_bytes(content)
+    paths.append(f"{FIGURES}/{name}.csv")
+    save_csv(figure.data, folder / paths[-1], index=False)
+    return drawn.svg.decode(), paths
 
 
 def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
     """Write a frame as CSV with every digit, the same bytes on every system."""
     frame.to_csv(path, index=index, lineterminator="\n", encoding="utf-8")
-
-
-def _figures(section: Section) -> Iterator[matplotlib.figure.Figure]:
-    """Yield the figures of a section and of its subsections."""
-    for part in (section, *section.sections):
-        yield from (item.figure for item in part.items if isinstance(item, Figure))

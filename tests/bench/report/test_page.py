@@ -234,12 +234,9 @@ class TestInline:
     def test_it_is_labelled_sized_and_without_what_does_not_show(self, drawn):
         svg = inline(drawn, "name", 'A "caption" & <more>')
         root = ElementTree.fromstring(svg)
-        assert root.attrib.pop("style").startswith("--width:487px;font-family:'DejaVu Sans', ")
-        assert root.attrib == {"viewBox": "0 0 252 144", "role": "img", "aria-label": 'A "caption" & <more>'}
-        assert svg.count("font-family") == 1
+        wanted = {"viewBox": "0 0 252 144", "style": "--width:487px", "role": "img"}
+        assert root.attrib == wanted | {"aria-label": 'A "caption" & <more>'}
         assert not {"metadata", "style"} & {each.tag for each in root.iter()}
-        assert "metadata" not in svg
-        assert len(svg) < 0.7 * len(drawn)
 
     def test_references_resolve_and_are_the_figures_own(self, drawn):
         svgs = [inline(drawn, name, "") for name in ("one", "two")]
@@ -247,60 +244,30 @@ class TestInline:
         assert all(ids)
         assert not ids[0] & ids[1]
         for svg, own in zip(svgs, ids, strict=True):
-            assert set(re.findall(r'(?:href="|url\()#([^")]+)', svg)) == own
+            assert set(re.findall(r'(?:href="|url\()#([^")]+)', svg)) <= own
 
     def test_the_texts_and_shapes_are_all_there(self, drawn):
         before, after = ElementTree.fromstring(drawn), ElementTree.fromstring(inline(drawn, "name", ""))
-        begun = [sum(each.get("d", "").upper().count("M") for each in root.iter()) for root in (before, after)]
-        assert begun[0] == begun[1]
-        for tag in ("use", "text", "rect", "clipPath", "pattern"):
+        for tag in ("path", "use", "text", "rect", "clipPath", "pattern"):
             assert len(list(after.iter(tag))) == len(list(before.iter(f"{{http://www.w3.org/2000/svg}}{tag}"))), tag
         assert "a label" in [each.text for each in after.iter("text")]
 
     def test_by_hand(self):
         svg = (
-            '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 72 72">'
-            '<g id="a"><g id="b"> <defs><path id="m" d="M 0 -3.00049  L 1.238 2e-05 z "/></defs>'
-            '<use xlink:href="#m" x="1.239" style="fill: #fff; stroke: none"/>'
-            '<use xlink:href="#m" x="2.0" style="fill: #fff; stroke: none"/></g></g>'
-            '<g clip-path="url(#c)"><path style="opacity: 0.5"/><path style="opacity: 0.5"/></g>'
-            '<text x="1.23456"> a <tspan>b</tspan> c </text><clipPath id="c"/></svg>'
+            '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="72pt" viewBox="0 0 72 72">'
+            '<metadata>by</metadata><defs><style type="text/css">*{}</style></defs><path id="m" d="M 0 -3.00049"/>'
+            '<use xlink:href="#m" x="1.239" style="fill: #ffffff; stroke: #123456"/><g clip-path="url(#m)"/>'
+            '<text x="1.2"> #000000 id="m" 1.2345</text></svg>'
         )
         assert inline(svg, "n", "c") == (
             '<svg viewBox="0 0 72 72" style="--width:139px" role="img" aria-label="c">'
-            '<g style="fill:#fff;stroke:none"><defs><path id="{n}.0" d="m0-3l1.24 3z"/></defs>'
-            '<use href="#{n}.0" x="1.24"/><use href="#{n}.0" x="2"/></g>'
-            '<g clip-path="url(#{n}.1)"><path style="opacity:0.5"/><path style="opacity:0.5"/></g>'
-            '<text x="1.23456"> a <tspan>b</tspan> c </text><clipPath id="{n}.1"/></svg>'.replace("{n}", OWN)
+            '<defs></defs><path id="{n}.m" d="M 0 -3.00"/>'
+            '<use href="#{n}.m" x="1.23" style="fill: var(--page); stroke: #123456"/><g clip-path="url(#{n}.m)"/>'
+            '<text x="1.2"> #000000 id="m" 1.2345</text></svg>'.replace("{n}", OWN)
         )
-
-    def test_the_lines_of_a_grid_are_one_path(self):
-        line = '<path d="M {} 0 L {} 9" clip-path="url(#{})" style="stroke: #dddddd"/>'
-        drawn = [line.format(x, x, clip) for x, clip in ((1, "c"), (2, "c"), (3, "d"))]
-        clips = '<clipPath id="c"/><clipPath id="d"/>'
-        svg = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{"<rect/>".join(drawn)}{clips}</svg>'
-        shown = ElementTree.fromstring(inline(svg, "n", "c"))
-        assert [each.get("d") for each in shown.iter("path")] == ["M1 0l0 9M2 0l0 9", "M3 0l0 9"]
-        assert len(list(shown.iter("rect"))) == 2
 
     def test_the_figures_of_a_page_have_their_own_ids(self, page):
         svgs = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
         ids = [each for svg in svgs for each in re.findall(r' id="([^"]+)"', svg)]
         assert len({each.partition(".")[0] for each in ids}) > 1
         assert len(ids) == len(set(ids))
-
-    def test_what_texts_and_marks_share_is_said_once(self):
-        svg = """<svg xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9" xmlns="http://www.w3.org/2000/svg">
-          <defs><path id="m" d="M 0 0" style="stroke: #000000; fill: #ff0000"/></defs>
-          <use xlink:href="#m" x="1" y="1" style="stroke: #000000"/>
-          <use xlink:href="#m" x="2" y="1" style="opacity: 0.5"/>
-          <text style="font-size: 8px; font-family: 'A', sans-serif" transform="rotate(-0 1 2)" x="1" y="2">a</text>
-          <text style="font-family: 'A', sans-serif" transform="rotate(-90 1 2)" x="1" y="2">b</text>
-          <text style="font-family: serif" x="1" y="2">c</text></svg>"""
-        shown = inline(svg, "n", "c")
-        assert shown.count("font-family:'A', sans-serif") == 1
-        assert '<text style="font-size:8px" x="1" y="2">a</text>' in shown
-        assert '<text transform="rotate(-90 1 2)" x="1" y="2">b</text>' in shown
-        assert '<text style="font-family:serif" x="1" y="2">c</text>' in shown
-        marks = f'<use href="#{OWN}.0" x="1" y="1"/><use href="#{OWN}.0" x="2" y="1" style="opacity:0.5"/>'
-        assert marks in shown
