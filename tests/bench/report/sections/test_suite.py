@@ -203,6 +203,9 @@ def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, mon
     tables = write_report(findings.results.paths[0], output=tmp_path / "out", n_jobs=1).parent / "tables"
     assert (tables / "running-times-d2.tex").exists()
     assert not list(tables.glob("cells-*.tex"))
+    figures = tables.with_name("figures")
+    assert list(figures.glob("distribution-*.svg"))
+    assert not list(figures.glob("distribution-*.pdf"))
     assert list(tables.glob("cells-*.csv"))
 
 
