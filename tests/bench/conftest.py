@@ -138,7 +138,8 @@ FINISH = Drawer.finish
 def undrawn():
     """Have reports hold this picture in place of their figures, whose drawing takes half of the time of a report."""
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr(Drawer, "finish", lambda self, figure, *, pdf: PICTURE if pdf else PICTURE._replace(pdf=None))
+        unprinted = PICTURE._replace(pdf=None)
+        monkeypatch.setattr(Drawer, "finish", lambda self, figure, *, pdf: PICTURE if pdf else unprinted)
         yield
 
 
