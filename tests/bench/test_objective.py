@@ -316,7 +316,7 @@ def test_an_interruption_at_any_moment_leaves_the_objective_usable():
     try:
         for _ in range(3000):
             try:
-                signal.setitimer(signal.ITIMER_REAL, 1e-6 + 3e-5 * draw(), 0.05)
+                signal.setitimer(signal.ITIMER_REAL, 1e-6 + 3e-5 * draw(), 1.0)
                 while True:
                     f(x)
             except Interrupted:
