@@ -17,7 +17,6 @@ A line ``% not run: REASON`` above a block, or ``<!-- not run: REASON -->`` in a
 from __future__ import annotations
 
 import contextlib
-import gc
 import hashlib
 import io
 import os
@@ -176,7 +175,7 @@ def _bench(words: list[str]) -> tuple[int, str, str]:
     from bench.cli import app
 
     out, error, code = io.StringIO(), io.StringIO(), 0
-    given, sys.argv, thresholds = sys.argv, words, gc.get_threshold()
+    given, sys.argv = sys.argv, words
     before = signal.getsignal(signal.SIGTERM)
     try:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
@@ -185,7 +184,6 @@ def _bench(words: list[str]) -> tuple[int, str, str]:
         code = ended.code if isinstance(ended.code, int) else int(bool(ended.code))
     finally:
         sys.argv = given
-        gc.set_threshold(*thresholds)
         signal.signal(signal.SIGTERM, before)
     return code, out.getvalue(), error.getvalue()
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
-import gc
 import os
 import sys
 from importlib import import_module
@@ -62,8 +60,6 @@ def _options(
 
 def main() -> None:
     """Run the command line; print bad input as one sentence on standard error."""
-    gc.set_threshold(100_000, 20, 100)  # imports create a million objects and hardly any garbage
-    atexit.register(gc.disable)  # the collection at the end of a process would look through them once more
     try:
         _add_commands()
         sys.exit(_called())
