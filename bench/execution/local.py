@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from threading import Lock
 
-from joblib import Parallel, delayed
-
 from bench.execution.job import Task
 from bench.execution.supervisor import KilledError, Supervisor
-from bench.sandbox.signals import signals_delayed
 from bench.trial import Row, Trial
 
 OnBegin = Callable[[int, Trial], None]
@@ -77,28 +74,15 @@ class Local:
                 made.put(error)
             made.put(None)
 
-        threads = _side_by_side(delayed(supervise)(*job) for job in enumerate(self._supervisors))
-        try:
-            for _ in range(self.jobs):
-                while (answer := made.get()) is not None:
-                    if isinstance(answer, BaseException):
-                        raise answer
-                    yield *answer, machine
-        except BaseException:  # GeneratorExit, too
-            self._end()
-            raise
-        finally:
-            list(threads)
-
-
-def _side_by_side(loops: Iterable[Callable[[], None]]) -> Iterator[None]:
-    """Begin to run functions in threads of joblib; all have returned when the iterator returned ends."""
-    calls = [*loops]
-    # Of threads that a second interrupt cuts off; joblib may print it whenever it drops them.
-    warnings.filterwarnings(
-        "ignore", "[0-9]+ tasks (have been successfully executed|which were still being processed)", UserWarning
-    )
-    with signals_delayed():  # an interrupt while joblib starts threads would leave it in an undefined state
-        # With one job joblib would take no thread.
-        parallel = Parallel(n_jobs=max(2, len(calls)), backend="threading", return_as="generator_unordered")
-        return iter(parallel(calls))
+        with ThreadPoolExecutor(self.jobs) as pool:  # which waits for its threads
+            try:
+                for job, supervisor in enumerate(self._supervisors):
+                    pool.submit(supervise, job, supervisor)
+                for _ in range(self.jobs):
+                    while (answer := made.get()) is not None:
+                        if isinstance(answer, BaseException):
+                            raise answer
+                        yield *answer, machine
+            except BaseException:  # GeneratorExit, too
+                self._end()
+                raise

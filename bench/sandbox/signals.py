@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import current_thread, main_thread
 from types import FrameType
-
-Handler = Callable[[int, FrameType | None], object]
 
 
 class Interrupts:
@@ -40,35 +38,17 @@ def interrupts_deferred() -> Iterator[Interrupts]:
     """Let signals raise KeyboardInterrupt only within :meth:`Interrupts.allowed` of the object yielded.
 
     A signal that arrives after the last such context raises at the end; signals after the first raise nothing more.
+    Outside the main thread there are none to defer.
     """
     interrupts = Interrupts()
-    with _handlers_replaced(interrupts.handle, lambda handler: handler is signal.default_int_handler):
+    numbers = (signal.SIGINT, signal.SIGTERM) if current_thread() is main_thread() else ()
+    deferred = [number for number in numbers if signal.getsignal(number) is signal.default_int_handler]
+    for number in deferred:
+        signal.signal(number, interrupts.handle)
+    try:
         yield interrupts
+    finally:
+        for number in deferred:
+            signal.signal(number, signal.default_int_handler)
     if interrupts.pending:
         raise KeyboardInterrupt
-
-
-@contextmanager
-def signals_delayed() -> Iterator[None]:
-    """Delay signals until the context ends, such as around a start that must not stop halfway."""
-    arrived: set[int] = set()
-    try:
-        with _handlers_replaced(lambda number, _: arrived.add(number), callable):
-            yield
-    finally:
-        for number in arrived:
-            signal.raise_signal(number)
-
-
-@contextmanager
-def _handlers_replaced(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
-    """Replace the present handlers that ``concerns`` selects; outside the main thread there are none to replace."""
-    numbers = (signal.SIGINT, signal.SIGTERM) if current_thread() is main_thread() else ()
-    before = {number: present for number in numbers if concerns(present := signal.getsignal(number))}
-    for number in before:
-        signal.signal(number, handler)
-    try:
-        yield
-    finally:
-        for number, present in before.items():
-            signal.signal(number, present)
