@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from bench.errors import BenchError
 from bench.helpers import print_line
 from problems.backlash.commands import PANEL
 from problems.backlash.published import download
@@ -17,9 +16,6 @@ data = typer.Typer(
 
 @data.command()
 def fetch(
-    source: Annotated[
-        Path | None, typer.Option("--from", help="A folder that has them, such as a clone; nothing is downloaded.")
-    ] = None,
     to: Annotated[
         Path | None, typer.Option(help=f"The folder to keep them in, instead of ${download.VARIABLE}.")
     ] = None,
@@ -27,15 +23,9 @@ def fetch(
     """Get the recordings that the thesis's authors published (20 MB), and check the SHA-256 of each."""
     folder = to or download.data_folder()
     print_line(f"The recordings are the thesis authors' own: {download.SOURCE}\nTheir licence is {download.LICENCE}.")
-    if source is None:
-        download.download(folder, download.BASE_URL, on_file=print_line)
-    elif source.is_dir():
-        download.copy(source, folder, on_file=print_line)
-    else:
-        raise BenchError(f"{source} is no folder; give one that has the published files, such as a clone")
-    missing, damaged, whole = _faults(folder)
-    lacking = ", ".join((*missing, *damaged))
-    print_line(f"{folder} has {whole}{f', without {lacking}' if lacking else ''}.")
+    download.download(folder, download.BASE_URL, on_file=print_line)
+    *_, whole = _faults(folder)
+    print_line(f"{folder} has {whole}.")
     if folder.resolve() != download.data_folder().resolve():
         print_line(f"Set {download.VARIABLE} to it, so that the problems published-03 … find them.")
 

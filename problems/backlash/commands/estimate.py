@@ -75,9 +75,6 @@ def estimate(
     single: Annotated[
         bool, _fit("--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
     ] = False,
-    constrained: Annotated[
-        bool, _fit("--constrained", help="Fit under the constraints of the thesis's section 7.2.2, too.")
-    ] = False,
     calibration: Annotated[
         str | None,
         _verdict(
@@ -134,7 +131,7 @@ def estimate(
     if calibration is not None:
         chosen["calibration"] = None if calibration == "none" else load_calibration(calibration)
     settings = Settings(
-        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single, constrained=constrained,
+        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single,
         limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **chosen,
     )  # fmt: skip
     part = parse_window(window) if window is not None else None

@@ -1,10 +1,9 @@
-"""List, find, check, download and copy the data files that the thesis's authors published."""
+"""List, find, check and download the data files that the thesis's authors published."""
 
 from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -14,7 +13,6 @@ from urllib.parse import quote, urlsplit
 from platformdirs import user_data_dir
 
 from bench.errors import BenchError
-from bench.helpers import replacing
 
 REPOSITORY = "ElianaGiovannitti/Backlash-estimation"
 COMMIT = "7c81edefe3e61479d234d5080d4627dbbf584733"
@@ -104,8 +102,8 @@ def download(to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda
             store.fetch(name, downloader=downloader)
         except ValueError as error:
             raise BenchError(
-                f"{urls[name]} is not the published file, as its SHA-256 differs; try again, or give a folder that has "
-                "it with --from"
+                f"{urls[name]} is not the published file, as its SHA-256 differs; try again, or set {VARIABLE} to "
+                "a clone of the repository"
             ) from error
         except OSError as error:  # the errors of requests are OSErrors, too
             if not hasattr(error, "response"):
@@ -114,28 +112,6 @@ def download(to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda
             why = "the connection failed" if answer is None else f"the server answers {answer.status_code}"
             raise BenchError(
                 f"{name} cannot be downloaded from {urlsplit(base_url).netloc}: {why}; try again, which goes on from "
-                "here, or give a folder that has it with --from"
+                f"here, or set {VARIABLE} to a clone of the repository"
             ) from error
         on_file(name)
-
-
-def copy(source: Path, to: Path, *, on_file: Callable[[str], None] = lambda _: None) -> None:
-    """Copy the files that ``to`` lacks from a folder, such as a clone of the repository.
-
-    Raises:
-        BenchError: for a folder with none of the files, for files with the name but not the content of a published one
-            (after all others are copied), and for a folder that cannot be written.
-    """
-    places = {file: look_up(file, source) for file in registry().values()}
-    if not any(path for path, _ in places.values()):
-        raise BenchError(f"{source} holds none of the published files, such as Speeddata3.xlsx, nor a folder below it")
-    for file, (path, whole) in places.items():
-        if path is None or not whole or look_up(file, to)[1]:
-            continue
-        with replacing(to / file.name) as temporary:  # an interrupted copy must not look like a published file
-            to.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, temporary)
-        on_file(file.name)
-    refused = [str(path) for path, whole in places.values() if path is not None and not whole]
-    if refused:
-        raise BenchError(f"not copied, as their SHA-256 is not that of the published files: {', '.join(refused)}")

@@ -5,12 +5,9 @@ from __future__ import annotations
 import re
 
 import pandas as pd
-from matplotlib.axes import Axes
 
 from bench import Results, Study
-from bench.analysis import labels
-from bench.plots import style
-from bench.report import Figure, Part, Section, Table, count, listing
+from bench.report import Section, Table, count, listing
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.recordings import Recording
 from problems.backlash.report.accuracy import estimates
@@ -22,7 +19,6 @@ from problems.backlash.signature.problem import SignatureFit
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"
 HEALTHY = 0.02  # rps; the largest |A| accepted without backlash, about twice that of the thesis (0.0099)
-THESIS, BEST, EXPECTED = "thesis Table 7.3 (low noise)", "best fit", "expected"
 COLUMNS = {"theoretical": "A", "noise": "noise", "mean": "mean |A|", "stdev": "stdev", "error": "error %"}
 
 
@@ -37,8 +33,7 @@ def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> lis
     levels = levels_of(cells)
     text = [conditions(results.study), *(sentence for level in levels for sentence in sentences(cells, best, level))]
     tables = [side_by_side(cells[cells["noise level"] == level], level) for level in levels]
-    items: list[Part] = [figure(cells, best), *tables, *([beside_best(best)] if len(best) else [])]
-    return [Section(TITLE, tuple(text), tuple(items))]
+    return [Section(TITLE, tuple(text), (*tables, *([beside_best(best)] if len(best) else [])))]
 
 
 def noisy_problems(study: Study) -> pd.DataFrame:
@@ -205,45 +200,3 @@ def beside_best(best: pd.DataFrame) -> Table:
         note="These errors come from the objective, the sampling and the noise, not from an optimizer. The published "
         "errors are at the low level of noise.",
     )
-
-
-def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
-    """Plot the amplitudes found against the expected ones, a panel a noise level, with the thesis's points."""
-    levels = levels_of(cells)
-    pens = style.pens(labels(cells, "optimizer"))
-    names = [style.plain(label) for label in pens]
-    drawn, axes = style.grid(
-        len(levels), columns=2, height=2.6, left=0.45, across=0.1,
-        top=0.25 + style.legend_height([*names, THESIS, BEST, EXPECTED]),
-    )  # fmt: skip
-    for ax, level in zip(axes, levels, strict=True):
-        if ax is not axes[0]:
-            ax.sharey(axes[0])
-            ax.tick_params(axis="y", labelleft=False)
-        ax.set_title(words(level), loc="left")
-        ax.set_xlabel("expected A in rps")
-        shown = cells[cells["noise level"] == level]
-        most = shown["theoretical"].max()
-        ax.plot([0, most], [0, most], "-", color=style.REFERENCE, linewidth=0.8, label=EXPECTED)
-        for number, (label, pen) in enumerate(pens.items(), start=1):
-            rows = shown[shown["optimizer"] == label]
-            _points(ax, rows, pen.marker, pen.color, style.plain(label), 0.012 * number)
-        printed = published().loc[sorted(set(shown["dataset"]) & set(table_7_3()))]
-        _points(ax, printed, "o", "0.45", THESIS, -0.012)
-        fits = best[best["noise level"] == level]
-        ax.plot(fits["theoretical"], fits["mean"], "_", color="black", markersize=6, label=BEST)
-    axes[0].set_ylabel("|A| in rps")
-    style.legend_above(drawn, axes[0].get_legend_handles_labels()[0])
-    caption = (
-        "Amplitude found on noisy recordings against the expected one: mean and standard deviation of the trials, the "
-        "published ones (grey) and the best fit (bar); the points at 0 are noise without backlash. Points side "
-        "by side are shifted by 0.012 rps."
-    )
-    return Figure("noise-sensitivity", caption, drawn, cells)
-
-
-def _points(ax: Axes, rows: pd.DataFrame, marker: str, color: str, label: str, aside: float) -> None:
-    ax.errorbar(
-        rows["theoretical"] + aside, rows["mean"], rows["stdev"].fillna(0.0), fmt=marker, color=color, markersize=3,
-        markeredgewidth=0, elinewidth=0.8, label=label,
-    )  # fmt: skip

@@ -49,7 +49,6 @@ class Settings:
         nominal_rps: the motor's nominal speed, to detect a wrong unit.
         turns: the load turns that the signature spans; None for all that the recording holds.
         single: fit one oscillation (section 8.3).
-        constrained: fit under the constraints of section 7.2.2, not only the bounds.
         calibration: maps amplitudes to half-gaps; None to estimate amplitudes alone.
         limit_rad: the half-gap above which backlash has progressed.
         resamples: bootstrap resamples of an interval; 0 for no interval.
@@ -65,7 +64,6 @@ class Settings:
     nominal_rps: float | None = None
     turns: int | None = None
     single: bool = False
-    constrained: bool = False
     calibration: Calibration | None = field(default_factory=sensor_calibration)
     limit_rad: float = EARLY_RAD
     resamples: int = 200
@@ -162,7 +160,7 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     notes = [*filter(None, [averaged]), *warnings(recording, period=turn)]
     recording = part(recording, settings, period)
     problem, folded, parts = to_fit(recording, settings, period)
-    x = problem.reference(constrained=settings.constrained).x
+    x = problem.reference().x
     fitted = parts.model(recording.time, x) if parts else problem.model(x)
     fitted += problem.mean_rps
     residual = recording.speed - fitted
@@ -281,7 +279,7 @@ def signature_problem(recording: Recording, settings: Settings, period: float) -
 
 def infer_backlash(problem: SignatureFit, settings: Settings, folded: LoadTurn | None = None) -> Inference:
     """Infer amplitude, half-gap and verdict from the reference fit of a problem in rps and the folded load turn."""
-    x = problem.reference(constrained=settings.constrained).x
+    x = problem.reference().x
     if folded is None:
         p = p_value(problem, problem.model(x))
         return _undetected(p, detectable(problem), settings) if p > SIGNIFICANT else _detected(problem, x, p, settings)
@@ -327,7 +325,7 @@ def _detected(
     amplitude = infer_peak(x, calibration)
     low, high = math.nan, math.nan
     if settings.resamples:
-        fits = resampled(problem, x, settings.resamples, rng, constrained=settings.constrained)
+        fits = resampled(problem, x, settings.resamples, rng)
         peaks = np.array([infer_peak(fit, calibration) for fit in fits])
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))

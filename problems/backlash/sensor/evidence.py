@@ -69,9 +69,7 @@ def effective(residual: Floats) -> float:
     return len(residual) * (1 - correlation) / (1 + correlation)
 
 
-def resampled(
-    problem: SignatureFit, x: Floats, resamples: int, rng: np.random.Generator, *, constrained: bool = False
-) -> Floats:
+def resampled(problem: SignatureFit, x: Floats, resamples: int, rng: np.random.Generator) -> Floats:
     """Return (resamples, 7) fits to the fit plus its residuals, resampled by half load turns (residual bootstrap).
 
     Whole half turns are drawn, so that the noise keeps its colour; each gets the sign of its place, so that the part of
@@ -90,7 +88,7 @@ def resampled(
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
         signed = signed[after:]
     draws = (signed[rng.integers(len(signed), size=places)] * signs for _ in range(resamples))
-    return problem.near(x, (fitted + drawn.ravel()[:n] for drawn in draws), constrained=constrained)
+    return problem.near(x, (fitted + drawn.ravel()[:n] for drawn in draws))
 
 
 def _looked_at(problem: SignatureFit) -> float:

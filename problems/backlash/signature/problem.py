@@ -163,11 +163,11 @@ class SignatureFit(Problem):
     def _fold(self, signal: Floats) -> kernel.Folded:
         return kernel.fold(signal, start=float(self.time[0]), dt=self.dt, period=self.period, replicas=self.replicas)
 
-    def near(self, x: Floats, signals: Iterable[Floats], *, constrained: bool = False) -> Floats:
+    def near(self, x: Floats, signals: Iterable[Floats]) -> Floats:
         """Return the (m, 7) best fits near a point (7,) to m signals (N,) like the problem's own, in ``unit``."""
         from problems.backlash.signature.refits import fits_near
 
-        fits = fits_near(self._folded, signals, self.lower, self.upper, x, constrained=constrained)
+        fits = fits_near(self._folded, signals, self.lower, self.upper, x)
         return np.array(list(fits)).reshape(-1, len(x))
 
     def model(self, x: Floats) -> Floats:

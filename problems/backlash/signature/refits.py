@@ -25,13 +25,13 @@ STEPS, CLOSER, LEAST = (1.0, 2.0), 0.25, 5e-3
 
 
 def fits_near(
-    recording: Folded, signals: Iterable[Floats], lower: Floats, upper: Floats, near: Floats, *, constrained: bool
+    recording: Folded, signals: Iterable[Floats], lower: Floats, upper: Floats, near: Floats
 ) -> Iterator[Floats]:
     """Yield the (7,) point of the lowest RMSE near the (7,) point ``near`` for each signal (N,), within the bounds.
 
     A fit takes a quarter of a millisecond. The signals are the recording's, slightly changed.
     """
-    limit, length, sums = prepare(recording, lower, upper, constrained=constrained)
+    limit, length, sums = prepare(recording, lower, upper, constrained=False)
     first = math.floor((near[T0] - recording.start + near[T1] + EDGE) / recording.dt) + 1
     starts = np.arange(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
     tau, omega = float(near[TAU]), float(near[OMEGA])

@@ -1,4 +1,4 @@
-"""bench data: the published recordings come whole, from a server or a folder, or not at all."""
+"""bench data: the published recordings come whole, from a server, or not at all."""
 
 import hashlib
 import sys
@@ -133,7 +133,7 @@ def test_without_a_connection_it_says_what_to_do(server, bench, tmp_path):
     server.server_close()
     code, _, said = bench("fetch")
     assert code == 2
-    assert "the connection failed; try again, which goes on from here, or give a folder that has it with --from" in said
+    assert "the connection failed; try again, which goes on from here, or set BENCH_PUBLISHED_DATA to a" in said
     assert held(tmp_path / "kept") == {}
 
 
@@ -159,29 +159,6 @@ def clone(tmp_path):
     return tmp_path / "clone"
 
 
-def test_a_clone_gives_its_files_wherever_they_lie_in_it(bench, clone, tmp_path):
-    code, said, _ = bench("fetch", "--from", clone)
-    assert code == 0
-    assert "EUPL-1.2" in said
-    assert held(tmp_path / "kept") == WHOLE
-
-
-def test_a_part_of_the_files_is_taken_and_the_others_are_named(bench, clone, tmp_path):
-    (clone / "Speeddata4.xlsx").unlink()
-    code, said, _ = bench("fetch", "--from", clone)
-    assert code == 0
-    assert "has 2 of the 3 published files, without Speeddata4.xlsx." in said
-    assert set(held(tmp_path / "kept")) == {"Speeddata3.xlsx", "Data_with_Noise_1.zip"}
-
-
-def test_other_bytes_under_a_published_name_are_refused_by_it(bench, clone, tmp_path):
-    (clone / "Speeddata3.xlsx").write_bytes(b"my own")
-    code, _, said = bench("fetch", "--from", clone)
-    assert code == 2
-    assert f"not copied, as their SHA-256 is not that of the published files: {clone / 'Speeddata3.xlsx'}" in said
-    assert set(held(tmp_path / "kept")) == {"Speeddata4.xlsx", "Data_with_Noise_1.zip"}
-
-
 def test_a_whole_file_deeper_down_is_found_behind_a_damaged_one(clone):
     wanted = files.registry()["Data_with_Noise_1.zip"]
     (clone / wanted.name).write_bytes(b"torn")
@@ -192,27 +169,17 @@ def test_a_whole_file_deeper_down_is_found_behind_a_damaged_one(clone):
     assert files.look_up(wanted, clone) == (None, False)
 
 
-@pytest.mark.parametrize("place", ["nowhere", "empty"])
-def test_a_folder_without_any_of_them_is_one_sentence(bench, tmp_path, place):
-    (tmp_path / "empty").mkdir()
-    code, _, said = bench("fetch", "--from", tmp_path / place)
-    assert code == 2
-    assert ("is no folder" if place == "nowhere" else "holds none of the published files") in said
-    assert not (tmp_path / "kept").exists()
-
-
-def test_a_folder_that_is_not_the_one_looked_in_is_said_to_need_the_variable(bench, clone, tmp_path):
-    assert files.VARIABLE not in bench("fetch", "--from", clone)[1]
-    said = bench("fetch", "--from", clone, "--to", tmp_path / "other")[1]
+def test_a_folder_that_is_not_the_one_looked_in_is_said_to_need_the_variable(server, bench, tmp_path):
+    assert files.VARIABLE not in bench("fetch")[1]
+    said = bench("fetch", "--to", tmp_path / "other")[1]
     assert f"Set {files.VARIABLE} to it" in said
     assert held(tmp_path / "other") == WHOLE
 
 
-def test_a_folder_that_cannot_be_written_is_one_sentence(server, clone, tmp_path):
+def test_a_folder_that_cannot_be_written_is_one_sentence(server, tmp_path):
     (tmp_path / "file").write_bytes(b"")
-    for get in (lambda to: files.copy(clone, to), lambda to: files.download(to, files.BASE_URL)):
-        with pytest.raises(BenchError, match=r"Speeddata3.xlsx cannot be written: Not a directory"):
-            get(tmp_path / "file" / "below")
+    with pytest.raises(BenchError, match=r"Speeddata3.xlsx cannot be written: Not a directory"):
+        files.download(tmp_path / "file" / "below", files.BASE_URL)
 
 
 def test_a_folder_without_permission_is_not_told_as_a_lost_connection(monkeypatch, tmp_path):
@@ -224,8 +191,8 @@ def test_a_folder_without_permission_is_not_told_as_a_lost_connection(monkeypatc
         files.download(tmp_path / "kept", files.BASE_URL)
 
 
-def test_verify_lists_what_is_damaged_or_missing_and_ends_with_1(bench, clone, tmp_path):
-    bench("fetch", "--from", clone)
+def test_verify_lists_what_is_damaged_or_missing_and_ends_with_1(server, bench, clone, tmp_path):
+    bench("fetch")
     assert bench("verify")[:2] == (0, f"3 of the 3 published files in {tmp_path / 'kept'} are whole.\n")
     (tmp_path / "kept" / "Speeddata3.xlsx").write_bytes(b"torn")
     (tmp_path / "kept" / "Speeddata4.xlsx").unlink()
@@ -236,11 +203,13 @@ def test_verify_lists_what_is_damaged_or_missing_and_ends_with_1(bench, clone, t
     assert bench("verify", clone)[0] == 0
 
 
-def test_a_problem_whose_file_is_missing_or_damaged_says_how_to_get_it(bench, clone, tmp_path):
+def test_a_problem_whose_file_is_missing_or_damaged_says_how_to_get_it(server, bench, clone, tmp_path, monkeypatch):
     with pytest.raises(BenchError, match=r"Speeddata3.xlsx is not in .*kept; get it with 'bench data fetch'"):
         files.require("Speeddata3.xlsx")
-    bench("fetch", "--from", clone)
+    bench("fetch")
     assert files.require("Speeddata3.xlsx") == tmp_path / "kept" / "Speeddata3.xlsx"
     (tmp_path / "kept" / "Speeddata3.xlsx").write_bytes(b"torn")
     with pytest.raises(BenchError, match="is not the published recording, as its SHA-256 differs; get it anew"):
         files.require("Speeddata3.xlsx")
+    monkeypatch.setenv(files.VARIABLE, str(clone))  # whose files lie deeper
+    assert files.require("Data_with_Noise_1.zip").is_relative_to(clone)

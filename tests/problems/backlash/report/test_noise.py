@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace, load_problem
-from bench.plots import style
-from bench.report import Table
-from bench.report.write import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry
 from problems.backlash.published.recordings import table_7_3
@@ -145,11 +142,9 @@ def test_rows_with_a_range_of_t0_stand_apart(tmp_path):
     rows = table(results, "table-7-3-low-t0-within-0.5-T_f")
     assert rows.index.tolist() == [("noisy-02 T_d", "cma-es")]
     assert "Low noise, t0 within 0.5 T_f, cma-es: the relative error" in words(results)
-    with style.context():
-        drawn = next(item for item in section(results).items if not isinstance(item, Table))
-        assert [ax.get_title(loc="left") for ax in drawn.figure.axes] == [
-            "low noise", "low noise, t0 within 0.5 T_f", "high noise",
-        ]  # fmt: skip
+    assert [item.name for item in section(results).items][:3] == [
+        "table-7-3-low", "table-7-3-low-t0-within-0.5-T_f", "table-7-3-high",
+    ]  # fmt: skip
 
 
 def test_every_optimizer_has_its_rows_and_datasets_that_the_thesis_lacks_are_shown_alone(tmp_path):
@@ -188,25 +183,6 @@ def test_a_problem_whose_data_changed_has_no_best_fit(tmp_path):
         writer.environment({"data": {"noisy-02": "of other data"}})
     results = Results(tmp_path / "s")
     assert table(results, "table-7-3-best-fit").index.tolist() == ["noisy-03"]
-
-
-@pytest.mark.filterwarnings("error", "default::ResourceWarning")
-@pytest.mark.parametrize("trials", [1, 3])
-def test_the_figure_has_a_panel_a_noise_level_with_the_thesis_s_points(tmp_path, trials):
-    entries = [at(0), at(2), at(11), at(2, "high")]
-    results = make(tmp_path / "s", entries, lambda a, trial: a + 0.01 * trial, trials=trials)
-    with style.context():
-        drawn = next(item for item in section(results).items if not isinstance(item, Table))
-        assert [ax.get_title(loc="left") for ax in drawn.figure.axes] == ["low noise", "high noise"]
-        bars = {bar.get_label(): bar.lines[0].get_xydata() for bar in drawn.figure.axes[0].containers}
-        assert bars["thesis Table 7.3 (low noise)"] == pytest.approx(
-            np.array([[row.theoretical - 0.012, row.mean] for row in (table_7_3()[k] for k in (0, 2, 11))])
-        )
-        assert bars["cma-es"][:, 0] == pytest.approx([0.012 + truth(f"noisy-{k:02d}") for k in (0, 2, 11)])
-        svg, _ = save_figure(drawn, tmp_path, drawn.name)
-    assert "nan" not in svg.lower()
-    assert "thesis Table 7.3" in svg
-    assert len(drawn.data) == 4
 
 
 def test_the_shipped_study_has_the_rows_of_table_7_3_at_both_levels():

@@ -272,7 +272,7 @@ def test_a_recording_in_which_any_disturbance_could_hide_is_undecided_without_a_
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_an_interval_contains_its_estimate_however_refits_are_biased(monkeypatch, factor):
-    def biased(problem, x, resamples, rng, *, constrained):
+    def biased(problem, x, resamples, rng):
         fits = np.tile(x, (resamples, 1))
         fits[:, A] *= factor
         return fits
