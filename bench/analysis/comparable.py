@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +35,7 @@ class Comparable(NamedTuple):
     unknown: dict[tuple[str, str], int]
 
 
-def comparable(frame: pd.DataFrame, traces: Traces, allowed: Budgets) -> Comparable:
+def comparable(frame: pd.DataFrame, traces: Traces, allowed: Budgets, late: Collection[str] = ()) -> Comparable:
     """Return what of a tidy frame is compared.
 
     A problem whose own code raised in any trial is left out, as the failure says nothing about an optimizer. Of a
@@ -47,22 +47,25 @@ def comparable(frame: pd.DataFrame, traces: Traces, allowed: Budgets) -> Compara
         frame: the tidy frame; pooled problems have the column ``instance`` (:mod:`bench.analysis.instances`).
         traces: of its trials.
         allowed: the evaluations that each trial was allowed.
+        late: the optimizers whose traces may begin late, as those of results made elsewhere do that note final values
+            alone: what was found before is unknown. Other trials had no finite value before their trace begins.
     """
     working, failed = _with_working_objective(frame)
     shared, instances = _on_shared_instances(working)
     common = common_budgets(shared, allowed)
-    compared, unknown = _at_budget(shared, traces, common) if common else (shared, {})
+    compared, unknown = _at_budget(shared, traces, common, late) if common else (shared, {})
     return Comparable(compared, working, common, failed, instances, unknown)
 
 
 def common_budgets(frame: pd.DataFrame, allowed: Budgets) -> dict[str, int]:
     """Return the largest budget of each problem that all optimizers with trials on it had.
 
-    Empty where each problem has one budget, as where ``allowed`` does not depend on the optimizer.
+    Empty where each problem has one budget, as where ``allowed`` does not depend on the optimizer; up to 1% more counts
+    as the same.
     """
     cells = frame[["problem", "optimizer"]].astype(object).drop_duplicates()
     by_problem = budgets(cells, allowed).groupby(cells["problem"], sort=False)
-    if (by_problem.nunique() == 1).all():
+    if (by_problem.max() <= NEARLY * by_problem.min()).all():
         return {}
     return {str(problem): int(most) for problem, most in by_problem.min().items()}
 
@@ -107,20 +110,21 @@ def _on_shared_instances(frame: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, t
 
 
 def _at_budget(
-    frame: pd.DataFrame, traces: Traces, common: Mapping[str, int]
+    frame: pd.DataFrame, traces: Traces, common: Mapping[str, int], late: Collection[str]
 ) -> tuple[pd.DataFrame, dict[tuple[str, str], int]]:
     """Return the trials with the best value that each had at the budget of its problem, and the unknown ones by cell.
 
     Other columns stay those of the whole trial. What a trial had then is unknown where it spent more and has no trace;
-    up to 1% more counts as the same budget.
+    up to 1%
+    more counts as the same budget.
     """
     spent, values = (pd.to_numeric(frame[name], errors="coerce").to_numpy(float, copy=True) for name in ("nfev", "fun"))
     budget = frame["problem"].astype(object).map(common).to_numpy(float)
     over = (frame["status"] == "ok").to_numpy() & ~(spent <= budget)
     over &= np.isfinite(values)
-    unknown = np.zeros(len(frame), dtype=bool)
+    unknown, begins_late = np.zeros(len(frame), dtype=bool), frame["optimizer"].isin(late).to_numpy()
     for place, trace in zip(np.flatnonzero(over), traces_of(frame[over], traces), strict=True):
-        if len(trace.values):
+        if len(trace.values) and not (begins_late[place] and trace.evaluations[0] > budget[place]):
             values[place] = trace.at(budget[place])
         else:
             unknown[place] = not spent[place] <= NEARLY * budget[place]

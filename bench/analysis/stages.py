@@ -61,8 +61,8 @@ def earlier_leads(
     smaller = [share for share in shares if share < 1]
     optimizers = labels(frame, "optimizer")
     rivals = [place for place, label in enumerate(optimizers) if label != leader]
-    stages = [values for *_, values in _stages(frame, traces, budget, smaller)]
-    if not stages or not rivals or not smaller:
+    stages = [values for *_, values in _stages(frame, traces, budget, smaller)] if smaller else []
+    if not stages or not rivals:
         return pd.DataFrame(columns=["share", "optimizer", "probability", "p", "shown"])
     first = optimizers.index(leader)
     found = [[stratified([effects(own[rival], own[first]) for own in values]) for rival in rivals] for values in stages]

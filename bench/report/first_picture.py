@@ -27,7 +27,7 @@ def evidence(findings: Findings, clear: bool) -> Figure:
         return leader_figure(findings.final.overall, findings.final.ranked, clear)
     solved = set(findings.trials.pooled.functions)
     return trials_figure(
-        findings.trials.frame, findings.trials.problems, findings.trials.optima, solved, findings.display.pens
+        findings.trials.frame, list(findings.final.medians.index), findings.trials.optima, solved, findings.display.pens
     )
 
 
@@ -67,14 +67,14 @@ def shows_trials(findings: Findings) -> bool:
     """Return whether the first picture shows every trial: of few problems, or of two optimizers."""
     optimizers = len(findings.trials.optimizers)
     most = PROBLEMS_OF_TWO if optimizers == 2 else PROBLEMS
-    return len(findings.trials.problems) <= most and optimizers <= MANY_OPTIMIZERS
+    return len(findings.final.medians) <= most and optimizers <= MANY_OPTIMIZERS
 
 
 def course(findings: Findings) -> list[Figure]:
     """Return the figure of the ranks over the budget, none without a trace."""
     return (
         [course_figure(findings.anytime.stages, findings.display.pens)]
-        if findings.trials.traces and len(findings.anytime.stages)
+        if findings.trials.traces and findings.anytime.stages["share"].nunique() > 1
         else []
     )
 

@@ -28,8 +28,12 @@ def rank_map(findings: Findings) -> Table:
     problems has a row for each function and, for each optimizer, a column for each dimension.
     """
     order = findings.final.ranked
-    ranks = analysis.table(findings.final.standings, "rank")[order]
-    best = analysis.table(findings.final.matrix, "best").astype(bool)[order]
+    ranks = analysis.table(findings.final.standings, "rank")[order].dropna(how="all")
+    best = analysis.table(findings.final.matrix, "best").astype(bool)[order].loc[ranks.index]
+    near = _beside_first(findings.final).loc[ranks.index, order] & ~best
+    notes = ["Bold: ranked first.", "Ties share their mean rank."]
+    notes += [f"{NEAR}: no test separates it from the first."] if near.any(axis=None) else []
+    notes += ["Empty: not compared."] if ranks.isna().any(axis=None) else []
     places = _functions(findings.trials, ranks.index, len(order))
     rows = "function, a column for each dimension d" if places else "problem"
     table = Table(
@@ -37,10 +41,9 @@ def rank_map(findings: Findings) -> Table:
         f"Rank of each optimizer on each {rows}, by the rivals that it beats.",
         ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object),
         bold=best,
-        marks=(_beside_first(findings.final)[order] & ~best).map(lambda near: NEAR if near else ""),
+        marks=near.map(lambda beside: NEAR if beside else ""),
         shades=(ranks - 1) / max(len(order) - 1, 1),
-        note=f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no "
-        "trial.",
+        note=" ".join(notes),
         data=findings.final.standings,
     )
     heads = style.names(order, HEAD)

@@ -23,6 +23,7 @@ from bench.report.parts import Line
 from bench.report.wording import count, listing, p_text, percent
 
 NAMED = 3  # optimizers that a sentence names
+WORDS = 20  # of a line, at most
 PARTS = {
     "where": "Comparison",
     "by_how_much": "Across problems",
@@ -110,6 +111,7 @@ class Standing:
         conditions: what differs between the optimizers besides their algorithms, in a clause; "" where nothing does.
         matched: what controls under equal conditions would cost, or where they are; "" where nothing differs.
         differing: the dimensions in which another one leads, in a few words; "" where there is none.
+        left_out: the problems on which the optimizers are not compared.
         size: by how much the leader is lower than the second in rank, in the objective's unit or in evaluations.
         near_shares: the share of each optimizer's trials that came near the best known value; empty where unknown.
         near: what that means, in words.
@@ -131,6 +133,7 @@ class Standing:
     conditions: str = ""
     matched: str = ""
     differing: str = ""
+    left_out: Sequence[str] = ()
     size: str = ""
     near_shares: pd.Series[float] = field(default_factory=lambda: pd.Series(dtype=float))
     near: str = ""
@@ -228,7 +231,8 @@ def _lines(**texts: str) -> tuple[Line, ...]:
 def _split(standing: Standing) -> str:
     """Return who is separably lower than every rival on some problems, though others are so on as many; else ""."""
     parts = [f"{label} on {number}" for label in standing.ordered if (number := standing.row(label)["separable"])]
-    return f"problems differ: separably lower than every rival is {listing(parts, NAMED)}" if parts else ""
+    differ = f"problems differ: separably lower than every rival is {listing(parts, NAMED)}" if parts else ""
+    return "; ".join(filter(None, (differ, _left_out(standing))))
 
 
 def _on(standing: Standing) -> str:
@@ -254,18 +258,25 @@ def _first(standing: Standing) -> str:
 
 
 def _where(standing: Standing, leader: str) -> str:
-    """Return on how many problems the leader is first, and where another one is lower."""
+    """Return on how many problems the leader is first, where another one is lower, and what is not compared."""
     if standing.problem:
-        return ""
-    row, parts = standing.row(leader), []
-    if len(standing.level) == 1:
-        parts.append(f"first on {row['first']} of {standing.problems}")
+        return _left_out(standing)
+    row, separably = standing.row(leader), ""
+    first = f"first on {row['first']} of {standing.problems}" if len(standing.level) == 1 else ""
     if standing.levels.problems:
         rivals = [f"{rival} on {standing.beaten.get((leader, rival), 0)}" for rival in standing.ordered[1:]]
         than = f"every rival on {row['separable']}" if standing.leads else listing(rivals, 2)
         worse = f" (a rival on {row['worse']})" if row["worse"] and not standing.differing else ""
-        parts.append(f"separably lower than {than}{worse}")
-    return "; ".join(filter(None, (", ".join(parts), standing.differing)))
+        separably = f"separably lower than {than}{worse}"
+    limits = (standing.differing, _left_out(standing))
+    whole = "; ".join(filter(None, (", ".join(filter(None, (first, separably))), *limits)))
+    return whole if len(whole.split()) <= WORDS else "; ".join(filter(None, (first, *limits)))
+
+
+def _left_out(standing: Standing) -> str:
+    """Return the problems that are not compared, each by its name where they are few; "" where there is none."""
+    few = listing(standing.left_out, 2) if 0 < len(standing.left_out) <= 2 else count(len(standing.left_out), "problem")
+    return f"not compared: {few}" if standing.left_out else ""
 
 
 def _effect(standing: Standing, leader: str) -> str:

@@ -175,7 +175,7 @@ class _Report:
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
             f"{count(len(study.problems), 'problem')}, "
             f"{each_problem(self.findings.trials.replications, at_most=study.trials if study.looks else 0)}, "
-            f"{study.budget_words} a trial."
+            f"{'at most ' * bool(study.imported)}{study.budget_words} a trial."
         )
         lead = f"{lead} {self.findings.selection}".rstrip()
         further = interactive(self.findings)

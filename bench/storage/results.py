@@ -30,6 +30,7 @@ from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
+from bench.study.budget import Budget
 from bench.study.selection import Dimensions, Patterns, selected
 from bench.trial import PRECISION
 
@@ -93,7 +94,7 @@ class Results:
         self.names = [source.name for source in self._sources]
         self.study = self.whole = united([source.study for source in self._sources], self.names)
         shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
-        self.budgets = {label: source.study.budget for label, (_, source) in shown.items()}
+        self.budgets = {label: source.budgets[label] for label, (_, source) in shown.items()}
         self.looked = [source.name for source in self._sources if source.study.looks and others]
         trials = {
             source.name: source.study.looks[0] if source.name in self.looked else source.study.trials
@@ -351,6 +352,30 @@ class _Source:
     environments: list[dict[str, Any]]
     environment_places: dict[int, int]
     found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
+
+    @cached_property
+    def budgets(self) -> dict[str, Budget]:
+        """What a run of each optimizer may spend, by its label: of imported runs, the most that any of them spent.
+
+        That is by dimension where the study's budget is. Where a run declared why it ended, it may have spent less than
+        its budget, which is then taken for the study's.
+        """
+        whole, budgets = self.study.budget, dict.fromkeys(self.shown.values(), self.study.budget)
+        if not self.study.imported:
+            return budgets
+        spent: dict[str, Counter[str]] = {}
+        ended = set[str]()
+        for problem, optimizer, most, declared in self.folder.store.spent():
+            of_optimizer, dimension = spent.setdefault(optimizer, Counter()), str(dimension_in(problem))
+            of_optimizer[dimension] = max(most, of_optimizer[dimension], 1)
+            ended |= {optimizer} if declared else set()
+        for optimizer, most_in in spent.items():
+            if optimizer in self.shown and optimizer not in ended:
+                by_dimension = (
+                    {size: most_in[size] or most for size, most in whole.items()} if isinstance(whole, dict) else {}
+                )
+                budgets[self.shown[optimizer]] = by_dimension or max(most_in.values())
+        return budgets
 
     def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> None:
         """Add the sound trials of these problems and shown optimizers, with environments' numbers of all folders."""

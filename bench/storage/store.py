@@ -169,6 +169,16 @@ class Store:
             cell.wall_s += wall
         return list(cells.values())
 
+    def spent(self) -> list[tuple[str, str, int, bool]]:
+        """Return problem, optimizer, the most evaluations of a finished trial, and whether any declared its end."""
+        return [
+            (problem, optimizer, int(most), bool(declared))
+            for problem, optimizer, most, declared in self._select(
+                "SELECT problem, optimizer, max(nfev), max(coalesce(stop NOT IN ('budget', 'undeclared'), 0))"
+                " FROM results JOIN cells ON cells.id = cell WHERE status = 'ok' AND nfev IS NOT NULL GROUP BY cell"
+            )
+        ]
+
     def undeclared(self) -> dict[str, int]:
         """Return the number of finished trials that ended within the budget and declared no reason, by optimizer."""
         return dict(

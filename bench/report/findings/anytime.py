@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.cells import traces_of
 from bench.errors import BenchError
 from bench.families import function_of
 from bench.importing.best2009 import best2009
@@ -35,12 +36,25 @@ class Anytime:
     @cached_property
     def stages(self) -> pd.DataFrame:
         """The rank of each cell after some shares of the budget."""
-        return analysis.stage_ranks(self.trials.frame, self.trials.traces, self.trials.common or self.trials.budgets)
+        return analysis.stage_ranks(self.trials.frame, self.trials.traces, self._spent, self._shares)
 
     def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
         """Return who is shown to be lower than the leader after smaller shares of the budget."""
-        spent = self.trials.common or self.trials.budgets
-        return analysis.earlier_leads(self.trials.frame, self.trials.traces, spent, leader, level)
+        return analysis.earlier_leads(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
+
+    @property
+    def _spent(self) -> dict[str, int]:
+        return self.trials.common or self.trials.budgets
+
+    @cached_property
+    def _shares(self) -> list[float]:
+        """The shares of the budget at which all values are known: imported traces may begin late."""
+        frame = self.trials.frame
+        frame = frame[frame["optimizer"].isin(self.trials.study.imported) & (frame["status"] == "ok")]
+        traces = traces_of(frame, self.trials.traces)
+        first = np.array([trace.evaluations[0] if len(trace.values) else 0 for trace in traces], dtype=np.float64)
+        begin = max(first / frame["problem"].astype(object).map(self._spent).to_numpy(np.float64), default=0.0)
+        return [share for share in analysis.SHARES if share >= min(begin, 1.0)]
 
     @cached_property
     def unused(self) -> pd.DataFrame:

@@ -83,7 +83,7 @@ class Trials:
     @cached_property
     def comparable(self) -> Comparable:
         """The trials that are compared, and what is left out."""
-        return comparable(self.whole, self.traces, self.allowed)
+        return comparable(self.whole, self.traces, self.allowed, self.study.imported)
 
     @property
     def common(self) -> dict[str, int]:

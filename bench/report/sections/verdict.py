@@ -86,6 +86,7 @@ def standing(findings: Findings) -> Standing:
         conditions=differing(findings),
         matched=_controls(findings),
         differing=_dimensions(findings),
+        left_out=[label for label in trials.problems if label not in complete],
         size=_size(findings),
         near_shares=findings.anytime.near_best,
         near=f"{findings.anytime.near_words} of {best}",
@@ -211,6 +212,8 @@ def _course(findings: Findings) -> list[Stage]:
     leads = findings.anytime.earlier_leads(leader, findings.final.levels.course)
     shown = leads[leads["shown"].astype(bool)].groupby("share")["optimizer"].agg(tuple).to_dict()
     spent = findings.anytime.stages.drop_duplicates("share")
+    if len(spent) < 2:
+        return []  # nothing is known of smaller budgets
     return [
         Stage(f"{share:.0%}" if findings.trials.scaled else f"{evaluations:,}", shown.get(share, (leader,)))
         for share, evaluations in zip(spent["share"], spent["evaluations"], strict=True)

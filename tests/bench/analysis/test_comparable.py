@@ -62,6 +62,13 @@ class TestBudgets:
         assert found.unknown == {("p", "b"): 2}
         assert found.working is frame  # running times count it
 
+    def test_a_trace_that_begins_late_has_no_value_before_where_it_was_made_elsewhere(self):
+        frame = trials(("p", "a", 0, 2.0, 400), ("p", "b", 0, 1.0, 100_000), ("p", "c", 0, 1.0, 100_000))
+        traces = {("p", label, 0): Trace(np.array([500]), np.array([1.0])) for label in "bc"}
+        found = comparable(frame, traces, ALLOWED | {("p", "c"): 100_000}, late=["b"])
+        assert found.unknown == {("p", "b"): 1}
+        assert found.frame["fun"].tolist() == [2.0, np.inf]  # c had no value by then
+
     @pytest.mark.parametrize(("spent", "known"), [(404, True), (405, False)])
     def test_an_overshoot_of_one_percent_is_the_same_budget(self, spent, known):
         frame = trials(("p", "a", 0, 2.0, 400), ("p", "b", 0, 1.0, spent))

@@ -13,9 +13,12 @@ from bench.execution.verify import verify
 from bench.importing import import_results
 from bench.report import write_report
 from bench.report.findings import Findings
+from bench.report.first_picture import course
 from bench.report.methods import methods
+from bench.report.sections import verdict
 from bench.report.sections.beside import section
 from bench.storage.folder import Folder
+from bench.storage.rows import packed
 from bench.study import Entry, Study
 from bench.trial import Trial
 from tests.bench.export.made import exported, make, record
@@ -133,6 +136,62 @@ class TestUnited:
         seeds = load_results(folder.path, archive)["seed"]
         assert seeds.dtype == "Int64"
         assert seeds.dropna().tolist() == [large]
+
+
+def final_values(tmp_path, budgets, ends=1.0, problem="p"):
+    """Import a table of final values alone, of optimizers with these budgets; the first ends lowest."""
+    lines = [
+        f"{problem}{number},{label},{trial},{max(round(spent * (ends if trial else 1.0)), 1)},{place + trial / 100}"
+        for number in (1, 2)
+        for place, (label, spent) in enumerate(budgets.items())
+        for trial in range(8)
+    ]
+    (tmp_path / "t.csv").write_text("\n".join(["problem,optimizer,trial,evaluations,value", *lines, ""]))
+    import_results(tmp_path / "t.csv", tmp_path / "t")
+    return tmp_path / "t"
+
+
+class TestFinalValues:
+    def test_the_budget_of_each_optimizer_is_the_most_that_it_spent(self, tmp_path):
+        spent = {"a": 10_000, "b": 1_000, "c": 10_050}
+        found = Results(final_values(tmp_path, spent, ends=0.1))
+        assert found.study.budget == 10_050
+        assert found.budgets == spent
+
+    def test_by_dimension_where_the_study_s_is(self, tmp_path):
+        rows = ["problem,optimizer,trial,evaluations,value", "f-d2-i1,a,0,20,1", "f-d3-i1,a,0,30,1", "f-d3-i1,b,0,9,1"]
+        (tmp_path / "t.csv").write_text("\n".join([*rows, ""]))
+        import_results(tmp_path / "t.csv", tmp_path / "t")
+        assert Results(tmp_path / "t").budgets == {"a": {"2": 20, "3": 30}, "b": {"2": 20, "3": 9}}
+
+    def test_an_optimizer_that_declared_its_end_may_have_had_the_whole_budget(self, tmp_path):
+        folder = final_values(tmp_path, {"a": 10_000, "b": 1_000})
+        with Folder(folder).store.writer() as writer, writer.transaction():
+            row = {"status": "ok", "fun": 0.5, "nfev": 900, "x": {}, "metrics": {}, "stop": "tolfun"}
+            writer.put(packed(row) | {"problem": "p1", "optimizer": "b", "trial": 8, "environment": 1})
+        assert Results(folder).budgets == {"a": 10_000, "b": 10_000}
+
+    def test_at_unequal_budgets_nothing_is_compared_that_is_not_known(self, tmp_path):
+        """Trials end at success, so those of b that ended early are the lucky ones."""
+        found = Findings(Results(final_values(tmp_path, {"a": 10_000, "b": 1_000}, ends=0.05)))
+        assert found.trials.common == {"p1": 1_000, "p2": 1_000}
+        shown = verdict.section(found)
+        assert shown.text == (
+            "There is nothing to compare: no problem has trials of every optimizer that can be compared.",
+        )
+        assert shown.warnings[0] == (
+            "a spent more evaluations than others had on p1 and p2, and what was found by then is not known, so it is "
+            "not compared there."
+        )
+
+    def test_nothing_is_said_of_smaller_budgets_at_which_no_value_is_known(self, tmp_path):
+        found = Findings(Results(final_values(tmp_path, {"a": 1_000, "b": 995})))
+        assert found.trials.common == {}
+        assert set(found.anytime.stages["share"]) == {1.0}
+        (claim, *_) = verdict.section(found).cards
+        assert claim.text == ("a ends lowest on these 2 problems at 1,000 evaluations.",)
+        assert "smaller budgets" not in f"{claim.lines}"
+        assert course(found) == []
 
 
 def of_years(tmp_path, name, instances):

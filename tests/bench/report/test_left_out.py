@@ -99,6 +99,19 @@ def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
     assert "q is not compared, as its own code raised in a trial." in text
 
 
+def test_a_problem_that_is_not_compared_is_named_on_the_first_screen_and_drawn_nowhere(make, tmp_path):
+    raised = [("q", "a", 0)]
+    found = Findings(Results(make(tmp_path / "s", ("p", "q", "r"), raised=raised)))
+    section = verdict.section(found)
+    assert section.cards[0].lines[0].text.endswith("; not compared: q")
+    picture, ranks = section.items
+    assert set(picture.data["problem"]) == {"p", "r"}
+    assert list(ranks.frame.index) == ["p", "r"]
+    assert "mpty" not in ranks.note
+    one = verdict.section(Findings(Results(make(tmp_path / "t", raised=raised))))
+    assert one.cards[0].lines[0].text == "not compared: q"
+
+
 def test_where_every_problem_failed_there_is_nothing_to_compare(make, tmp_path):
     found = Findings(Results(make(tmp_path / "s", problems=("p",), raised=[("p", "a", 0)])))
     section = verdict.section(found)

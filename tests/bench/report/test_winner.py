@@ -94,12 +94,14 @@ SHOWN = {"beaten": CLEAR, "lower": CLEAR}
 @pytest.mark.parametrize("ranks", [THREE, {"a": 1.5, "b": 1.5, "c": 3.0}, {"a": 1.5, "b": 1.5}])
 @pytest.mark.parametrize("sweep", ["", "18 of 18 problems are steps of one sweep."])
 @pytest.mark.parametrize("selected", [False, True])
-def test_the_first_screen_is_read_at_a_glance(ranks, evidence, conditions, sweep, selected):
+@pytest.mark.parametrize("left_out", [(), ("p", "q")])
+def test_the_first_screen_is_read_at_a_glance(ranks, evidence, conditions, sweep, selected, left_out):
     known = standing(
         ranks, conditions=conditions, sweep=sweep, course=COURSE, clock=CLOCK, worse=3,
-        differing="not in dimension 5 (gwo)", selected=selected, **evidence,
+        differing="not in dimension 5 (gwo)", selected=selected, left_out=left_out, **evidence,
     )  # fmt: skip
     said = verdict(known)
+    assert not left_out or "not compared: p and q" in said.lines[0].text
     assert len(said.headline.split()) <= 25
     assert len(said.lines) <= 4
     assert max(len(line.text.split()) for line in said.lines) <= 20
@@ -109,6 +111,14 @@ def test_the_first_screen_is_read_at_a_glance(ranks, evidence, conditions, sweep
 def test_a_selection_after_the_results_claims_no_level():
     known = standing(THREE, beaten=CLEAR, lower=CLEAR, selected=True)
     assert lines(known)["how sure"] == "selected after the results, so no level holds; not shown for further problems"
+
+
+@pytest.mark.parametrize(
+    ("left_out", "said"), [(["p", "q"], "; not compared: p and q"), (["p", "q", "r"], "; not compared: 3 problems")]
+)
+def test_what_is_not_compared_is_named_in_the_first_line(left_out, said):
+    found = verdict(standing(THREE, beaten=CLEAR, lower=CLEAR, left_out=left_out))
+    assert found.lines[0].text.endswith(said)
 
 
 def test_with_looks_the_details_name_the_evidence_on_problems():
