@@ -35,6 +35,7 @@ from bench.analysis.across import (
     normalised_errors,
     places,
     ranks_by_block,
+    with_winner,
 )
 from bench.analysis.anytime import (
     best_so_far,
@@ -218,4 +219,5 @@ __all__ = [
     "unused_budget",
     "validated_selection",
     "variables",
+    "with_winner",
 ]

@@ -139,6 +139,20 @@ def places(tests: pd.DataFrame, optimizers: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame({"optimizer": optimizers, "place": ranks(beaten, chance), "beaten": beaten, "chance": chance})
 
 
+def with_winner(tests: pd.DataFrame, optimizers: Sequence[str], level: float) -> pd.DataFrame:
+    """Return the tests with those of a winner significant, which need no adjustment as all of them must reject.
+
+    A winner is the only first one of :func:`places`, where p is at most the level against each rival (an
+    intersection-union test; Berger 1982). ``tests`` are those of :func:`across_problems`.
+    """
+    table = places(tests, optimizers)
+    leaders = table.loc[table["place"] == table["place"].min(), "optimizer"]
+    own = tests[["first", "second"]].isin([leaders.iloc[0]]).any(axis=1)
+    lower = (tests["lower"] == leaders.iloc[0]) & (tests["p"] <= level)
+    wins = len(leaders) == 1 and bool(lower[own].all())
+    return tests.assign(significant=tests["significant"] | (own & wins))
+
+
 def p_of_means(estimates: Effects) -> Floats:
     """Return the two-sided p-values, (g,), that the means of independent A12, (problems, g), are 0.5.
 

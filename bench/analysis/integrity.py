@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, coverage
+from bench.analysis.comparable import blames_problem
 from bench.analysis.finished_trials import CHECKS, Boxes, CheckResult, Evidence, cell_names, judge, percent, where
-from bench.helpers.text import listed
+from bench.helpers.text import count, listed
 from bench.storage.reading import StoreCheck
 from bench.study.looks import LEAST
 
@@ -167,10 +168,16 @@ def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]
 def _failures(frame: pd.DataFrame) -> CheckResult:
     if frame.empty:
         return CheckResult("not checked", "There is no trial.")
-    failed = frame["status"] != "ok"
-    kinds = [f"{kind} {count:,}" for kind, count in frame.loc[failed, "status"].value_counts().items()]
+    raised = blames_problem(frame)
+    failed = (frame["status"] != "ok") & ~raised
+    kinds = [f"{kind} {number:,}" for kind, number in frame.loc[failed, "status"].value_counts().items()]
+    well = (
+        f"All trials finished but {count(int(raised.sum()), 'trial')} that ended as the problem’s own code raised."
+        if raised.any()
+        else f"All {len(frame):,} trials finished."
+    )
     did = f"did not finish ({listed(kinds)})"
-    return judge(frame, failed, "error", did, "They count as +inf.", well=f"All {len(frame):,} trials finished.")
+    return judge(frame, failed, "error", did, "They count as +inf.", well=well)
 
 
 def _storage(stores: Sequence[StoreCheck]) -> CheckResult:

@@ -131,7 +131,8 @@ class Final:
 
     @cached_property
     def _overall(self) -> pd.DataFrame:
-        return analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across)
+        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across)
+        return analysis.with_winner(tests, self.trials.optimizers, self.levels.across) if len(tests) else tests
 
     @property
     def rope(self) -> Rope | None:

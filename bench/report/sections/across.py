@@ -75,7 +75,8 @@ def _tests(tests: pd.DataFrame) -> Table:
         "The probability of each pair to end lower, in the mean over these problems, and the tests that it is 0.5.",
         shown.rename(columns=names),
         decimals={"first lower": 2},
-        note="Of a pair that is significant on these problems, further ones are tested at the same level, if these are "
+        note="The pairs of a winner are significant without adjustment, as all of them must be. Of a pair that is "
+        "significant on these problems, further ones are tested at the same level, if these are "
         "an independent sample of them.",
         data=tests.assign(lower=shown["lower"]),
     )

@@ -225,15 +225,17 @@ def _evidence(findings: Findings) -> str:
     study, levels = findings.study, findings.final.levels
     low, high = findings.trials.per_cell
     trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
-    failed = findings.trials.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
-    lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
+    working = findings.trials.comparable.working
+    failed = working.loc[working["status"] != "ok", "optimizer"].astype(str).value_counts(sort=False)
+    lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items()]
     parts = [f"{levels.problems:g} for tests on problems"] if levels.problems else []
     parts += [f"{levels.across:g} for tests over all"] if levels.across else []
     problems = count(len(findings.final.medians), "problem")
     alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
     return (
         f"n = {trials} of at most {study.budget_words} on each of N = {problems}; "
-        f"{alpha}, adjusted by Holm’s method over all pairs and problems; in brackets: 95% intervals"
+        f"{alpha}; p-values are adjusted by Holm’s method over pairs, and on single problems over these, too; those of "
+        "a winner are not, as all must reject; in brackets: 95% intervals"
         + (f"; failed: {listing(lost)}" if lost else "")
         + "."
     )

@@ -19,6 +19,7 @@ from bench.analysis.across import (
     normalised_errors,
     places,
     ranks_by_block,
+    with_winner,
 )
 from bench.analysis.cells import summarise
 from bench.analysis.direction import effects, least_p
@@ -340,3 +341,26 @@ def test_the_improvement_of_a_pair_is_that_by_instance(frame_of):
     frame = frame_of(values, instance=[1, 1, 2, 2, 2, 1, 1, 1, 2, 2])
     row = across_problems(pairwise_tests(frame)).iloc[0]
     assert improvement_of(list(strata(frame).values())) == pytest.approx(tuple(row[["probability", "low", "high"]]))
+
+
+@pytest.mark.parametrize(
+    ("p", "holm", "shown"),
+    [(0.016, 0.049, [True, True, True]), (0.046, 0.05, [False, True, True]), (0.016, 0.04, [True, True, True])],
+)
+def test_the_pairs_of_a_winner_are_significant_without_adjustment(p, holm, shown):
+    """Otherwise a page would name a winner beside 'no difference is shown between it and the second'."""
+    tests = pd.DataFrame(
+        {"first": ["b", "b", "a"], "second": ["a", "c", "c"], "probability": [0.29, 0.96, 1.0], "p": [p, 0.0, 0.0],
+         "p_holm": [holm, 0.0, 0.0], "significant": [holm <= 0.045, True, True], "lower": ["a", "b", "a"]}
+    )  # fmt: skip
+    assert with_winner(tests, list("abc"), 0.045)["significant"].tolist() == shown
+
+
+def test_without_a_winner_no_pair_becomes_significant():
+    tests = pd.DataFrame(
+        {"first": ["a", "a", "b"], "second": ["b", "c", "c"], "probability": [0.6, 0.7, 0.6], "p": [0.2, 0.01, 0.04],
+         "p_holm": [0.2, 0.03, 0.08], "significant": [False, True, False], "lower": ["a", "a", "b"]}
+    )  # fmt: skip
+    assert with_winner(tests, list("abc"), 0.045)["significant"].tolist() == [False, True, False]
+    tied = tests.assign(probability=0.5, lower="", p=0.0)
+    assert with_winner(tied, list("abc"), 0.045)["significant"].tolist() == [False, True, False]

@@ -197,6 +197,14 @@ def failed_trials(s):
     del s.traces["p", "a", 0], s.traces["q", "b", 0]
 
 
+def test_trials_that_the_problem_s_own_code_ended_are_no_optimizer_s_failures(sound):
+    sound.put(sound.trial("p", "a", 0), status="failed", error="ProblemError: ValueError: no mass")
+    del sound.traces["p", "a", 0]
+    found = sound.check().loc["failures"]
+    assert found["verdict"] == "pass"
+    assert found["finding"] == "All trials finished but 1 trial that ended as the problem’s own code raised."
+
+
 @trap("centre bias", "warning", "b 50 times", cells="")
 def an_optimizer_that_is_drawn_to_the_centre(s):
     s.diagnose("b", "centre bias", 50.0)

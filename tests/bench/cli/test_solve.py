@@ -44,6 +44,10 @@ class Vague(Problem):
 
     def describe(self, x):
         raise RuntimeError("no figures")
+
+class Crashing(Vague):
+    def evaluate(self, x):
+        raise RuntimeError("no mass")
 """
 
 
@@ -52,6 +56,13 @@ def solve(bench_here, tmp_path):
     (tmp_path / "o.py").write_text(OPTIMIZER)
     (tmp_path / "p.py").write_text(PROBLEM)
     return lambda problem, optimizer: bench_here("solve", problem, f"o.py:{optimizer}", "--budget", 20, cwd=tmp_path)
+
+
+def test_a_problem_that_raises_is_blamed_and_no_optimizer(solve):
+    done = solve("p.py:Crashing", "Markup")
+    assert done.returncode == 1
+    assert "p.py:Crashing failed: RuntimeError: no mass" in " ".join(done.stderr.split())
+    assert "Markup" not in done.stderr
 
 
 def test_a_stop_reason_is_printed_as_it_is(solve):

@@ -137,6 +137,44 @@ def test_who_peeks_overspends_learns_or_imports_is_named_by_a_verification(cheat
     assert all("hidden from optimizers here" in said for said in hidden)
 
 
+BLAME = """
+    import numpy as np
+
+    from bench import FunctionProblem
+    from bench.errors import ProblemError
+
+    def crash(x):
+        raise RuntimeError("no mass")
+
+    crashing = FunctionProblem(crash, [-1.0, -1.0], [1.0, 1.0], name="crashing", vectorized=True)
+
+    def accuses(objective, rng):
+        raise ProblemError(RuntimeError("not me"))
+
+    def swallows(objective, rng):
+        while True:
+            try:
+                objective(objective.initial(1))
+            except Exception:
+                return
+"""
+
+
+def test_a_problem_that_raises_in_its_own_process_is_blamed_whatever_the_optimizer_makes_of_it(tmp_path):
+    (tmp_path / "blame.py").write_text(dedent(BLAME))
+    plug_in = f"{tmp_path / 'blame.py'}:"
+    accused = Study.from_dict(
+        {"name": "s", "trials": 1, "budget": 20, "problems": [{"name": f"{plug_in}crashing"}, {"name": "sphere-3"}],
+         "optimizers": [{"name": "hill-climber"}, {"name": f"{plug_in}swallows"}, {"name": f"{plug_in}accuses"}]}
+    )  # fmt: skip
+    errors = {(trial.problem, trial.optimizer): row.get("error") for trial, row in made_apart(accused).items()}
+    for optimizer in ("hill-climber", "swallows"):
+        assert errors["crashing", optimizer].startswith("ProblemError: RuntimeError: no mass"), optimizer
+    assert "ProblemError" not in errors["sphere-3", "accuses"].partition("\n")[0]
+    assert "not me" in errors["sphere-3", "accuses"]
+    assert errors["sphere-3", "hill-climber"] is None
+
+
 def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats):
     rows = made_apart(study({"name": f"{cheats}:swallows"}, {"name": f"{cheats}:overspends"})).values()
     assert [(row["status"], row["nfev"], row["stop"]) for row in rows] == [("ok", 200, "budget")] * 8

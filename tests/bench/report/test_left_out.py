@@ -94,6 +94,8 @@ def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
     assert section.warnings[0].startswith("The problem that failed is not compared")
     assert "q (in 23 of 24 trials)" in section.warnings[0]
     assert section.lost == ""  # no optimizer lost a trial
+    assert "failed" not in "".join(section.cards[1].text)
+    assert not any(warning.startswith("Error: Failures") for warning in section.warnings)
     text = " ".join(methods(found).text)
     assert "failed or found no finite value" not in text
     assert "q is not compared, as its own code raised in a trial." in text

@@ -42,6 +42,13 @@ def test_the_defaults_are_the_first_configuration_and_the_record_is_complete(who
         assert whole.options == {"agents": record.values["agents"][record.scores.index(record.best)]}
 
 
+def test_a_training_problem_that_raises_ends_the_tuning_and_is_blamed(tmp_path):
+    said = "^the training problem minus-2 failed, which judges no configuration: .*; mend it, or leave it out$"
+    with pytest.raises(BenchError, match=said) as raised:
+        tuned(tmp_path, replace(SETTING, train=("sphere-2", "minus-2"), trials=1))
+    assert "scatter" not in str(raised.value)
+
+
 def test_a_score_is_that_of_runs_of_its_own(whole):
     regrets = [
         np.median([

@@ -88,6 +88,11 @@ def test_where_every_trial_failed_none_finished(make, tmp_path):
     assert shown.lost.startswith("48 of 48 trials did not finish")
 
 
+def test_which_p_values_are_adjusted_is_said(findings):
+    said = " ".join(verdict.section(findings).cards[1].text)
+    assert "adjusted by Holm’s method over pairs, and on single problems over these, too; those of a winner are" in said
+
+
 def test_one_test_is_not_many(make, tmp_path):
     found = Findings(Results(make(tmp_path / "s", ("p",), ("a", "b"), trials=3)))
     said = " ".join(verdict.section(found).cards[4].text)
