@@ -26,6 +26,9 @@ FRAME_COLUMNS = (
 PRECISION = "precision"
 """The column of the tidy frame that is computed when it is read: the objective value less the known optimum."""
 
+FEATURES = ("suite", "function", "dimension", "instance", "group")
+"""The columns of the tidy frame that say of which kind a problem is, as it loads where the frame is read."""
+
 Row = dict[str, Any]
 """A trial's columns by name, as :func:`as_row` makes them and :mod:`bench.storage.store` keeps them."""
 

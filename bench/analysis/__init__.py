@@ -27,6 +27,8 @@ Example:
     >>> expected_running_time(hits)
 """
 
+from inspect import isfunction
+
 from bench.analysis.across import (
     across_problems,
     cliques,
@@ -84,6 +86,7 @@ from bench.analysis.error_rates import (
     trials_to_separate,
 )
 from bench.analysis.feasibility import feasibility
+from bench.analysis.input import checked
 from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
@@ -221,3 +224,7 @@ __all__ = [
     "variables",
     "with_winner",
 ]
+
+for _name in __all__:
+    if isfunction(globals()[_name]):
+        globals()[_name] = checked(globals()[_name])

@@ -86,7 +86,9 @@ def _with_working_objective(frame: pd.DataFrame) -> tuple[pd.DataFrame, dict[str
     label = frame["problem"].astype(object)
     if "instance" in frame:
         pooled = frame["instance"].notna()
-        label = label.where(~pooled, label + "-i" + frame["instance"].astype(object).astype(str))
+        ending = "-i" + frame["instance"].astype(object).astype(str)
+        pooled &= np.array([not name.endswith(end) for name, end in zip(label, ending, strict=True)], dtype=bool)
+        label = label.where(~pooled, label + ending)
     counts = raised.groupby(label, sort=False).agg(["sum", "size"])
     failed = {str(name): (int(row["sum"]), int(row["size"])) for name, row in counts.iterrows() if row["sum"]}
     return frame[~label.isin(failed)], failed

@@ -21,7 +21,7 @@ from bench.importing import naming
 from bench.importing.runs import Reading, Run, improvements, label, require_increasing
 from bench.importing.source import Source
 from bench.objective import Trace
-from bench.trial import FRAME_COLUMNS, PRECISION
+from bench.trial import FEATURES, FRAME_COLUMNS, PRECISION
 
 COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
@@ -123,7 +123,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
     table["trial"] = _counts(table, "trial", trials, all_given=True)
     counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
-    reserved = {*FRAME_COLUMNS, PRECISION, "line"}
+    reserved = {*FRAME_COLUMNS, *FEATURES, PRECISION, "line"}
     measured: dict[str, list[float]] = {
         name: _numbers(table, name, trials).tolist()
         for name in map(str, table)

@@ -7,6 +7,7 @@ import math
 import warnings
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, cached_property
 from itertools import compress
 from os import PathLike
@@ -18,6 +19,7 @@ import pandas as pd
 from bench.errors import BenchError
 from bench.families import dimension_in
 from bench.helpers.text import html_table, unique
+from bench.numbers import is_whole
 from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import brings_code, is_imported
@@ -32,7 +34,7 @@ from bench.storage.union import differences, united
 from bench.study import Study
 from bench.study.budget import Budget
 from bench.study.selection import Dimensions, Patterns, selected
-from bench.trial import PRECISION
+from bench.trial import FEATURES, PRECISION
 
 AnyPath = str | PathLike[str]
 
@@ -235,7 +237,9 @@ class Results:
             [entry.label for entry in self.study.problems], [entry.label for entry in self.study.with_controls]
         )
         origins = frame.pop("environment")
-        return _with_precision(frame, self._suite_optima()), origins
+        labels = [entry.label for entry in self.study.problems]
+        kinds = pd.DataFrame([self._kind(label) for label in labels], index=labels, dtype=object)
+        return _with_features(_with_precision(frame, self._suite_optima()), kinds), origins
 
     @cached_property
     def traces(self) -> Traces:
@@ -274,6 +278,19 @@ class Results:
         suites = {entry.label for entry in self.study.problems if selection.is_of_suite(entry.name)}
         optima = {label: self.facts(label).optimum for label in suites}
         return {label: optimum for label, optimum in optima.items() if optimum is not None}
+
+    def _kind(self, label: str) -> dict[str, Any]:
+        """Return the features of a problem that a frame has; its optimum, which may take seconds, is not computed.
+
+        A problem from a file is not loaded, as nobody expects that reading a frame executes the file.
+        """
+        name = next(entry.name for entry in self.study.problems if entry.label == label)
+        kind: dict[str, Any] = {"dimension": dimension_in(label)}
+        if not brings_code(name):
+            with suppress(Exception):  # a plug-in may raise anything, and may be missing here
+                problem = self.problem(label)
+                kind = {"dimension": problem.dimension} | dict(problem.features)
+        return {name: kind.get(name) for name in FEATURES}
 
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
@@ -327,7 +344,8 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. After ``fun``
     comes ``precision``, which is ``fun`` less the known optimum, where a problem is of a suite whose optima are known.
     A failed trial's metrics are missing values, and so is what imported results do not say. Damaged trials are left
-    out, with a warning that names them.
+    out, with a warning that names them. The last columns are ``suite``, ``function``, ``dimension``, ``instance`` and
+    ``group`` of the problem, missing where it has no such feature or cannot be loaded; a metric of such a name stays.
 
     Raises:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
@@ -474,4 +492,14 @@ def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.Data
         return frame
     precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - optimum
     frame.insert(list(frame).index("fun") + 1, PRECISION, precision)
+    return frame
+
+
+def _with_features(frame: pd.DataFrame, kinds: pd.DataFrame) -> pd.DataFrame:
+    """Return the frame with the features of its problems, given by label; whole numbers stay whole where some lack."""
+    rows = kinds.index.get_indexer(pd.Index(frame["problem"]))
+    for name in FEATURES:
+        if name not in frame:
+            values = kinds[name].astype("Int64") if all(map(is_whole, kinds[name].dropna())) else kinds[name]
+            frame[name] = values.array.take(rows)
     return frame

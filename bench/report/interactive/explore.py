@@ -25,7 +25,7 @@ from bench.report.interactive.coding import coded, packed, short, signal
 from bench.report.interactive.command import optimizer_words, problem_words
 from bench.report.target_words import target_words
 from bench.study import Entry
-from bench.trial import FRAME_COLUMNS, PRECISION
+from bench.trial import FEATURES, FRAME_COLUMNS, PRECISION
 from bench.typing import Floats
 
 MOST_RUNS = 12_000
@@ -236,7 +236,7 @@ class _Explored:
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
         frame = self.findings.trials.whole
-        usual = (*FRAME_COLUMNS, PRECISION, "instance")
+        usual = (*FRAME_COLUMNS, *FEATURES, PRECISION)
         names = [name for name in map(str, frame) if name not in usual and not name.startswith("x_")]
         return [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
 

@@ -104,6 +104,13 @@ class TestFailures:
         assert keys(found.frame) == keys(found.working) == [("q", "a", 0), ("q", "b", 0)]  # a loses q
         assert found.failed == {"p": (1, 2)}
 
+    def test_of_instances_that_are_not_pooled_the_one_that_failed_keeps_its_name(self):
+        frame = trials(
+            *((f"f-i{i}", "a", 0, 1.0, 10) for i in (1, 2)), instance=[1, 2], status=["failed", "ok"],
+            error=["ProblemError: x", None],
+        )  # fmt: skip
+        assert comparable(frame, {}, 10).failed == {"f-i1": (1, 1)}
+
     def test_of_pooled_instances_only_the_one_that_failed(self):
         frame = trials(
             *(("f", label, i, 1.0, 10) for label in "ab" for i in (1, 2)), instance=[1, 2, 1, 2],

@@ -1,5 +1,7 @@
 """Reading one folder, and several beside each other."""
 
+from dataclasses import replace
+
 import pandas as pd
 import pytest
 
@@ -38,6 +40,31 @@ def test_one_folder_keeps_its_labels(ran):
     assert results.frame["optimizer"].unique().tolist() == ["hill-climber", "scatter", "early"]
     assert set(results.traces) == set(results.frame[["problem", "optimizer", "trial"]].itertuples(index=False))
     assert results.fingerprints.keys() == {"sphere-2", "sphere-3"}
+
+
+def test_the_frame_says_of_which_kind_each_problem_is(tmp_path, testing_plugins):
+    names = ["bbob-f01-d2-i1", "sphere-3", "nobody:knows"]
+    study = Study("kinds", tuple(Entry(name, name) for name in names), (Entry("early", "early"),))
+    frame = Results(made_up(tmp_path / "s", study)).frame
+    columns = ["suite", "function", "dimension", "instance", "group"]
+    assert list(frame)[-5:] == columns
+    kinds = frame.drop_duplicates("problem").set_index("problem")[columns].astype(object)
+    assert kinds.loc["bbob-f01-d2-i1"].tolist() == ["bbob", "f01", 2, 1, "separable"]
+    assert kinds.loc["sphere-3"].isna().tolist() == [True, True, False, True, True]
+    assert kinds.loc["sphere-3", "dimension"] == 3
+    assert kinds.loc["nobody:knows"].isna().all()
+
+
+def made_up(path, study):
+    """Write a study's folder with one trial a cell, which no optimizer made."""
+    path.mkdir()
+    folder = Folder(path)
+    (path / "study.toml").write_text(study.to_toml())
+    with folder.store.writer() as writer:
+        number = writer.environment({"host": "here"})
+        for trial in replace(study, trials=1).plan():
+            writer.add(trial, {"status": "failed", "error": "RuntimeError: no"}, number)
+    return path
 
 
 def test_a_selection_has_the_trials_and_traces_of_its_cells_alone(filled):

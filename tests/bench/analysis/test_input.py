@@ -1,0 +1,31 @@
+"""What functions of bench.analysis say of arguments that they cannot take."""
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, analysis
+
+FRAME = pd.DataFrame({"problem": ["p"], "optimizer": ["a"], "trial": [0], "status": ["ok"], "fun": [1.0]})
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: analysis.summarise(FRAME.drop(columns="fun")), "summarise misses in 'frame': column 'fun'; it has"),
+        (lambda: analysis.pairwise_tests(FRAME[["fun"]]), "pairwise_tests misses in 'frame': column 'status'; it has"),
+        (lambda: analysis.timing(FRAME), "timing misses in 'frame': .*wall_s.*; it has the columns problem, optimizer"),
+        (lambda: analysis.summarise("results"), "summarise takes as 'frame' a frame, such as .* not an object of str"),
+        (lambda: analysis.scores(frame=None), "scores takes as 'frame' a frame"),
+        (lambda: analysis.stage_ranks(FRAME, [], 10), "stage_ranks takes as 'traces' traces, such as results.traces"),
+    ],
+)
+def test_a_wrong_argument_or_a_missing_column_is_one_sentence(call, message):
+    with pytest.raises(BenchError, match=message) as raised:
+        call()
+    assert "\n" not in str(raised.value)
+
+
+def test_a_key_that_no_frame_could_have_stays_what_it_is():
+    with pytest.raises(KeyError) as raised:
+        analysis.coverage(FRAME, {("p", "b"): 3})
+    assert not isinstance(raised.value, BenchError)
