@@ -11,6 +11,7 @@ from rich.console import Console
 from bench.cli.console import Jobs, table
 from bench.helpers.console import print_line
 from bench.helpers.text import count
+from bench.numbers import require_seed, require_whole
 
 
 def command(
@@ -35,7 +36,6 @@ def command(
     from bench.atlas.compare import findings
     from bench.atlas.write import check_output
     from bench.execution.progress import steps
-    from bench.numbers import require_seed, require_whole
 
     require_whole("--trials", trials, 2, 1000)
     require_whole("--budget", budget, 50, 10_000_000)

@@ -11,7 +11,9 @@ from rich.console import Console
 from bench.cli import completion
 from bench.cli.console import table
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
 from bench.helpers.console import pairs, print_line
+from bench.numbers import require_seed
 from bench.sandbox.messages import describe_error
 
 BESIDE = 4  # problems of one table
@@ -43,8 +45,6 @@ def command(
     import pandas as pd
 
     from bench.analysis.landscape import describe
-    from bench.helpers.atomic import replacing
-    from bench.numbers import require_seed
     from bench.plugins import loading, selection
 
     require_seed("the seed", seed)

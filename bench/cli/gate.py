@@ -13,6 +13,7 @@ from rich.text import Text
 
 from bench.cli import completion
 from bench.cli.console import table
+from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
 
 STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
@@ -59,7 +60,6 @@ def command(
     where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "pass" where it is
     shown to stay below on average (with --every-problem on each problem), and else "undecided".
     """
-    from bench.helpers.atomic import replacing
     from bench.report.gate import HEADS, gate
 
     verdict = gate(old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common, every=every)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from bench.helpers.console import print_line
+from bench.helpers.text import count
 
 
 def command(
@@ -29,7 +30,6 @@ def command(
     MINE IMPORTED' compares both. Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends
     the import; --partial imports the others, and reports list what is missing.
     """
-    from bench.helpers.text import count
     from bench.importing import import_results
 
     imported = import_results(source, output, licence=licence, partial=partial)

@@ -12,7 +12,9 @@ from rich.console import Console
 from bench.cli import completion
 from bench.cli.console import ProblemParameters, table
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
 from bench.helpers.console import pairs, print_line
+from bench.helpers.text import file_name
 
 
 def command(
@@ -39,8 +41,6 @@ def command(
     optimizer on the five problems of the folders with the most similar features, where such a choice is shown to be
     better than one optimizer for all, by leaving functions out; else it is that single best.
     """
-    from bench.helpers.atomic import replacing
-    from bench.helpers.text import file_name
     from bench.report.recommend import recommend
 
     if output is not None and output.suffix != ".toml":

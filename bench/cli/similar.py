@@ -12,7 +12,9 @@ from rich.console import Console
 from bench.cli import completion
 from bench.cli.console import Parameters, table
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
 from bench.helpers.console import pairs, print_line
+from bench.numbers import require_seed, require_whole
 
 
 def command(
@@ -47,8 +49,6 @@ def command(
     from bench.analysis.similarity import similarity
     from bench.check.behaviour import behaviours, common_problems, recorder
     from bench.execution.progress import steps
-    from bench.helpers.atomic import replacing
-    from bench.numbers import require_seed, require_whole
     from bench.plots import style
     from bench.plots.similarity import similarity_map
     from bench.plugins import loading, selection
