@@ -109,7 +109,7 @@ def _compiled_loop() -> Callable[[int, Floats, Floats], None]:
             evaluate(problem, points[row].ctypes, values[row:].ctypes)
 
     of_arrays = types.void(types.uintp, number[:, ::1], number[::1])
-    made: Callable[[int, Floats, Floats], None] = njit([of_arrays], cache=True)(loop).get_overload(of_arrays)
+    made: Callable[[int, Floats, Floats], None] = njit([of_arrays], cache=True)(loop)
     return made
 
 
