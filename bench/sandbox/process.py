@@ -71,7 +71,7 @@ class PrintedTooMuchError(RuntimeError):
 
 
 class LostError(RuntimeError):
-    """The process was stopped, or the one that forks and ends it has ended, or answers no more."""
+    """The process was ended, or the one that forks and ends it has ended, or answers no more."""
 
 
 class DiedError(RuntimeError):
@@ -138,7 +138,6 @@ class Process:
         self._process = None
         self._pid = self._number = 0
         self._closed = self._lost = False
-        self._stopped = False  # at the last look
         self.note: Any = None  # the last one of the present call (bench.sandbox.server.note)
         return end
 
@@ -218,7 +217,7 @@ class Process:
         After any error the process is ended.
 
         Args:
-            seconds: that the call may take; None to wait for as long as the process is alive and not stopped.
+            seconds: that the call may take; None to wait for as long as the process is alive.
             silence: seconds that it may take without a note (:func:`bench.sandbox.server.note`); None for no limit.
             memory: bytes that the process and all that it started may hold; None for no limit.
             printed: bytes that the call may print; None for no limit.
@@ -227,7 +226,7 @@ class Process:
         Raises:
             TimeExceededError, MemoryExceededError, PrintedTooMuchError: when the call exceeded a limit.
             DiedError: when the process ended first.
-            LostError: when it was ended before, is stopped, or its original has ended, or does not answer.
+            LostError: when it was ended before, or its original has ended, or does not answer.
             RemoteError: when the function raised, or its answer is no JSON.
         """
         now = monotonic()
@@ -292,14 +291,10 @@ class Process:
             raise PrintedTooMuchError
 
     def _check_state(self, memory: int | None) -> None:
-        """End a process that is stopped or has grown too large, and detect one that has ended silently."""
+        """End a process that has grown too large, and detect one that has ended silently."""
         held = self._look()
         if held is None:  # a fork that still holds the channel hides its end
             raise self._died_error()
-        was_stopped, self._stopped = self._stopped, held == tree.STOPPED
-        if was_stopped and self._stopped:  # for more than a moment, as where all are stopped one after another
-            self.close()
-            raise LostError("it was stopped")
         if memory is not None and held > memory:
             self.close()
             raise MemoryExceededError(

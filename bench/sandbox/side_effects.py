@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from bench import seeds
-from bench.sandbox.tree import children, is_stopped
+from bench.sandbox.tree import children
 
 _GRACE = 0.1  # seconds for threads and processes to end after their trial
 _SIGNALS = [
@@ -58,7 +58,7 @@ class SideEffects:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.altered = _state() != self._state or is_stopped(os.getppid())
+        self.altered = _state() != self._state
         deadline = time.monotonic() + _GRACE
         for thread in set(threading.enumerate()) - self._threads:
             thread.join(max(0.0, deadline - time.monotonic()))

@@ -7,9 +7,6 @@ from pathlib import Path
 
 import psutil
 
-STOPPED = -1
-"""What :func:`look` returns of a process that is stopped, as by SIGSTOP."""
-
 
 def children() -> set[int]:
     """Return the numbers of this process's children, ended ones included."""
@@ -23,19 +20,10 @@ def children() -> set[int]:
     return numbers
 
 
-def is_stopped(pid: int) -> bool:
-    """Return whether a process has been stopped, as by SIGSTOP; False where this system does not show it."""
-    try:
-        with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - faster, and read after every trial
-            return file.read().rpartition(b")")[2].split()[0] in (b"T", b"t")
-    except (OSError, IndexError):
-        return False
-
-
 def look(pid: int) -> int | None:
     """Return the bytes of memory that a process and its descendants hold.
 
-    Shared memory counts for each. None stands for a process that has ended, ``STOPPED`` where one of them is stopped.
+    Shared memory counts for each. None stands for a process that has ended.
     """
     held = 0
     try:
@@ -47,8 +35,6 @@ def look(pid: int) -> int | None:
         return None
     for member in members:
         with suppress(psutil.Error):
-            if member.status() in (psutil.STATUS_STOPPED, psutil.STATUS_TRACING_STOP):
-                return STOPPED
             held += member.memory_info().rss
     return held
 

@@ -17,7 +17,6 @@ from bench import Results, Study, load_problem, load_results, run
 from bench.execution.job import Task
 from bench.execution.supervisor import check
 from bench.plugins.from_file import contents, fingerprint
-from bench.sandbox import process
 
 pytestmark = [
     pytest.mark.slow,
@@ -48,8 +47,6 @@ ONCE = {  # attack in one trial
     "notes": ("timeout", "after 8 s, the limit of a trial"),
     "kill-parent": ("failed", ENDED),
     "kill-all": ("failed", ENDED),
-    "stop-parent": ("failed", ENDED),
-    "stop-all": ("failed", ENDED),
 }
 CHANGES = ("replace-gwo", "replace-evaluate", "replace-kernel", "replace-search", "replace-study", "zero-signal")
 ROUNDING = "round-upward"
@@ -75,7 +72,6 @@ def place(tmp_path_factory, testing_plugins):
     place = tmp_path_factory.mktemp("attacks")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MARKER", str(place / "marker"))
-        patch.setattr(process, "_ANSWER", 2.0)  # seconds until a stopped process counts as lost
         run(study(4, [*CHANGES, ROUNDING, *CLAIMS, *ONCE]), place / "out", n_jobs=2, timeout=8)
     run(study(4, []), place / "alone", n_jobs=2)
     return place

@@ -184,8 +184,6 @@ DEEDS = {
     "raise-budget": raise_budget,
     "kill-parent": signals(signal.SIGKILL, lambda pids: pids[:1]),
     "kill-all": signals(signal.SIGKILL, lambda pids: pids[::-1]),
-    "stop-parent": signals(signal.SIGSTOP, lambda pids: pids[:1]),
-    "stop-all": signals(signal.SIGSTOP, lambda pids: pids[::-1]),
     "kill-main": kill_main,
 }
 

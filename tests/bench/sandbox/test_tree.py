@@ -1,7 +1,6 @@
 """The tree of a process: its children, its memory, its end."""
 
 import os
-import signal
 import subprocess
 import sys
 from contextlib import suppress
@@ -71,16 +70,3 @@ def test_a_killed_tree_leaves_nothing(parent):
     psutil.wait_procs([child], timeout=60)
     assert not child.is_running() or child.status() == psutil.STATUS_ZOMBIE
     tree.kill(parent.pid)  # again
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="the state of a process is read from /proc")
-def test_a_stopped_process_is_seen(parent):
-    parent, _ = parent
-    assert not tree.is_stopped(parent.pid)
-    parent.send_signal(signal.SIGSTOP)
-    os.waitid(os.P_PID, parent.pid, os.WSTOPPED | os.WNOWAIT)
-    assert tree.is_stopped(parent.pid)
-    parent.send_signal(signal.SIGCONT)
-    while tree.is_stopped(parent.pid):
-        pass
-    assert not tree.is_stopped(2**22 + 1)
