@@ -94,7 +94,7 @@ class Results:
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
         self._sources = _sources([Folder(folder) for folder in (path, *others)])
         self.names = [source.name for source in self._sources]
-        self.study = self.whole = united([source.study for source in self._sources], self.names)
+        self.study = self.whole = united([source.study for source in self._sources], self.names, self._stored_dimension)
         shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
         self.budgets = {label: source.budgets[label] for label, (_, source) in shown.items()}
         self.looked = [source.name for source in self._sources if source.study.looks and others]
@@ -253,6 +253,11 @@ class Results:
                 if problem in shared and source.shown[optimizer] in optimizers
             }
         )
+
+    def _stored_dimension(self, label: str) -> int | None:
+        finished = "problem = ? AND status = 'ok'"
+        stored = (source.folder.store.rows(finished, (label,), ("x",)) for source in self._sources)
+        return next((len(row["x"]) // 8 for rows in stored for row in rows), None)  # bytes of float64
 
     def _load(self, label: str) -> Problem:
         name = next((entry.name for entry in self.study.problems if entry.label == label), "")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 
 from bench.errors import BenchError
@@ -14,11 +14,17 @@ from bench.study import Entry, Study
 from bench.study.budget import Budget, described
 
 
-def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
+def united(studies: Sequence[Study], names: Sequence[str], stored: Callable[[str], int | None]) -> Study:
     """Return one study with the problems and optimizers of all, which are in folders of these names.
 
     Where one of them is imported, only the problems that all have remain, and the budget is the largest. Functions that
-    all have keep the instances of each, where these are repetitions (:func:`compared`).
+    all have keep the instances of each, where these are repetitions (:func:`compared`). No problem is loaded that is
+    not of a suite: its code may be one that nobody trusts.
+
+    Args:
+        studies: the studies.
+        names: of their folders.
+        stored: returns the number of variables that stored trials on a problem have, by its label.
 
     Raises:
         BenchError: when studies that were run here differ in budget or in the handling of constraints, when a problem's
@@ -51,7 +57,7 @@ def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
         name="-".join(dict.fromkeys(study.name for study in studies)),
         title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
         trials=max(study.trials for study in studies),
-        budget=_largest(studies, problems),
+        budget=_largest(studies, problems, stored),
         problems=tuple(problems.values()),
         optimizers=tuple(entry for study in studies for entry in study.optimizers),
         controls=tuple(entry for study in studies for entry in study.controls),
@@ -137,7 +143,7 @@ def _is_known(study: Study, entry: Entry) -> bool:
     return False
 
 
-def _largest(studies: Sequence[Study], problems: Iterable[str]) -> Budget:
+def _largest(studies: Sequence[Study], problems: Iterable[str], stored: Callable[[str], int | None]) -> Budget:
     """Return the largest budget of all studies, by dimension where it depends on that."""
     budgets = [study.budget for study in studies]
     if all(budget == budgets[0] for budget in budgets):
@@ -145,15 +151,16 @@ def _largest(studies: Sequence[Study], problems: Iterable[str]) -> Budget:
     numbers = [budget for budget in budgets if isinstance(budget, int)]
     if len(numbers) == len(budgets):
         return max(numbers)
+    dimensions = {label: dimension_in(label) or stored(label) for label in problems}
+    if unknown := [label for label, dimension in dimensions.items() if not dimension]:
+        raise BenchError(
+            f"budgets depend on the dimension, and that of problem {unknown[0]!r} is not known: no folder holds a "
+            "finished trial on it"
+        )
     return {
         str(dimension): max(study.evaluations(dimension) for study in studies)
-        for dimension in sorted({_dimension(studies, label) for label in problems})
+        for dimension in sorted({dimension for dimension in dimensions.values() if dimension})
     }
-
-
-def _dimension(studies: Sequence[Study], label: str) -> int:
-    """Return the dimension of a problem, by its name or by loading it; raises BenchError where neither shows it."""
-    return dimension_in(label) or next(study for study in studies if not study.imported).problem(label).dimension
 
 
 def _within(budget: Budget, labels: Iterable[str]) -> Budget:
