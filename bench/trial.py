@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import inf, isfinite, isnan
 from time import perf_counter, process_time
 from typing import Any
 
@@ -28,6 +29,12 @@ PRECISION = "precision"
 
 FEATURES = ("suite", "function", "dimension", "instance", "group")
 """The columns of the tidy frame that say of which kind a problem is, as it loads where the frame is read."""
+
+ROUNDING = 1e-9
+"""By how much a value may differ, relative to itself, when its point is evaluated again."""
+
+_SPREADS = 100.0  # times the differences seen among batches: a value near 0 is a difference of larger terms
+_BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
 Row = dict[str, Any]
 """A trial's columns by name, as :func:`as_row` makes them and :mod:`bench.storage.store` keeps them."""
@@ -172,6 +179,45 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, returned: o
         outside_box=objective.outside_box,
         metrics={},
         seed=seed,
+    )
+
+
+def doubt(result: Result, problem: Problem) -> str:
+    """Return how the value of a result's best point differs when that is evaluated again, alone; "" where it agrees.
+
+    A value may differ by 1e-9 of itself, or by 100 times the differences that are seen among batches of the point:
+    some libraries round a point alone otherwise than in a batch.
+
+    Raises:
+        ProblemError: when the problem raises there.
+    """
+    if not ((result.x >= problem.lower) & (result.x <= problem.upper)).all():
+        return ""  # no point of the trial is in the box, so it has no value
+
+    def values(size: int) -> Floats:
+        return np.asarray(problem.evaluate(np.tile(result.x, (size, 1))), np.float64)
+
+    try:
+        value = float(values(1)[0])
+        value = inf if isnan(value) else value
+        rounding = ROUNDING * abs(value) if isfinite(value) else 0.0
+        if value == result.fun or abs(value - result.fun) <= rounding:
+            return ""
+        spread = max(float(np.ptp([value, *values(size)])) for size in _BATCHES) if isfinite(value) else 0.0
+        noise = max(abs(value - float(values(1)[0])) for _ in _BATCHES)
+    except Exception as error:  # a plug-in may raise anything
+        raise ProblemError(error) from error
+    if noise > rounding:
+        return (
+            f"problem {problem.name!r} has noise that it does not declare: the value {value!r} of the best point "
+            f"differs by {noise:.2g} when the point is evaluated again; set noisy = True, and return true values from "
+            "noiseless"
+        )
+    if isfinite(value) and abs(value - result.fun) <= rounding + _SPREADS * spread:
+        return ""
+    return (
+        f"the best value is {result.fun!r}, and its point has {value!r} when it is evaluated again, alone; a value may "
+        "depend on nothing but the point"
     )
 
 

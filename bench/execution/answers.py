@@ -6,7 +6,7 @@ import base64
 import binascii
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isfinite, isnan
+from math import inf, isnan
 from typing import Any
 
 import numpy as np
@@ -15,16 +15,6 @@ from bench.helpers.text import printable
 from bench.objective import Trace
 from bench.trial import Result
 from bench.typing import Flags, Floats
-
-ROUNDING = 1e-9
-"""By how much a value may differ, relative to itself, when its point is evaluated alone.
-
-Some libraries round a point alone otherwise than in a batch.
-"""
-
-_SPREADS = 100.0  # by how many times the differences seen among batches it may differ, near 0 as a difference of terms
-
-_SECONDS = 0.05  # by which two clocks may differ
 
 
 class RefusedError(RuntimeError):
@@ -72,15 +62,14 @@ def error(answer: Any) -> str:
     return printable(reason, 4000)
 
 
-def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds: float) -> Result:
-    """Return the result that an answer claims, without metrics, where it can be one.
+def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int) -> Result:
+    """Return the result that an answer claims, where it can be one.
 
     Args:
-        answer: the fields of :func:`bench.execution.trial_process.as_answer`.
+        answer: the fields of :func:`bench.execution.trial_process.as_answer`, and the metrics.
         box: of the trial's problem.
         budget: evaluations that the trial may have made.
         seed: of the trial.
-        seconds: that the trial took by the supervisor's clock.
 
     Raises:
         RefusedError: for missing fields, other types, and values that contradict each other or the study.
@@ -91,8 +80,8 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds:
     if not 0 <= outside <= nfev:
         raise RefusedError(f"{outside} of its {nfev} evaluations lie outside the box")
     wall, cpu, objective = (_number(answer, name) for name in ("wall_s", "cpu_s", "objective_s"))
-    if not (0 <= wall <= seconds + _SECONDS and 0 <= objective <= wall + _SECONDS and 0 <= cpu < inf):
-        raise RefusedError("its times contradict the clock")
+    if not all(0 <= seconds < inf for seconds in (wall, cpu, objective)):
+        raise RefusedError("its times are no durations")
     fun, x = _number(answer, "fun"), _array(answer, "x", "<f8")
     trace = Trace(_array(answer, "evaluations", "<i8"), _array(answer, "values", "<f8"))
     _check_trace(trace, fun, nfev)
@@ -109,42 +98,11 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds:
         raise RefusedError("its reason to stop is no text")
     if (nfev == budget) != (stop == "budget"):  # a word that only the harness uses, and only at the end of the budget
         raise RefusedError(f"it stopped by {printable(stop, 50)!r} after {nfev} of {budget} evaluations")
-    return Result(x, fun, nfev, trace, wall, cpu, objective, printable(stop, 201), outside, {}, seed)
+    return Result(x, fun, nfev, trace, wall, cpu, objective, printable(stop, 201), outside, _metrics(answer), seed)
 
 
-def confirm(claimed: Result, box: Box, again: Any) -> dict[str, float]:
-    """Return the metrics of a claimed result whose best point has been evaluated again.
-
-    Args:
-        claimed: what the trial answered.
-        box: of its problem.
-        again: the answer of :func:`bench.execution.trial_process.evaluate`.
-
-    Raises:
-        RefusedError: where the value is another one, or there is none.
-    """
-    described = metrics(again)
-    if not box.holds(claimed.x):  # nor has any point of the trial
-        return described
-    value, spread, noise = again.get("fun"), again.get("spread"), again.get("noise", 0.0)
-    if type(value) is not float or type(spread) is not float or type(noise) is not float:
-        raise RefusedError("its best point has no value")
-    value = inf if isnan(value) else value
-    if noise > ROUNDING * abs(value):
-        raise RefusedError(
-            f"its problem has noise that it does not declare: the value {value!r} of the best point differs by "
-            f"{noise:.2g} when the point is evaluated again; set noisy = True, and return true values from noiseless"
-        )
-    # Nothing here may depend on the trace, whose first value an optimizer can choose.
-    allowed = ROUNDING * abs(value) + _SPREADS * spread if isfinite(value) else 0.0
-    if not (value == claimed.fun or abs(value - claimed.fun) <= allowed):
-        raise RefusedError(f"its best value is {claimed.fun!r}, and its best point has {value!r}")
-    return described
-
-
-def metrics(answer: Any) -> dict[str, float]:
-    """Return the metrics of an answer of the problem's side; raises RefusedError for what are none."""
-    described = answer.get("metrics") if isinstance(answer, dict) else None
+def _metrics(answer: Mapping[str, Any]) -> dict[str, float]:
+    described = answer.get("metrics")
     if not isinstance(described, dict) or not all(type(value) is float for value in described.values()):
         raise RefusedError("the metrics of its best point are no numbers")
     return described

@@ -2,10 +2,10 @@
 
     root            trusted code only
     └ problems      of one family, loaded
-      ├ evaluator   evaluates best points again
       └ optimizers  of one package or file, loaded
         └ optimizer warmed up
-          └ trial   makes trials of this optimizer until they have taken WORTH times as long as its start
+          └ trial   makes trials of this optimizer until they have taken WORTH times as long as its start, and
+                    evaluates their best points again
 
 Each is forked from the one before it and shares the memory of what is loaded; where processes do not fork, each is
 started anew and loads all that the one before it holds. Where problem, budget and trace are kept apart from the
@@ -94,6 +94,7 @@ class Job:
         self._loading = self._limits | {"seconds": LOADING}
         silence = None if task.timeout is None else max(task.timeout, SILENCE)
         self._warming = self._loading | {"silence": silence, "printed": PRINTED}
+        self.doing = ""  # beside the trial itself, for messages
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.with_controls}
         self._core = next(_cores)  # of trials whose problem is kept apart
@@ -101,7 +102,6 @@ class Job:
         self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
-        self._evaluators: dict[ForkServer, Process] = {}
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
         self._ready: OrderedDict[tuple[ForkServer, str], _Ready] = OrderedDict()  # by the problems and the optimizer
 
@@ -137,8 +137,8 @@ class Job:
             oldest.server.close()
         return ready
 
-    def make(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
-        """Have a trial made; return what its process answers, which is not to be believed, and the seconds it took."""
+    def make(self, trial: Trial, ready: _Ready) -> Any:
+        """Have a trial made; return what its process answers, which is not to be believed."""
         if self._task.apart:
             return self._make_apart(trial, ready)
         began = monotonic()
@@ -153,15 +153,20 @@ class Job:
         took = monotonic() - began
         ready.left -= took
         sound = isinstance(answer, dict) and answer.get("altered") is False
+        if isinstance(answer, dict) and "error" not in answer:
+            self.doing = "while its best point was evaluated again"
+            limits = self._limits | {"seconds": LOADING + BATCHES * took}
+            again = ready.process.call(trial_process.confirm, trial.problem, **limits)
+            answer = answer | again if isinstance(again, dict) else again
         if not sound or ready.left <= 0:
             ready.process.close()
-        return answer, took
+        return answer
 
-    def _make_apart(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
+    def _make_apart(self, trial: Trial, ready: _Ready) -> Any:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
         Return what the other process answers, with the processor seconds of the optimizer's and the reason to stop that
-        it declared, and the seconds it took.
+        it declared.
         """
         problems = self._with_problem(trial.problem)
         box = self._boxes[trial.problem]
@@ -177,35 +182,16 @@ class Job:
             lost = not isinstance(answer, dict) or "error" in answer
             kept = None
             with suppress(*FAILURES) if lost else nullcontext():  # it knows alone whether the problem has failed
-                kept = server.finish(seconds=LOADING + took, memory=self._task.memory)
+                kept = server.finish(seconds=LOADING + BATCHES * took, memory=self._task.memory)
             if isinstance(kept, dict) and "error" in kept:
-                return kept, took
+                return kept
             if lost:
-                return _not_blaming_problem(answer), took
+                return _not_blaming_problem(answer)
             if isinstance(kept, dict):
                 kept["cpu_s"] = answer.get("cpu_s")
                 if kept.get("stop") != "budget":
                     kept["stop"] = answer.get("stop")
-            return kept, took
-
-    def evaluate(self, problem: str, point: list[float], seconds: float, *, anew: bool = False) -> Any:
-        """Return the value and the metrics of a point of a problem, from a process in which no optimizer runs.
-
-        Args:
-            problem: its label.
-            point: the coordinates.
-            seconds: that the trial took which has evaluated the point.
-            anew: whether to take a new process, in case a problem has changed the other one, and to evaluate the point
-                in batches too.
-        """
-        server = self._with_problem(problem)
-        evaluator = self._evaluators.get(server)
-        if evaluator is None or evaluator.closed or anew:
-            if evaluator is not None:
-                evaluator.close()
-            evaluator = self._evaluators[server] = server.process()
-        limits = self._limits | {"seconds": LOADING + BATCHES * seconds}
-        return evaluator.call(trial_process.evaluate, problem, point, anew, **limits)
+            return kept
 
     def _with_problem(self, problem: str) -> ForkServer:
         """Return what starts processes that have loaded a problem, and the others of its family where they can."""

@@ -31,8 +31,8 @@ def kept(study: Study, jobs: int) -> int:
     """
     families = {loading.family(entry.name) for entry in study.problems}
     most = min(KEPT, len(families) * len(study.with_controls))
-    # Of a job: the first ones, and for each family those of its problems, of their evaluation and of each package.
-    always = 2 + len(families) * (2 + len(study.packages()))
+    # Of a job: the first ones, and for each family those of its problems and of each package.
+    always = 2 + len(families) * (1 + len(study.packages()))
 
     def needed(jobs: int, kept: int) -> int:
         return _open() + RESERVE + jobs * (PASSING + FILES * (always + 2 * kept))  # each has a server and a process

@@ -12,7 +12,7 @@ from typing import Any
 
 from bench.errors import PROBLEM_FAILED, BenchError
 from bench.execution import answers, trial_process
-from bench.execution.answers import Box, RefusedError
+from bench.execution.answers import RefusedError
 from bench.execution.descriptions import Description, Descriptions, accepting, read
 from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
@@ -30,7 +30,7 @@ from bench.sandbox.process import (
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
 from bench.study import Fingerprints, Study
-from bench.trial import Result, Row, Trial, as_row
+from bench.trial import Row, Trial, as_row
 
 DESCRIBING = 60.0  # seconds for what the optimizers of one package print of themselves
 CHECKS = 4  # attempts at it, where its process is killed from outside
@@ -140,7 +140,6 @@ class Supervisor:
         self._task = task
         self._lock, self._killed = threading.Lock(), False
         self._job: Job | None = None
-        self._doing = ""  # beside the trial itself, for messages
 
     def close(self) -> None:
         """End all processes; others are started for the next trial."""
@@ -165,17 +164,20 @@ class Supervisor:
             KilledError: after :meth:`kill`.
         """
         for _ in range(ATTEMPTS):
-            self._doing, lost = "", ""
-            row: Row = {}
+            lost, row = "", Row()
             try:
-                row = self._made(trial, self._started())
+                job = self._started()
+            except BenchError as error:  # there is no sandbox here
+                return failed(str(error))
+            try:
+                row = self._made(trial, job)
             except LostError:
                 lost = "its process or one that it was forked from was ended or stopped"
             except DiedError as error:
                 row = failed(_why_it_ended(error))
                 lost = f"its process ended with {error}" if error.code in KILLED else ""
             except TimeExceededError as error:
-                where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
+                where = f"{job.doing}, after {error}" if job.doing else f"after {error}, the limit of a trial"
                 row = {"status": "timeout", "error": f"stopped {where} (--timeout)"}
             except MemoryExceededError as error:
                 row = failed(f"{error} (--memory)")
@@ -184,7 +186,7 @@ class Supervisor:
             except RefusedError as error:
                 row = failed(f"its answer is refused: {error}")
             except RemoteError as error:
-                row = failed(f"{error} {self._doing}".strip())
+                row = failed(f"{error} {job.doing}".strip())
             except ValueError as error:  # metrics or variables that are no columns
                 row = failed(f"{PROBLEM_FAILED}{error}")
             if not (lost or self._killed):
@@ -203,34 +205,22 @@ class Supervisor:
             return self._job
 
     def _made(self, trial: Trial, job: Job) -> Row:
-        """Have a trial made; return its row once its answer is checked and its best point is evaluated again.
+        """Have a trial made; return its row once its answer is checked.
 
         The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`.
         """
-        self._doing = "while its plug-ins were loaded"
+        job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
         if isinstance(box, str):
             return failed(box)
         server = job.prepare(trial)
-        self._doing = ""
+        job.doing = ""
         after = server.before(trial.problem)
-        answer, seconds = job.make(trial, server)
+        answer = job.make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        claimed = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
-        if self._task.apart:  # another process has kept account
-            metrics = answers.metrics(answer)
-        else:
-            self._doing = "while its best point was evaluated again"
-            metrics = self._confirmed(claimed, trial.problem, box, seconds, job)
-        return as_row(replace(claimed, metrics=metrics), box.variables) | {"after": after}
-
-    def _confirmed(self, claimed: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
-        """Return the metrics of a claimed result whose best point has that value, by a new evaluator if need be."""
-        point = claimed.x.tolist()
-        with suppress(*FAILURES, RefusedError):
-            return answers.confirm(claimed, box, job.evaluate(problem, point, seconds))
-        return answers.confirm(claimed, box, job.evaluate(problem, point, seconds, anew=True))
+        found = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed)
+        return as_row(found, box.variables) | {"after": after}
 
 
 def _why_it_ended(error: DiedError) -> str:

@@ -1,4 +1,4 @@
-"""The functions called in the processes of a run: load plug-ins, warm up, make a trial, evaluate a point again.
+"""The functions called in the processes of a run: load plug-ins, warm up, make a trial, evaluate its best point again.
 
 Their answers are JSON values; :mod:`bench.execution.answers` checks them.
 """
@@ -34,10 +34,8 @@ from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
-from bench.trial import Result, Trial, measured, numbers, result, search
+from bench.trial import Result, Trial, doubt, measured, numbers, result, search
 from bench.typing import Floats
-
-_BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
 
 def begin(study: Study, files: from_file.Files, data: dict[str, str]) -> None:
@@ -152,7 +150,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
 
 
 def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> dict[str, Any]:
-    """Make one trial; return what :func:`bench.execution.answers.result` reads, or the reason why it failed.
+    """Make one trial; return what :func:`bench.execution.answers.result` reads but the metrics, or why it failed.
 
     ``altered`` states whether the trial has left anything behind in this process.
 
@@ -162,6 +160,7 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
         box: that of a problem that is kept apart, None for other trials.
         end: the file number of the socket at whose other end that problem is (:func:`serve`).
     """
+    global _found
     effects = SideEffects()
     answer: dict[str, Any] = {}
     try:
@@ -174,7 +173,8 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
         with effects, problem as minimized:
             budget = study.evaluations(minimized.dimension)
-            answer = as_answer(search(minimized, optimizer, budget, trial.seed, end_if_stuck))
+            _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck)
+            answer = as_answer(_found)
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
         reason = _failure(error)
@@ -195,29 +195,26 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
         kept = result(objective, trial.seed, seconds, 0.0)
     except ProblemError as error:
         return {"error": _failure(error)}
+    return as_answer(kept) | _confirmed(kept, problem)
+
+
+def confirm(label: str) -> dict[str, Any]:
+    """Evaluate the best point of the trial that this process has made once more; return its metrics, or an error."""
+    if _found is None:
+        raise RuntimeError("no trial was made in this process")
+    return _confirmed(_found, _problem(label))
+
+
+def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
     try:
-        return as_answer(kept) | {"metrics": numbers(problem.describe(kept.x.copy()))}
-    except Exception as error:
-        return {"error": _failure(ProblemError(error))}
-
-
-def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
-    """Return the value and the metrics of a point of a problem.
-
-    With ``batches``, return also by how much the value differs among batches of the point (``spread``), and when it is
-    evaluated alone once more (``noise``).
-    """
-    problem, point = _problem(label), np.array(x, dtype=np.float64)
-    spread = noise = 0.0
-    try:
-        value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
-        metrics = numbers(problem.describe(point.copy()))
-        for size in _BATCHES if batches else ():
-            spread = max(spread, float(np.ptp([value, *problem.evaluate(np.tile(point, (size, 1)))])))
-            noise = max(noise, float(np.ptp([value, *problem.evaluate(point[np.newaxis].copy())])))
-    except Exception as error:
-        raise ProblemError(error) from error
-    return {"fun": value, "metrics": metrics, "spread": spread, "noise": noise}
+        if reason := doubt(found, problem):
+            return {"error": printable(reason, 4000)}
+        try:
+            return {"metrics": numbers(problem.describe(found.x.copy()))}
+        except Exception as error:
+            raise ProblemError(error) from error
+    except ProblemError as error:
+        return {"error": _failure(error)}
 
 
 def as_answer(result: Result) -> dict[str, Any]:
@@ -295,6 +292,7 @@ def _problem(label: str) -> Problem:
 
 
 _begun: Study | None = None
+_found: Result | None = None  # of the last trial
 _data: dict[str, str] = {}  # hashes by label
 _warm: set[type | str] = set()  # kinds of problems, and optimizers
 

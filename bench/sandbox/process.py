@@ -200,8 +200,10 @@ class Process:
             self._output.truncate(0)
             self._output.seek(0)
         self._number += 1
-        with suppress(BrokenChannelError):  # finish() finds that the process has ended
+        try:
             self._channel.send(self._number, pickle.dumps(("call", function, *arguments)), files, _ANSWER)
+        except BrokenChannelError:  # it has ended, or takes no call: finish() finds the channel closed, and says why
+            self._channel.close()
 
     def finish(
         self,

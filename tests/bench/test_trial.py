@@ -1,13 +1,16 @@
 """One trial: how it ends, what its result holds, and its row in the store."""
 
 from dataclasses import dataclass, replace
+from itertools import cycle
+from math import inf, nan
 
 import numpy as np
 import pytest
 
 from bench import FunctionProblem, Optimizer
 from bench.errors import ProblemError
-from bench.trial import Trial, as_row, search
+from bench.objective import Trace
+from bench.trial import Result, Trial, as_row, doubt, search
 
 
 class Described(FunctionProblem):
@@ -153,3 +156,82 @@ def test_what_a_problem_raises_outside_its_box_or_at_no_number_is_the_optimizers
         assert search(raises_beyond(1.0), At(x, catches=True, batch=batch), 10, seed=1).fun == 0
         with pytest.raises(KeyError):
             search(raises_beyond(1.0), At(x, batch=batch), 10, seed=1)
+
+
+# The value of the best point
+
+
+def doubts(fun, function, x=(0.5, 0.25)):
+    """What is said of a result of that value at the point, on a problem of this function."""
+    found = Result(np.array(x), fun, 1, Trace(np.ones(1), np.ones(1)), 0.0, 0.0, 0.0, "budget", 0, {}, 1)
+    return doubt(found, FunctionProblem(function, [-1.0] * 2, [1.0] * 2))
+
+
+@pytest.mark.parametrize(
+    ("fun", "value"),
+    [
+        (0.125, 0.125), (0.125 * (1 + 0.9e-9), 0.125), (0.125 * (1 - 0.9e-9), 0.125), (-0.0, 0.0), (inf, inf),
+        (inf, nan),
+    ],
+)  # fmt: skip
+def test_a_value_that_the_best_point_has_is_not_doubted(fun, value):
+    assert doubts(fun, lambda x: np.full(len(x), value)) == ""
+
+
+@pytest.mark.parametrize(
+    ("fun", "value"),
+    [
+        (0.125 * (1 + 1.1e-9), 0.125), (0.125 * (1 - 1.1e-9), 0.125), (-0.125, 0.125), (1e-300, 2e-300), (1e-17, 0.0),
+        (0.0, 100.0), (0.0, inf), (0.0, nan), (1e300, 1.0), (inf, 0.125),
+    ],
+)  # fmt: skip
+def test_a_value_that_the_best_point_does_not_have_is_doubted(fun, value):
+    assert f"the best value is {fun!r}, and its point has" in doubts(fun, lambda x: np.full(len(x), value))
+
+
+@pytest.mark.parametrize("value", [0.0, 1e-30, 3.0, 1e300])
+def test_noise_is_told_from_rounding_relative_to_the_value(value):
+    for share, words in ((1e-10, ""), (1e-8, "has noise that it does not declare")):
+        signs = cycle([1, -1])
+        noise = share * value or 1e-300 * (share > 1e-9)
+        said = doubts(value, lambda x: np.full(len(x), value + next(signs) * noise))  # noqa: B023
+        assert words in said
+        assert bool(words) == bool(said)
+
+
+def test_what_is_left_of_large_terms_may_depend_on_the_batch():
+    def cancelling(x):
+        return 2e-17 * (np.arange(len(x)) > 0)
+
+    assert doubts(1e-17, cancelling) == ""
+    assert "the best value is" in doubts(1e-14, cancelling)
+
+
+def test_a_point_is_evaluated_alone_and_only_once_where_its_value_is_the_same():
+    sizes = []
+    assert doubts(0.75, lambda x: sizes.append(len(x)) or x.sum(axis=1)) == ""
+    assert sizes[-1:] == [1]
+    assert sizes.count(1) <= 2  # a function problem may try its function once
+
+
+def test_a_problem_that_writes_into_its_points_moves_none():
+    def write(x):
+        values = x.sum(axis=1)
+        x[:] = 0.0
+        return values
+
+    assert doubts(0.75, write) == ""
+
+
+def test_a_point_outside_the_box_has_no_value_to_doubt():
+    assert doubts(inf, lambda x: x.sum(axis=1), x=(7.0, 0.0)) == ""
+
+
+def test_what_the_problem_raises_at_a_best_point_is_its_own_error():
+    def fail(x):
+        raise ZeroDivisionError("no mass")
+
+    problem = FunctionProblem(fail, [-1.0] * 2, [1.0] * 2, vectorized=True)
+    found = Result(np.zeros(2), 0.0, 1, Trace(np.ones(1), np.ones(1)), 0.0, 0.0, 0.0, "budget", 0, {}, 1)
+    with pytest.raises(ProblemError, match="ZeroDivisionError: no mass"):
+        doubt(found, problem)

@@ -73,6 +73,12 @@ CHEATS = """
         while True:
             objective(objective.initial(5))
 
+    def forges(objective, rng):
+        if hasattr(objective._problem, "variables"):
+            type(objective._problem).evaluate = lambda self, x: np.zeros(len(x))
+        objective(objective.initial(5))
+        objective.stop("found")
+
     def asks_for_nothing(objective, rng):
         objective(objective.initial(5))
         time.sleep(0.2)
@@ -89,6 +95,14 @@ CHEATS = """
                     objective(objective.initial(7))
             except BaseException:
                 pass
+"""
+NOISE = """
+    import numpy as np
+    from bench import FunctionProblem
+
+    class Noise(FunctionProblem):
+        def __init__(self):
+            super().__init__(lambda x: np.random.default_rng().random(len(x)), [-1.0], [1.0])
 """
 HONEST = [{"name": "gwo", "agents": 10}, {"name": "hill-climber"}, {"name": "scipy:differential_evolution"}]
 
@@ -124,15 +138,15 @@ def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
     assert [trial for trial, row in apart.items() if disagreement(here.find(*trial.key), stored(trial, row))] == []
 
 
-def test_who_peeks_overspends_learns_or_imports_is_named_by_a_verification(cheats, tmp_path):
+def test_who_peeks_overspends_forges_learns_or_imports_is_named_by_a_verification(cheats, tmp_path):
     ways = "attribute", "method", "collector", "frames"
     cheating = [{"name": f"{cheats}:peeks", "label": way, "way": way} for way in ways]
-    cheating += [{"name": f"{cheats}:{name}"} for name in ("overspends", "learns", "imports")]
+    cheating += [{"name": f"{cheats}:{name}"} for name in ("overspends", "forges", "learns", "imports")]
     run(study(*cheating, {"name": "hill-climber"}), tmp_path / "out", n_jobs=2)
     frame = load_results(tmp_path / "out")
     assert frame["status"].eq("ok").all()  # what is stored by default is not proof against them
     found = verify(tmp_path / "out", trials=2)
-    assert {trial.optimizer for trial in found.different} == {*ways, "overspends", "learns", "imports"}
+    assert {trial.optimizer for trial in found.different} == {*ways, "overspends", "forges", "learns", "imports"}
     hidden = [said for trial, said in found.different.items() if trial.optimizer == "imports"]
     assert all("hidden from optimizers here" in said for said in hidden)
 
@@ -197,3 +211,11 @@ def test_the_clock_begins_once_and_a_declared_reason_arrives(cheats):
     row = one(f"{cheats}:asks_for_nothing")
     assert (row["status"], row["stop"], row["nfev"]) == ("ok", "rest", 5)
     assert row["wall_s"] >= 0.2
+
+
+def test_noise_that_a_problem_does_not_declare_is_named(cheats, tmp_path):
+    (tmp_path / "noise.py").write_text(dedent(NOISE))
+    problem = {"name": f"{tmp_path}/noise.py:Noise"}
+    given = {"name": "s", "trials": 1, "budget": 50, "problems": [problem], "optimizers": [{"name": "hill-climber"}]}
+    (row,) = made_apart(Study.from_dict(given)).values()
+    assert "has noise that it does not declare" in row["error"]

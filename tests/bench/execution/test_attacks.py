@@ -1,7 +1,7 @@
-"""Optimizers that attack others, the harness or their own record win nothing and change no bit of an honest trial.
+"""Optimizers that change what others share, or kill what made them, change no bit of an honest trial.
 
 Their table is in docs/explanation/isolation.md. Other rows of it: hangs, crashes and excess in test_hostile.py, files,
-network and other processes in test_sandbox.py, budgets and values beside the objective in test_strict.py, points that
+network and other processes in test_sandbox.py, budgets and values beside the objective in test_apart.py, points that
 change during the call in tests/bench/test_objective.py, edited rows in tests/bench/cli/test_changed_store.py.
 """
 
@@ -13,7 +13,7 @@ import sys
 import pandas as pd
 import pytest
 
-from bench import Results, Study, load_problem, load_results, run
+from bench import Results, Study, load_results, run
 from bench.execution.job import Task
 from bench.execution.supervisor import check
 from bench.plugins.from_file import contents, fingerprint
@@ -26,36 +26,9 @@ pytestmark = [
 TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
 PROBLEMS = ["signature-12", "sphere-3"]
 HONEST = [{"name": "gwo", "agents": 6}, {"name": "random-search"}, {"name": "hill-climber"}]
-REFUSED, NO_ANSWER = "its answer is refused: ", "it sent what answers no call"
-FALSE = f"{REFUSED}its best value is"
 ENDED = "its process or one that it was forked from was ended or stopped twice|with signal SIGKILL twice"
-
-CLAIMS = {  # fail in every trial
-    "send-pickle": NO_ANSWER,
-    "send-pickled-value": NO_ANSWER,
-    "send-pair": NO_ANSWER,
-    "send-number": f"{REFUSED}it is no table of fields",
-    "send-nothing": f"{REFUSED}its nfev is no whole number",
-    "send-text": f"{REFUSED}its fun is no number",
-    "send-altered": f"{REFUSED}its error is no text|{NO_ANSWER}",  # the true answer arrives in the next trial
-    "claim-value": f"{REFUSED}its trace ends at",
-    "claim-trace": FALSE,
-    "claim-budget": f"{REFUSED}it stopped by 'budget' after 5 of 60",
-    "raise-budget": f"{REFUSED}it made 600 evaluations, of a budget of 60",
-}
-ONCE = {  # attack in one trial
-    "notes": ("timeout", "after 8 s, the limit of a trial"),
-    "kill-parent": ("failed", ENDED),
-    "kill-all": ("failed", ENDED),
-}
 CHANGES = ("replace-gwo", "replace-evaluate", "replace-kernel", "replace-search", "replace-study", "zero-signal")
-ROUNDING = "round-upward"
-WINNING = {  # where what is changed would pay
-    "replace-evaluate": (PROBLEMS, FALSE),
-    "replace-kernel": (["signature-12"], FALSE),
-    "replace-search": (PROBLEMS, f"{REFUSED}its trace ends at .*, its best value is 0.0"),
-    "zero-signal": (["signature-12"], "ZeroDivisionError"),
-}
+ONCE = ("kill-parent", "kill-all")  # in one trial
 
 
 def study(trials, deeds):
@@ -70,9 +43,7 @@ def study(trials, deeds):
 def place(tmp_path_factory, testing_plugins):
     """Two runs: all of them beside honest optimizers, and the honest ones alone."""
     place = tmp_path_factory.mktemp("attacks")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MARKER", str(place / "marker"))
-        run(study(4, [*CHANGES, ROUNDING, *CLAIMS, *ONCE]), place / "out", n_jobs=2, timeout=8)
+    run(study(4, [*CHANGES, "round-upward", *ONCE]), place / "out", n_jobs=2, timeout=8)
     run(study(4, []), place / "alone", n_jobs=2)
     return place
 
@@ -104,40 +75,13 @@ def of(frame, deed):
     return rows
 
 
-@pytest.mark.parametrize("deed", CLAIMS)
-def test_what_is_claimed_or_sent_in_place_of_an_answer_fails_with_the_reason(frame, deed):
-    rows = of(frame, deed)
-    assert rows["status"].eq("failed").all()
-    assert rows["error"].str.contains(CLAIMS[deed]).all(), [*rows["error"]]
-
-
-def test_nothing_is_unpickled_from_a_trial_process(place):
-    assert not (place / "marker").exists()
-
-
 @pytest.mark.parametrize("deed", ONCE)
-def test_signs_of_life_prolong_no_trial_and_lost_processes_are_replaced(frame, deed):
-    rows, (status, words) = of(frame, deed), ONCE[deed]
-    attacked = (rows["problem"] == "sphere-3") & (rows["trial"] == 0)
-    assert [*rows.loc[attacked, "status"]] == [status]
-    assert rows.loc[attacked, "error"].str.contains(words).all(), [*rows.loc[attacked, "error"]]
-    assert rows.loc[~attacked, "status"].eq("ok").all()
-
-
-@pytest.mark.parametrize("deed", [*CHANGES, ROUNDING])
-def test_what_is_changed_in_memory_wins_nothing(frame, deed):
+def test_processes_that_are_killed_are_replaced(frame, deed):
     rows = of(frame, deed)
-    for name in PROBLEMS:
-        problem = load_problem(name)
-        mine = rows[(rows["problem"] == name) & (rows["status"] == "ok")]
-        points = mine[[f"x_{variable}" for variable in problem.variables]].to_numpy()
-        assert points.shape[1] == problem.dimension
-        values = [problem.evaluate(point[None])[0] for point in points]
-        assert mine["fun"].to_numpy() == pytest.approx(values, rel=1e-9)
-    if deed in WINNING:
-        on, words = WINNING[deed]
-        lost = rows[rows["problem"].isin(on)]
-        assert lost["error"].str.contains(words).all(), [*lost["error"]]
+    attacked = (rows["problem"] == "sphere-3") & (rows["trial"] == 0)
+    assert [*rows.loc[attacked, "status"]] == ["failed"]
+    assert rows.loc[attacked, "error"].str.contains(ENDED).all(), [*rows.loc[attacked, "error"]]
+    assert rows.loc[~attacked, "status"].eq("ok").all()
 
 
 def test_a_run_whose_own_process_is_killed_leaves_the_names_of_the_trials_under_way(bench, bench_here, tmp_path):

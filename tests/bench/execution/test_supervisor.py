@@ -7,15 +7,16 @@ from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor
 from bench.execution.trial_process import as_answer
 from bench.objective import Trace
-from bench.sandbox.process import LostError, RemoteError
+from bench.sandbox.process import DiedError, LostError, RemoteError, TimeExceededError
 from bench.trial import Result, Trial
 
 
 class Job:
-    """Answers as processes would, on a sphere; ``evaluations`` has what was evaluated again, and whether anew."""
+    """Answers as processes would, or ends as its problem's name says, as often as ``losses`` says."""
 
-    evaluations: list[tuple[str, bool]]
+    made: int
     losses: int
+    doing = ""
 
     def __init__(self, *arguments, **options):
         pass
@@ -33,26 +34,27 @@ class Job:
         return 0
 
     def make(self, trial, server):
-        x = np.array([0.5, 0.25])
-        fun = float((x * x).sum()) - (trial.problem == "cheated")
-        trace = Trace(np.array([1]), np.array([fun]))
-        return as_answer(Result(x, fun, 7, trace, 0.0, 0.0, 0.0, "done", 0, {}, trial.seed)), 0.0
-
-    def evaluate(self, problem, point, seconds, *, anew=False):
-        self.evaluations.append((problem, anew))
+        Job.made += 1
         if Job.losses:
             Job.losses -= 1
-            raise LostError("ended")
-        if problem == "broken" or (problem == "once" and not anew):
+            raise {"lost": LostError("ended"), "killed": DiedError(-9), "crashed": DiedError(-11)}[trial.problem]
+        self.doing = "while its best point was evaluated again"
+        if trial.problem == "broken":
             raise RemoteError("ZeroDivisionError")
-        return {"fun": float(np.square(point).sum()), "spread": 0.0, "metrics": {}}
+        if trial.problem == "slow":
+            raise TimeExceededError("300 s")
+        x = np.array([0.5, 0.25])
+        fun = float((x * x).sum())
+        trace = Trace(np.array([1]), np.array([fun]))
+        found = Result(x, fun, 7, trace, 0.0, 0.0, 0.0, "done", 0, {}, trial.seed)
+        return as_answer(found) | {"metrics": {"radius": 0.5}}
 
 
 @pytest.fixture
 def row(monkeypatch, small_study):
     """Make a trial on the problem named; return its row."""
     monkeypatch.setattr(module, "Job", Job)
-    Job.evaluations = []
+    Job.made = 0
 
     def make(problem, losses=0):
         Job.losses = losses
@@ -61,30 +63,25 @@ def row(monkeypatch, small_study):
     return make
 
 
-def test_the_best_point_of_a_trial_is_evaluated_once(row):
-    assert row("a")["status"] == "ok"
-    assert Job.evaluations == [("a", False)]
+def test_a_trial_s_row_has_the_metrics_of_its_best_point(row):
+    found = row("a")
+    assert (found["status"], found["metrics"], Job.made) == ("ok", {"radius": 0.5}, 1)
 
 
-def test_a_trial_that_claims_another_value_fails(row):
-    found = row("cheated")
-    assert found["status"] == "failed"
-    assert "its best point has" in found["error"]
-    assert Job.evaluations == [("cheated", False), ("cheated", True)]
+def test_what_fails_after_the_search_says_so(row):
+    assert row("broken")["error"] == "ZeroDivisionError while its best point was evaluated again"
+    assert row("slow") == {
+        "status": "timeout", "error": "stopped while its best point was evaluated again, after 300 s (--timeout)"
+    }  # fmt: skip
 
 
-def test_a_point_that_cannot_be_evaluated_fails(row):
-    found = row("broken")
-    assert found["status"] == "failed"
-    assert "ZeroDivisionError" in found["error"]
-    assert "evaluated again" in found["error"]
+@pytest.mark.parametrize("how", ["lost", "killed"])
+def test_a_trial_whose_process_is_killed_from_outside_is_begun_once_more(row, how):
+    assert row(how, losses=1)["status"] == "ok"
+    assert row(how, losses=2)["status"] == "failed"
+    assert Job.made == 4
 
 
-def test_a_new_evaluator_may_confirm_what_another_did_not(row):
-    assert row("once")["status"] == "ok"
-    assert Job.evaluations == [("once", False), ("once", True)]
-
-
-def test_a_trial_whose_evaluator_is_lost_is_begun_once_more(row):
-    assert row("a", losses=1)["status"] == "ok"
-    assert row("a", losses=2)["status"] == "failed"
+def test_a_crash_is_not_tried_again(row):
+    assert "signal SIGSEGV" in row("crashed", losses=1)["error"]
+    assert Job.made == 1

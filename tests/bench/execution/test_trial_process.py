@@ -1,53 +1,46 @@
 """The functions that are called in the processes of a run, called here."""
 
-import numpy as np
 import pytest
 
 from bench import FunctionProblem
-from bench.errors import ProblemError
+from bench.errors import PROBLEM_FAILED
 from bench.execution import trial_process
+from bench.trial import Trial
 
 
 @pytest.fixture
-def problem(monkeypatch):
-    """Return a function that puts a problem of this function into the place of every one."""
+def confirmed(monkeypatch, small_study):
+    """Return a function that makes a trial on any problem, and then returns what confirms it."""
+    trial_process.begin(small_study, {}, {})
+    label = small_study.optimizers[0].label
 
-    def put(function):
-        problem = FunctionProblem(function, [-1.0] * 2, [1.0] * 2)
+    def confirm(problem):
         monkeypatch.setattr(trial_process, "_problem", lambda label: problem)
+        assert "error" not in trial_process.make(Trial("any", label, 0, 1))
+        return trial_process.confirm("any")
 
-    return put
-
-
-def test_a_point_is_evaluated_alone_unless_batches_are_asked_for(problem):
-    sizes = []
-    problem(lambda x: sizes.append(len(x)) or x.sum(axis=1))
-    found = {"fun": 0.75, "metrics": {}, "spread": 0.0, "noise": 0.0}
-    assert trial_process.evaluate("any", [0.5, 0.25], False) == found
-    assert sizes == [1]
-    assert trial_process.evaluate("any", [0.5, 0.25], True) == found
-    assert len(sizes) > 3
+    yield confirm
+    monkeypatch.setattr(trial_process, "_begun", None)
+    monkeypatch.setattr(trial_process, "_found", None)
 
 
-def test_values_that_depend_on_their_batch_spread(problem):
-    problem(lambda x: x.sum(axis=1) + np.arange(len(x)) / 1024)
-    assert trial_process.evaluate("any", [0.5, 0.25], True)["spread"] == 31 / 1024
+def problem(function=lambda x: (x**2).sum(axis=1), describe=lambda x: {"norm": abs(x).sum()}):
+    made = FunctionProblem(function, [-1.0] * 2, [1.0] * 2)
+    made.describe = describe
+    return made
 
 
-def test_a_problem_that_writes_into_its_points_moves_none(problem):
-    def write(x):
-        values = x.sum(axis=1)
-        x[:] = 0.0
-        return values
-
-    problem(write)
-    assert trial_process.evaluate("any", [0.5, 0.25], True) == {"fun": 0.75, "metrics": {}, "spread": 0.0, "noise": 0.0}
+def test_the_best_point_is_described_once_its_value_is_confirmed(confirmed):
+    (name,) = confirmed(problem())["metrics"]
+    assert name == "norm"
 
 
-def test_what_the_problem_raises_at_a_best_point_is_its_own_error(problem):
-    def fail(x):
-        raise ZeroDivisionError("no mass")
+def test_a_value_that_cannot_be_repeated_is_an_error(confirmed):
+    seen = []
+    found = confirmed(problem(lambda x: seen.append(0) or len(seen) + x[:, 0]))
+    assert "has noise that it does not declare" in found["error"]
 
-    problem(fail)
-    with pytest.raises(ProblemError, match="ZeroDivisionError: no mass"):
-        trial_process.evaluate("any", [0.5, 0.25], False)
+
+@pytest.mark.parametrize("metrics", [None, 5, {"norm": "wide"}, {"norm": None}])
+def test_metrics_that_are_no_numbers_are_the_problem_s_error(confirmed, metrics):
+    assert confirmed(problem(describe=lambda x: metrics))["error"].startswith(PROBLEM_FAILED)

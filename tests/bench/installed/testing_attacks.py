@@ -1,15 +1,12 @@
-"""Optimizers that attack others, the harness or their own record: from memory, through the channel, by signals."""
+"""Optimizers that change what others share in memory, or end the processes that made them."""
 
 import ctypes
-import json
 import os
-import pickle
 import signal
 import sys
 import time
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import psutil
@@ -19,10 +16,8 @@ import bench.study
 import bench.trial
 from bench import Optimizer
 from bench.objective import BudgetExhausted
-from bench.sandbox import server
 
 UPWARD = 0x800  # FE_UPWARD (fenv.h, x86)
-SECONDS = {"wall_s": 0.0, "cpu_s": 0.0, "objective_s": 0.0}
 
 
 def scatter(objective):
@@ -41,7 +36,7 @@ def trial():
 
 
 def once():
-    """Whether this is the one trial in which attacks are made that end or stop processes, which takes seconds."""
+    """Whether this is the one trial in which attacks are made that end processes, which takes seconds."""
     made = trial()
     return made and (made.problem, made.number) == ("sphere-3", 0)
 
@@ -91,53 +86,6 @@ def round_upward(objective):
     ctypes.CDLL(None).fesetround(UPWARD)
 
 
-# What is sent in place of an answer
-
-
-class Bomb:
-    """Makes a file when it is unpickled."""
-
-    def __reduce__(self):
-        return Path.touch, (Path(os.environ["MARKER"]),)
-
-
-def sends(payload, *, also_at_first=False):
-    def do(objective):
-        own = server._serving
-        if trial() or also_at_first:
-            own._channel.send(own._number, payload() if callable(payload) else json.dumps(payload).encode())
-
-    return do
-
-
-def note_for_ever(objective):
-    while once():
-        server.note(None)
-
-
-# What is claimed
-
-
-def claim_value(objective):
-    scatter(objective)
-    objective.best_value = 1e-12
-
-
-def claim_trace(objective):
-    scatter(objective)
-    objective.best_value = objective._improved_to[-1] = 1e-12
-
-
-def claim_budget(objective):
-    objective(objective.initial(5))
-    objective.stop("budget")
-    raise BudgetExhausted
-
-
-def raise_budget(objective):
-    objective._budget = 10 * objective.budget
-
-
 # Who made it
 
 
@@ -170,18 +118,6 @@ DEEDS = {
     "replace-study": replace_study,
     "zero-signal": zero_signal,
     "round-upward": round_upward,
-    "send-pickle": sends(lambda: pickle.dumps(Bomb()), also_at_first=True),
-    "send-pickled-value": sends(lambda: pickle.dumps(["value", Bomb()])),
-    "send-pair": sends(["answer", 5]),
-    "send-number": sends(["value", 5]),
-    "send-nothing": sends(["value", {}]),
-    "send-text": sends(["value", {"nfev": 60, "outside_box": 0, "fun": "low"} | SECONDS]),
-    "send-altered": sends(["value", {"altered": False, "error": 5}]),
-    "notes": note_for_ever,
-    "claim-value": claim_value,
-    "claim-trace": claim_trace,
-    "claim-budget": claim_budget,
-    "raise-budget": raise_budget,
     "kill-parent": signals(signal.SIGKILL, lambda pids: pids[:1]),
     "kill-all": signals(signal.SIGKILL, lambda pids: pids[::-1]),
     "kill-main": kill_main,

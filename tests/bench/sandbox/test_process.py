@@ -361,7 +361,7 @@ def test_one_that_does_not_read_its_call_holds_nobody_up(calls, process, monkeyp
     monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.2)
     pid = process.call(calls.evaluate, "os.getpid()", seconds=LONG)
     os.kill(pid, signal.SIGSTOP)
-    with pytest.raises(LostError):
+    with pytest.raises(DiedError):
         process.call(calls.echo, b"x" * 3_000_000, seconds=None)
     assert gone(pid)
 
