@@ -21,13 +21,12 @@ from collections.abc import Iterable, Iterator
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
-from itertools import count
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from bench.errors import PROBLEM_FAILED
-from bench.execution import apart, trial_process
+from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
@@ -45,8 +44,6 @@ PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but wri
 WORTH = 50.0  # times the seconds of its start: a process is replaced once its trials have taken longer
 TIMEOUT, MEMORY = 600.0, 4_000_000_000  # wall seconds and bytes of a trial of code that nobody trusts, unless given
 BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least one point: more than its point takes again
-
-_cores = count()
 
 
 @dataclass(frozen=True)
@@ -97,7 +94,6 @@ class Job:
         self.doing = ""  # beside the trial itself, for messages
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.with_controls}
-        self._core = next(_cores)  # of trials whose problem is kept apart
         self._root = root(task)
         self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
@@ -173,8 +169,8 @@ class Job:
         with problems.process() as server, ready.server.process() as process:
             server_end, optimizer_end = socket.socketpair()
             with server_end, optimizer_end:
-                server.start(trial_process.serve, trial, self._core, files=[server_end.fileno()])
-                process.start(trial_process.make, trial, self._core, box, files=[optimizer_end.fileno()])
+                server.start(trial_process.serve, trial, files=[server_end.fileno()])
+                process.start(trial_process.make, trial, box, files=[optimizer_end.fileno()])
             began = monotonic()
             answer = process.finish(**self._limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
@@ -186,7 +182,9 @@ class Job:
             if isinstance(kept, dict) and "error" in kept:
                 return kept
             if lost:
-                return _not_blaming_problem(answer)
+                return {
+                    "error": answers.error(answer).removeprefix(PROBLEM_FAILED)
+                }  # its problem denies that it has failed
             if isinstance(kept, dict):
                 kept["cpu_s"] = answer.get("cpu_s")
                 if kept.get("stop") != "budget":
@@ -222,13 +220,6 @@ class Job:
             server.ensure(apart.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
-
-
-def _not_blaming_problem(answer: Any) -> Any:
-    """Return the answer of an optimizer's process without its claim, which its problem denies, that this has failed."""
-    if isinstance(answer, dict) and isinstance(answer.get("error"), str):
-        return answer | {"error": answer["error"].removeprefix(PROBLEM_FAILED)}
-    return answer
 
 
 @dataclass

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import os
 import sys
 import traceback
 from collections.abc import Iterator
@@ -149,14 +148,13 @@ def warm_up(optimizer: str, box: Box) -> bool:
     return True
 
 
-def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> dict[str, Any]:
+def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
     """Make one trial; return what :func:`bench.execution.answers.result` reads but the metrics, or why it failed.
 
     ``altered`` states whether the trial has left anything behind in this process.
 
     Args:
         trial: the trial.
-        core: on which a trial runs whose problem is kept apart.
         box: that of a problem that is kept apart, None for other trials.
         end: the file number of the socket at whose other end that problem is (:func:`serve`).
     """
@@ -169,7 +167,6 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
         if box is None:
             problem: AbstractContextManager[Problem] = nullcontext(_problem(trial.problem))
         else:
-            _stay_on(core)
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
         with effects, problem as minimized:
             budget = study.evaluations(minimized.dimension)
@@ -181,13 +178,12 @@ def make(trial: Trial, core: int = 0, box: Box | None = None, end: int = -1) -> 
     return ({"error": reason} if reason else answer) | {"altered": effects.any}
 
 
-def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
+def serve(trial: Trial, end: int) -> dict[str, Any]:
     """Keep the problem, the budget and the trace of a trial until its optimizer has ended.
 
     Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point; or the error of the
     problem.
     """
-    _stay_on(core)
     problem = _problem(trial.problem)
     objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
     seconds = apart.serve(objective, end)
@@ -261,17 +257,6 @@ def _settle() -> None:
     """Limit the libraries loaded by now to one thread, and set the global random states that every trial finds."""
     threadpool_limits(limits=1)  # the environment may not reach all of them
     reset_random()
-
-
-def _stay_on(core: int) -> None:
-    """Keep this process on one of its cores.
-
-    Two processes that take turns wake each other several times as fast on one core as on two, and a trial may use no
-    more than one.
-    """
-    with contextlib.suppress(OSError):  # such as a core that was taken away meanwhile
-        allowed = sorted(os.sched_getaffinity(0))
-        os.sched_setaffinity(0, {allowed[core % len(allowed)]})
 
 
 def _study() -> Study:
