@@ -9,8 +9,8 @@ from pathlib import Path
 from bench.board.archive import LONGEST, Again
 from bench.errors import BenchError
 from bench.execution.again import difference
-from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
+from bench.execution.supervisor import make_one
 from bench.execution.verify import HASH_SEED
 from bench.helpers.text import printable
 from bench.seeds import trial_seed
@@ -47,14 +47,9 @@ def _again(folder: Folder, study: Study, trial: Trial) -> Again:
     )
     try:
         checked = prepare(alone, folder, untrusted=True)
-        task = replace(checked.task, hash_seed=HASH_SEED)
-        with open_pool("local", 1, None) as pool:
-            rows = [row for _, row, _ in pool.answers(task, checked.machine, lambda: [trial])]
+        row = make_one(replace(checked.task, hash_seed=HASH_SEED), trial)
     except BenchError as error:
         return Again(name, reason=_one_line(str(error).replace(str(folder.path), "the archive")))
-    if not rows:
-        return Again(name, reason="its process was killed from outside")
-    [row] = rows
     if row["status"] != "ok":
         return Again(name, reason=_one_line(str(row["error"])))
     return Again(name, different=_one_line(difference(folder.store, trial, row)))

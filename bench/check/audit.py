@@ -20,7 +20,7 @@ from bench.check.checker import check_optimizer
 from bench.errors import BenchError
 from bench.execution.job import Task
 from bench.execution.runner import run
-from bench.execution.supervisor import Supervisor, check
+from bench.execution.supervisor import check, make_one
 from bench.execution.verify import HASH_SEED
 from bench.plugins import from_file
 from bench.sandbox import bubblewrap
@@ -135,13 +135,7 @@ def _made_twice(study: Study, timeout: float) -> dict[str, Any]:
     alone = replace(study, problems=study.problems[:1], optimizers=study.optimizers[:1])
     task = replace(check(Task.of(alone, untrusted=True)).task, timeout=timeout)
     trial = next(iter(alone.plan()))
-    rows = []
-    for hash_seed in (0, HASH_SEED):
-        supervisor = Supervisor(replace(task, hash_seed=hash_seed))
-        try:
-            rows.append(supervisor.make(trial))
-        finally:
-            supervisor.close()
+    rows = [make_one(replace(task, hash_seed=hash_seed), trial) for hash_seed in (0, HASH_SEED)]
     return {"problem": trial.problem, "trial": trial.number} | _difference(trial, *rows)
 
 

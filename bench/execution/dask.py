@@ -14,7 +14,7 @@ from contextlib import closing, contextmanager, suppress
 from itertools import islice
 from queue import Empty, SimpleQueue
 from threading import Thread
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any
 from uuid import uuid4
 
@@ -32,6 +32,8 @@ RETURN = 600.0  # seconds that a cluster may be without workers before a run giv
 DEATHS = 3  # of batches that dask gives up, without a finished trial between them, before a run gives up
 BATCH, LARGEST = 0.5, 100  # limits of a batch: seconds, and trials
 QUEUED = 500  # batches submitted at least, so that workers that join later have work
+
+PAUSE = 0.02  # seconds between looks for batches that have ended
 
 _KEPT = 0.9  # weight of earlier batches in the mean duration of a trial
 _LOGGERS = ("distributed", "tornado", "asyncio")
@@ -109,34 +111,28 @@ class Cluster:
 
     def _made(self, task: Task, trials: Iterator[Trial]) -> Generator[Answer]:
         """Yield answers until there are no more trials; raise the first error of a batch."""
-        client, name, pending = self._client, uuid4().hex, set[Any]()
-        ended: SimpleQueue[tuple[Any, list[Trial], Any]] = SimpleQueue()
+        from distributed import as_completed
+
+        client, name, pending = self._client, uuid4().hex, dict[Any, int]()  # futures, with the sizes of their batches
+        ended = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         made, seconds = 1.0, BATCH  # weighted sums over the latest batches; the first batches hold one trial
-
-        async def fetch(future: Any, batch: list[Trial]) -> None:
-            try:
-                (answer,) = await client.gather([future], asynchronous=True)
-            except BaseException as error:
-                answer = error
-            ended.put((future, batch, answer))
-
         try:
             while True:
                 size = min(max(1, int(BATCH * made / seconds)), LARGEST)
                 while len(pending) < self._queued and (batch := list(islice(trials, size))):
                     future = client.submit(work, name, task, batch, key=f"bench-{uuid4().hex}", pure=False)
-                    pending.add(future)
-                    client.loop.add_callback(fetch, future, batch)
+                    pending[future] = len(batch)
+                    ended.add(future)
                 if not pending:
                     return
                 self._look()
-                with suppress(Empty):
-                    future, batch, answer = ended.get(timeout=LOOK)
-                    pending.remove(future)
-                    if isinstance(answer, BaseException):
-                        raise answer
+                sleep(0.0 if ended.has_ready() else PAUSE)
+                for future, answer in ended.next_batch(block=False):
+                    error = answer if isinstance(answer, BaseException) else answer[1]  # (type, error, trace)
+                    if isinstance(error, BaseException):
+                        raise error
                     rows, machine, took = answer
-                    made, seconds = _KEPT * made + len(batch), _KEPT * seconds + took
+                    made, seconds = _KEPT * made + pending.pop(future), _KEPT * seconds + took
                     for trial, row in rows:
                         yield trial, row, machine
         finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import suppress
 
 import psutil
@@ -38,16 +39,15 @@ def kept(study: Study, jobs: int) -> int:
         return _open() + RESERVE + jobs * (PASSING + FILES * (always + 2 * kept))  # each has a server and a process
 
     limit = _raised(needed(jobs, most))
-    if limit is None or needed(jobs, most) <= limit:
-        return most
-    if needed(jobs, 1) > limit:
-        fitting = (limit - needed(0, 1)) // (needed(1, 1) - needed(0, 1))
-        fewer = f"run it with --jobs {fitting}, or allow" if fitting > 0 else "allow"
-        raise BenchError(
-            f"{jobs} jobs of study {study.name!r} need {needed(jobs, 1):,} open files, and this system allows a "
-            f"process {limit:,}; {fewer} more (ulimit -n {needed(jobs, most)})"
-        )
-    return (limit - needed(jobs, 0)) // (jobs * FILES * 2)
+    for fitting in range(most, 0, -1):
+        if needed(jobs, fitting) <= limit:
+            return fitting
+    fewer = [fitting for fitting in range(1, jobs) if needed(fitting, 1) <= limit]
+    remedy = f"run it with --jobs {fewer[-1]}, or allow" if fewer else "allow"
+    raise BenchError(
+        f"{jobs} jobs of study {study.name!r} need {needed(jobs, 1):,} open files, and this system allows a "
+        f"process {limit:,}; {remedy} more (ulimit -n {needed(jobs, most)})"
+    )
 
 
 def _open() -> int:
@@ -57,14 +57,14 @@ def _open() -> int:
     return 0
 
 
-def _raised(needed: int) -> int | None:
-    """Return the limit of open files, raised to what is needed as far as the system allows it; None for no limit."""
+def _raised(needed: int) -> int:
+    """Return the limit of open files, raised to what is needed as far as the system allows it."""
     if resource is None:
-        return None
+        return sys.maxsize
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != resource.RLIM_INFINITY and soft < needed:
         with suppress(OSError, ValueError):  # some systems have further limits
             soft = needed if hard == resource.RLIM_INFINITY else min(needed, hard)
             resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
         soft = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    return None if soft == resource.RLIM_INFINITY else soft
+    return sys.maxsize if soft == resource.RLIM_INFINITY else soft

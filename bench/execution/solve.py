@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError, ProblemError
 from bench.execution.job import Task
-from bench.execution.supervisor import Supervisor, check
+from bench.execution.supervisor import check, make_one
 from bench.numbers import require_seed
 from bench.optimizer import Optimizer
 from bench.plugins import loading
@@ -83,11 +83,8 @@ def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed:
     require_seed("the seed", seed)
     lists = {"problems": [problem], "optimizers": [optimizer]}
     study = Study.from_dict({"name": "solve", "trials": 1} | lists | settings, "of this command")
-    supervisor = Supervisor(check(Task.of(study, untrusted=True)).task)
-    try:
-        return supervisor.make(Trial(study.problems[0].label, study.optimizers[0].label, 0, seed))
-    finally:
-        supervisor.close()
+    trial = Trial(study.problems[0].label, study.optimizers[0].label, 0, seed)
+    return make_one(check(Task.of(study, untrusted=True)).task, trial)
 
 
 def make_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int) -> Result:

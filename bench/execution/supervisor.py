@@ -223,6 +223,15 @@ class Supervisor:
         return as_row(found, box.variables) | {"after": after}
 
 
+def make_one(task: Task, trial: Trial) -> Row:
+    """Have a single trial of a checked task made, in processes that end with it; return its row."""
+    supervisor = Supervisor(task)
+    try:
+        return supervisor.make(trial)
+    finally:
+        supervisor.close()
+
+
 def _why_it_ended(error: DiedError) -> str:
     """Return why a trial's process ended."""
     if error.code == STILL_ASKING:

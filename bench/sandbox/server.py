@@ -79,7 +79,6 @@ class _Server:
         self._channel, self._process = channel, _getpid()
         self._apart = apart  # whether this is a sandbox, so that copies have namespaces of their own
         self._number = 0  # of the present call
-        self._called = True  # since the last fork
         self._before: set[int] = set()  # children that calls have left running
         self._copies: dict[int, int] = {}  # with their numbers in /proc, which may be that of other namespaces
 
@@ -120,7 +119,6 @@ class _Server:
             _exit(UNANSWERABLE)
 
     def _call(self, function: Callable[..., Any], *arguments: Any) -> list[Any]:
-        self._called = True
         try:
             answer = ["value", function(*arguments, *self._take_files())]
         except BaseException as error:  # a plug-in may raise KeyboardInterrupt or GeneratorExit too
@@ -144,12 +142,9 @@ class _Server:
         end, output = files = self._take_files()
         pid = 0
         if len(os.listdir("/proc/self/task")) == 1 and not (self._apart and namespaces.shares(own=6)):  # noqa: PTH208
-            if self._called:  # a collection in a copy would copy every page that holds an object
-                gc.collect()
-                gc.freeze()
-                self._called = False
-                self._before = children() - {*self._copies.values()}
-            before = children() if self._apart else set()
+            gc.freeze()  # a collection in a copy would copy every page that holds an object
+            before = children()
+            self._before |= before - {*self._copies.values()}
             pid = _fork()
             if not pid:
                 self._begin_copy(end, output)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import _signal  # type: ignore[import-not-found]
 import _thread
-import gc
 import os
 import random
 import signal
@@ -29,9 +28,6 @@ _SIGNALS = [
     int(getattr(signal, name))  # of which the module signal would make an enumeration at every look
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGUSR1", "SIGUSR2", "SIGCHLD", "SIGPIPE")
     if hasattr(signal, name)
-]
-_SHARES = [  # of the processor
-    getattr(os, name) for name in ("sched_getaffinity", "sched_getscheduler") if hasattr(os, name)
 ]
 _TIMERS = [getattr(signal, name) for name in ("ITIMER_REAL", "ITIMER_VIRTUAL", "ITIMER_PROF") if hasattr(signal, name)]
 
@@ -83,10 +79,10 @@ def reset_random() -> None:
 def _state() -> tuple[Any, ...]:
     """Return the state of the process that a later trial may depend on and that is cheap to compare."""
     return (
-        sys.getrecursionlimit(), sys.gettrace(), list(sys.path), len(sys.modules), gc.isenabled(), gc.get_threshold(),
+        sys.getrecursionlimit(), list(sys.path), len(sys.modules),
         dict(getattr(os.environ, "_data", os.environ)), _folder(), np.geterr(), np.geterrcall(), list(warnings.filters),
         sys.stdin, sys.stdout, sys.stderr, *(_identity(number) for number in range(3)),
-        *map(_signal.getsignal, _SIGNALS), *map(signal.getitimer, _TIMERS), *(read(0) for read in _SHARES), _priority(),
+        *map(_signal.getsignal, _SIGNALS), *map(signal.getitimer, _TIMERS),
         1.0 + _HALF_ULP, 1.0 + 1.5 * _HALF_ULP, _SMALLEST / 2 * 4,  # by the processor's arithmetic modes
     )  # fmt: skip
 
@@ -103,10 +99,6 @@ def _folder() -> str:
     with suppress(OSError):  # it may have been removed
         return os.getcwd()  # noqa: PTH109 - faster, and called after every trial
     return ""
-
-
-def _priority() -> int:
-    return os.getpriority(os.PRIO_PROCESS, 0) if hasattr(os, "getpriority") else 0
 
 
 def _identity(number: int) -> tuple[int, int] | None:

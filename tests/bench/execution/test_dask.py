@@ -236,7 +236,8 @@ def test_short_trials_are_sent_in_batches_and_nothing_is_left_at_the_end(machine
     monkeypatch.setattr(cluster, "QUEUED", 1)
     monkeypatch.setattr(cluster, "LARGEST", 7)
     worker = psutil.Process(machines.worker("one").pid)
-    assert machines.run(replace(small_study, trials=50), tmp_path / "out").made == sum(sizes) == 300
+    assert machines.run(replace(small_study, trials=50), tmp_path / "out").made == 300
+    assert sum(sizes) == 300 + 3  # one of each optimizer is made again
     assert (sizes[0], max(sizes)) == (1, 7)
     until(lambda: not worker.children(), "the idle processes to end", patience=dask_worker.IDLE / 2)
 

@@ -49,8 +49,8 @@ ATTACKS = """
         return minimize
 
     def others():
-        own = int(os.readlink("/proc/self"))
-        return [each for each in map(int, filter(str.isdigit, os.listdir("/proc"))) if each != own]
+        own = os.getpid(), int(os.readlink("/proc/self"))  # other numbers where /proc is that of the whole sandbox
+        return [each for each in map(int, filter(str.isdigit, os.listdir("/proc"))) if each not in own]
 
     def refuse(condition, what):
         if condition:
