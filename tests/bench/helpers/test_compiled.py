@@ -1,3 +1,6 @@
+import numpy as np
+import pytest
+
 from bench.helpers.compiled import compiled
 
 
@@ -6,3 +9,14 @@ def test_without_a_folder_for_numbas_cache_the_loop_is_compiled_nevertheless():
 
     exec("def twice(x):\n    return 2 * x", names := {})  # of no file, so numba finds no folder for it
     assert compiled(names["twice"], float64(float64))(2.5) == 5.0
+
+
+def test_an_array_of_another_type_is_refused_and_not_misread():
+    first = compiled(_first, "float64(float64[::1])")
+    assert first(np.ones(2)) == 1.0
+    with pytest.raises(TypeError):
+        first(np.ones(2, dtype=np.float32))
+
+
+def _first(values):
+    return values[0]
