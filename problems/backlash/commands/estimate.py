@@ -71,7 +71,6 @@ def estimate(
     gear_ratio: Annotated[
         float | None, _fit(help="Motor turns a load turn, which with the mean speed give its time.")
     ] = None,
-    turns: Annotated[int | None, _fit(min=1, help="Load turns to fit.", show_default="all there are")] = None,
     single: Annotated[
         bool, _fit("--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
     ] = False,
@@ -131,7 +130,7 @@ def estimate(
     if calibration is not None:
         chosen["calibration"] = None if calibration == "none" else load_calibration(calibration)
     settings = Settings(
-        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single,
+        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, single=single,
         limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **chosen,
     )  # fmt: skip
     part = parse_window(window) if window is not None else None

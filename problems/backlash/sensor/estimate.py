@@ -47,7 +47,6 @@ class Settings:
         period: T_f, the time of one load turn, in s; None to infer it from the gear ratio or the signal.
         gear_ratio: motor turns a load turn, which with the mean speed give the period.
         nominal_rps: the motor's nominal speed, to detect a wrong unit.
-        turns: the load turns that the signature spans; None for all that the recording holds.
         single: fit one oscillation (section 8.3).
         calibration: maps amplitudes to half-gaps; None to estimate amplitudes alone.
         limit_rad: the half-gap above which backlash has progressed.
@@ -62,7 +61,6 @@ class Settings:
     period: float | None = None
     gear_ratio: float | None = None
     nominal_rps: float | None = None
-    turns: int | None = None
     single: bool = False
     calibration: Calibration | None = field(default_factory=sensor_calibration)
     limit_rad: float = EARLY_RAD
@@ -158,7 +156,7 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     turn = None if settings.single else period
     screen(recording, period=turn)
     notes = [*filter(None, [averaged]), *warnings(recording, period=turn)]
-    recording = part(recording, settings, period)
+    recording = without_drift(recording)
     problem, folded, parts = to_fit(recording, settings, period)
     x = problem.reference().x
     fitted = parts.model(recording.time, x) if parts else problem.model(x)
@@ -252,10 +250,8 @@ def to_fit(
     return signature_problem(parts.joined, settings, 2 * parts.length), folded, parts
 
 
-def part(recording: Recording, settings: Settings, period: float) -> Recording:
-    """Return the part to fit: the load turns asked for, without a drift of the mean speed."""
-    if settings.turns is not None and not settings.single:
-        recording = recording.window(end=recording.start + settings.turns * period)
+def without_drift(recording: Recording) -> Recording:
+    """Return a recording without a drift of the mean speed."""
     if change := drift(recording):
         line = change * np.linspace(-0.5, 0.5, len(recording.speed))
         return replace(recording, speed=recording.speed - line)
@@ -273,7 +269,7 @@ def signature_problem(recording: Recording, settings: Settings, period: float) -
             f"a sample every {recording.dt:.4g} s is too coarse for oscillations of up to 40 Hz; sample at least every "
             f"{COARSEST:g} s"
         )
-    turns = settings.turns or max(1, math.ceil(recording.duration / period - 1e-6))
+    turns = max(1, math.ceil(recording.duration / period - 1e-6))
     return SignatureFit("recording", recording, period=period, turns=turns, single=settings.single)
 
 

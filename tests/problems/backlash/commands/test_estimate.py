@@ -138,13 +138,13 @@ def test_every_option_reaches_the_estimate(command, stub, tmp_path, calibration)
     path.write_text("speed;clock;ref\n" + "\n".join(f"{60 * (100 + i)};{1000 * i};1" for i in range(9)))
     command(
         estimate, path, "--time", "clock", "--time-unit", "ms", "--speed", 1, "--unit", "rpm", "--window", "2:7",
-        "--period", 0.5, "--nominal", 101, "--turns", 4, "--single", "--calibration", calibration,
+        "--period", 0.5, "--nominal", 101, "--single", "--calibration", calibration,
         "--limit", 0.003, "--confidence", 0.9, "--resamples", 7, "--seed", 11,
     )  # fmt: skip
     ((recording, settings),) = stub
     np.testing.assert_allclose(recording.speed, np.arange(102, 108))
     assert (recording.start, recording.dt) == (2.0, 1.0)
-    assert (settings.period, settings.nominal_rps, settings.turns) == (0.5, 101.0, 4)
+    assert (settings.period, settings.nominal_rps) == (0.5, 101.0)
     assert (settings.single, settings.gear_ratio) == (True, None)
     assert (settings.limit_rad, settings.confidence, settings.resamples, settings.seed) == (0.003, 0.9, 7, 11)
     assert settings.calibration.name == "mine"
