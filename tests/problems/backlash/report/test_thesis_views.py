@@ -270,9 +270,24 @@ def test_both_forms_of_fig_7_4_carry_every_trial_and_the_expected_amplitude(tmp_
     assert drawn == {"my alo": 12, "my goa": 12, "my da": 12, "my gwo": 11, "my cma-es": 12}
 
 
+def test_fig_7_3_has_both_truths_and_the_quartiles_of_what_was_found(tmp_path):
+    results = make(
+        tmp_path / "s", miss={"gwo": lambda level, trial: float(trial)}, fail=[("signature-03", "my gwo", 5)]
+    )
+    figure = table(results, "backlash-and-amplitude")
+    assert len(figure.figure.axes) == 2
+    assert len(figure.data) == 2 * 2 * 5
+    cell = figure.data.set_index(["figure", "problem", "optimizer"]).loc["amplitude_rpm", "signature-03", "my gwo"]
+    expected = truth(3)["amplitude_rpm"]
+    assert cell[["expected", "q1", "median", "q3"]].tolist() == pytest.approx(expected + np.array([0, 1, 2, 3]))
+    assert cell[["tolerance", "trials", "found"]].tolist() == pytest.approx([TOLERANCE_RPM, 6, 5])
+    assert figure.shown.loc["signature-04", "Backlash δ in 1e-6 rad"] == pytest.approx(700)
+    assert figure.shown.loc["signature-03", "Amplitude |A|, my gwo"] == pytest.approx(expected + 2)
+
+
 def test_the_smallest_step_is_taken_between_neighbouring_datasets_alone(usual):
     def said(*rows):
-        table = [(p, f, value, 1.0) for p, *pair in rows for f, value in zip(levels.METRICS, pair, strict=True)]
+        table = [(p, f, value, 1.0) for p, *pair in rows for f, value in zip(levels.SHOWN, pair, strict=True)]
         return levels.smallest_step(pd.DataFrame(table, columns=["problem", "figure", "expected", "tolerance"]))
 
     assert (
@@ -294,6 +309,7 @@ def test_data_that_changed_is_said_and_left_out(tmp_path):
     results = Results(tmp_path / "s")
     (warning,) = views(results, levels)[0].warnings
     assert warning.startswith("The expected values of signature-03 are not known here and left out: the data of")
+    assert table(results, "backlash-and-amplitude").shown.index.tolist() == ["signature-04"]
     assert table(results, "amplitude-errors").frame["trials"].tolist() == [6] * 5
     data = table(results, "amplitude-dots").data
     assert data.groupby("problem", observed=True)["expected"].count().tolist() == [0, 30]
@@ -417,7 +433,7 @@ def test_the_views_come_in_the_thesis_s_order(usual):
     assert [
         (section.title, [item.name for item in section.items if isinstance(item, Figure)]) for section in views(usual)
     ] == [
-        ("Backlash found (datasets of thesis Fig. 7.3)", []),
+        ("Backlash and amplitude of the datasets (thesis Fig. 7.3)", ["backlash-and-amplitude"]),
         ("Fitting error (thesis Table 7.2)", []),
         ("Reference fit", []),
         ("Disturbance amplitude (thesis Fig. 7.4)", ["amplitude-dots", "amplitude-boxes"]),
