@@ -105,11 +105,8 @@ def across_problems(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: fl
     ``pairs`` are those of :func:`bench.analysis.pairwise_tests`. All is missing where no problem has trials of every
     optimizer, and the p-values are 1.
     """
-    wide = {name: _by_problem(pairs, name) for name in ("a12", "ratio", "smaller")}
-    problems = wide["a12"].index
-    estimates = Effects(*(of_pairs.to_numpy() for of_pairs in wide.values()))
-    means = wide["a12"].groupby(_owners(problems, blocks), sort=False).mean().to_numpy()
-    table = pd.DataFrame(list(wide["a12"].columns), columns=["first", "second"])
+    table, problems, estimates = _by_problem(pairs)
+    means = pd.DataFrame(estimates.a12).groupby(_owners(problems, blocks), sort=False).mean().to_numpy()
     p, p_further = p_of_means(estimates), bounded.p_values(means)
     p_holm, further = in_sequence(p, p_further, alpha)
     mean = mean_of(estimates)
@@ -202,16 +199,18 @@ def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[
     return groups
 
 
-def _by_problem(pairs: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Return a column of pairs, problems by pairs, of the problems on which every optimizer has a trial."""
-    names = ["problem", "first", "second"]
-    table = pairs.astype(dict.fromkeys(names, object)).assign(smaller=pairs[["n_first", "n_second"]].min(axis=1))
-    order = list(table[names[1:]].drop_duplicates().itertuples(index=False, name=None))
-    complete = table["smaller"].gt(0).groupby(table["problem"], sort=False).transform("all")
-    wide = table[complete].pivot(index="problem", columns=names[1:], values=column).astype(float)
-    return wide.reindex(
-        index=table.loc[complete, "problem"].unique(), columns=pd.MultiIndex.from_tuples(order, names=names[1:])
-    )
+def _by_problem(pairs: pd.DataFrame) -> tuple[pd.DataFrame, list[str], Effects]:
+    """Return the pairs, the problems on which every optimizer has a trial, and the estimates, problems by pairs."""
+    names = ["first", "second"]
+    order = pairs[names].drop_duplicates().astype(object).reset_index(drop=True)
+    place = pairs.groupby(names, sort=False, observed=True).ngroup().to_numpy()
+    smaller = pairs[["n_first", "n_second"]].min(axis=1)
+    complete = smaller.gt(0).groupby(pairs["problem"], sort=False, observed=True).transform("all").to_numpy()
+    row, problems = pd.factorize(pairs["problem"].astype(object)[complete])
+    wide = np.full((3, len(problems), len(order)), np.nan)
+    for values, column in zip(wide, (pairs["a12"], pairs["ratio"], smaller), strict=True):
+        values[row, place[complete]] = column[complete]
+    return order, list(problems), Effects(*wide)
 
 
 def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object_]:
