@@ -165,7 +165,7 @@ def test_kills_lose_nothing_and_change_nothing(start, tmp_path, kills):
     assert first.end()[0] == 0
     usual = time.monotonic() - first.began  # of a whole, short run, on this machine as busy as it is
     ends = ["parent", "group"] * (kills // 8)
-    others = ["trial"] * (kills - len(ends))  # roots, fork servers, evaluators and those in which trials are made
+    others = ["trial"] * (kills - len(ends))  # roots, fork servers and those in which trials are made
     chance.shuffle(ends)
     chance.shuffle(others)
     seen, planned = {}, 0
