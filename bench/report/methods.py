@@ -83,8 +83,8 @@ def facts(findings: Findings) -> dict[str, Any]:
         "failed": int(np.isinf(analysis.scores(trials.comparable.working)).sum()),
         "not_compared": trials.comparable,
         "environments": results.environments,
-        "tests": len(final.pairs) if final.levels.problems else 0,  # of which one can be significant
-        "pairs": len(final.pairs),
+        "tests": final.tests if final.levels.problems else 0,  # of which one can be significant
+        "pairs": final.tests,
         "levels": final.levels,
         "blocks": len({trials.blocks[str(label)] for label in final.medians.index}),
         "permutation_tests": int(final.pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties

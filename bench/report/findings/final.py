@@ -55,10 +55,13 @@ class Final:
     def _levels(self, smaller: list[int]) -> analysis.Levels:
         """Return the levels where the smaller cell of each pair has so many trials, by problem."""
         pairs = comb(len(self.trials.optimizers), 2)
-        tests = sum(
-            comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in self.summary.groupby("problem", observed=True)["n"]
-        )
-        return analysis.levels(smaller, pairs, tests, looks=bool(self.trials.results.study.looks))
+        return analysis.levels(smaller, pairs, self.tests, looks=bool(self.trials.results.study.looks))
+
+    @cached_property
+    def tests(self) -> int:
+        """The number of pairs on problems of which both have trials."""
+        sizes = self.summary.groupby("problem", observed=True)["n"]
+        return sum(comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in sizes)
 
     @cached_property
     def enough(self) -> int:

@@ -22,7 +22,7 @@ def section(findings: Findings) -> Section:
     """Return the differences that the tests can and cannot find with this study's trials."""
     if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs, level = len(findings.final.pairs), len(findings.final.overall), findings.final.levels.problems
+    tests, pairs, level = findings.final.tests, len(findings.final.overall), findings.final.levels.problems
     rows = []
     for n in sorted(set(findings.trials.per_cell)):
         kinds = {"a single test": ALPHA} | ({"the first of all tests": level / tests} if level else {})
@@ -47,7 +47,7 @@ def section(findings: Findings) -> Section:
 
 def blindness(findings: Findings) -> str:
     """Return a sentence on the differences that the tests would often miss."""
-    n, tests, levels = findings.trials.per_cell[0], len(findings.final.pairs), findings.final.levels
+    n, tests, levels = findings.trials.per_cell[0], findings.final.tests, findings.final.levels
     trials = f"with {count(n, 'trial')} in the smallest cell"
     parts = []
     smallest = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan

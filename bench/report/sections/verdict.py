@@ -292,8 +292,10 @@ def across(findings: Findings) -> str:
     apart = tests[~tests["significant"]]
     if apart.empty:
         return "Every pair of optimizers differs significantly on these problems, but not on each of them."
-    open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
-    return f"On these problems the tests show no difference between {listing(open_pairs, at_most=4)} (Holm)."
+    if len(apart) == len(tests) > 1:
+        return "On these problems the tests distinguish no two optimizers (Holm)."
+    open_pairs = [f"{first} from {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
+    return f"On these problems the tests do not distinguish {listing(open_pairs, at_most=4)} (Holm)."
 
 
 def dependent(findings: Findings) -> str:
@@ -313,7 +315,7 @@ def dependent(findings: Findings) -> str:
 def _grounds(findings: Findings) -> str:
     looks, levels = findings.results.study.looks, findings.final.levels
     over = [f"for looks at {listing([str(look) for look in looks])} trials"] if looks else []
-    over += [f"by Holm’s method over the {count(len(findings.final.pairs), 'pair')} of all problems"]
+    over += [f"by Holm’s method over the {count(findings.final.tests, 'pair')} of all problems"]
     both = levels.problems and levels.across
     few = (
         f"; with {count(findings.trials.per_cell[0], 'trial')} a cell no test on a problem could, so none is made here"

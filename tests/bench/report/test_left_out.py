@@ -110,6 +110,9 @@ def test_a_problem_that_is_not_compared_is_named_on_the_first_screen_and_drawn_n
     assert set(picture.data["problem"]) == {"p", "r"}
     assert list(ranks.frame.index) == ["p", "r"]
     assert "mpty" not in ranks.note
+    assert (found.final.tests, len(found.final.pairs)) == (6, 9)
+    assert "the 6 tests" in section.cards[3].text[-1]
+    assert "over the 6 pairs of all problems" in section.cards[4].text[0] or not found.final.levels.problems
     one = verdict.section(Findings(Results(make(tmp_path / "t", raised=raised))))
     assert one.cards[0].lines[0].text == "not compared: q"
 

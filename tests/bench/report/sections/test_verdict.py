@@ -129,6 +129,13 @@ def test_pairs_that_the_tests_do_not_separate_are_named(fresh):
     assert said in verdict.section(fresh).cards[2].text
 
 
+def test_where_no_pair_is_distinguished_none_is_listed(fresh):
+    fresh.final.__dict__["overall"] = fresh.final.overall.assign(significant=False)
+    assert verdict.across(fresh) == "On these problems the tests distinguish no two optimizers (Holm)."
+    fresh.final.__dict__["overall"] = fresh.final.overall.assign(significant=[True, False, False])
+    assert verdict.across(fresh) == "On these problems the tests do not distinguish a from c and b from c (Holm)."
+
+
 def test_the_page_prints_how_often_it_would_be_wrong(fresh):
     text = verdict.section(fresh).cards[3].text
     assert text[0].startswith("How often a page of this design (3 optimizers, 3 problems, 8 trials a cell) claims any")
