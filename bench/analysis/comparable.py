@@ -86,7 +86,7 @@ def _with_working_objective(frame: pd.DataFrame) -> tuple[pd.DataFrame, dict[str
     label = frame["problem"].astype(object)
     if "instance" in frame:
         pooled = frame["instance"].notna()
-        ending = "-i" + frame["instance"].astype(object).astype(str)
+        ending = pd.Series([f"-i{instance}" for instance in frame["instance"]], frame.index, dtype=object)
         pooled &= np.array([not name.endswith(end) for name, end in zip(label, ending, strict=True)], dtype=bool)
         label = label.where(~pooled, label + ending)
     counts = raised.groupby(label, sort=False).agg(["sum", "size"])
