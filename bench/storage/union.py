@@ -12,6 +12,7 @@ from bench.helpers.text import joined
 from bench.plugins import selection
 from bench.study import Entry, Study
 from bench.study.budget import Budget, described
+from bench.study.study import LONGEST_NAME, LONGEST_TITLE
 
 
 def united(studies: Sequence[Study], names: Sequence[str], stored: Callable[[str], int | None]) -> Study:
@@ -54,8 +55,8 @@ def united(studies: Sequence[Study], names: Sequence[str], stored: Callable[[str
             )
     return dataclasses.replace(
         (run_here or [first])[0],
-        name="-".join(dict.fromkeys(study.name for study in studies)),
-        title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
+        name="-".join(dict.fromkeys(study.name for study in studies))[:LONGEST_NAME],
+        title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies))[:LONGEST_TITLE],
         trials=max(study.trials for study in studies),
         budget=_largest(studies, problems, stored),
         problems=tuple(problems.values()),

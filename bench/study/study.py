@@ -43,8 +43,8 @@ from bench.study.targets import NO_METRIC, Targets
 from bench.study.tuned import Tuning
 from bench.trial import Trial
 
-LONGEST_TITLE = 1000
-"""Characters of the title of a study."""
+LONGEST_NAME, LONGEST_TITLE = 100, 1000
+"""Characters of the name and of the title of a study."""
 
 
 class Fingerprints(NamedTuple):
@@ -105,6 +105,24 @@ class Study:
     looks: Looks = ()
     controls: tuple[Entry, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Hold each value as one from a file is held; raises BenchError, naming the key, for what cannot be one.
+
+        Looks, which must fit other values, are checked where a study is read or changed (:meth:`check_looks`).
+        """
+        usual = {item.name: item.default for item in dataclasses.fields(self)}
+        values = {key: getattr(self, key) for key in _READERS if key != "looks"}
+        for key, value in _checked({k: v for k, v in values.items() if v is not usual[k]}, "").items():
+            object.__setattr__(self, key, value)
+        if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", self.name):
+            raise BenchError(
+                f"the name {self.name!r} must be up to 100 letters, digits, '.', '_' or '-', as it names a folder"
+            )
+        if not isinstance(self.title, str) or not self.title.isprintable():
+            raise BenchError("the title holds a control character or a line break, or is no text")
+        if len(self.title) > LONGEST_TITLE:
+            raise BenchError(f"the title has {len(self.title):,} characters, more than {LONGEST_TITLE:,}")
+
     @classmethod
     def load(cls, source: str | os.PathLike[str] | Mapping[str, Any]) -> Study:
         """Return the study of an installed name (``"thesis"``), of a TOML file's path, or of what such a file holds.
@@ -131,27 +149,20 @@ class Study:
         for key in ("name", "title"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
-        data = data | _checked(data, f"study {where}: ")
-        if "looks" in data:
-            data = {"trials": data["looks"][-1]} | data
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
-        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", data["name"]):
-            raise BenchError(
-                f"study {where}: the name {data['name']!r} must be up to 100 letters, digits, '.', '_' or '-', "
-                "as it names a folder"
-            )
+        prefix = f"study {where}: "
+        data = data | _checked(data, prefix)
+        if "looks" in data:
+            data = {"trials": data["looks"][-1]} | data
         keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
         lists = {key: entries.read_entries(data.get(key), key, where) for key in keys}
-        study = cls(**data | lists)
-        if not study.title.isprintable():
-            raise BenchError(f"study {where}: the title holds a control character or a line break")
-        if len(study.title) > LONGEST_TITLE:
-            raise BenchError(
-                f"study {where}: the title has {len(study.title):,} characters, more than {LONGEST_TITLE:,}"
-            )
+        try:
+            study = cls(**data | lists)
+        except BenchError as error:
+            raise BenchError(f"{prefix}{error}") from error
         study._check_entries(where)
-        study.check_looks(f"study {where}: ")
+        study.check_looks(prefix)
         return study
 
     def override(self, **changes: Any) -> Study:

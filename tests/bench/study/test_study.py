@@ -1,9 +1,13 @@
 """Studies: reading, checking, planning, and what makes two of them the same."""
 
+import re
+
 import pytest
 
 from bench import BenchError, Study
+from bench.helpers.parsing import parse_toml
 from bench.seeds import trial_seed
+from bench.study import Entry
 
 MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
 
@@ -185,3 +189,40 @@ def test_unknown_and_malformed_files(tmp_path):
         Study.load(tmp_path / "bytes.toml")
     with pytest.raises(BenchError, match="cannot be read"):
         Study.load(tmp_path / "missing.toml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"name": "../../x"}, "the name '../../x' must be up to 100 letters"),
+        ({"title": "a\nb"}, "the title holds a control character"),
+        ({"trials": 0}, "'trials' must be"),
+        ({"seed": False}, "'seed' must be"),
+        ({"budget": "10 d"}, "'budget' must be a whole number from 1 to 1e"),
+        ({"targets": "precise"}, "'targets' must be 'precisions'"),
+        ({"rope": "200%"}, "'rope' must be a positive width"),
+    ],
+)
+def test_a_study_built_in_python_is_checked_as_one_from_a_file(changes, message):
+    values = {"name": "s", "problems": (Entry("p", "p"),), "optimizers": (Entry("a", "a"), Entry("b", "b"))}
+    with pytest.raises(BenchError, match=re.escape(message)):
+        Study(**values | changes)
+
+
+def test_a_study_built_in_python_holds_its_values_as_one_from_a_file():
+    built = Study("s", (Entry("p", "p"),), (Entry("a", "a"),), budget=" 1e4 * d ", targets="1e-3, 10", rope="1 %")
+    assert (built.budget, built.targets, built.rope) == ("1e4 * d", [10.0, 1e-3], "1%")
+    assert Study.from_dict(parse_toml(built.to_toml())) == built
+
+
+NAMED = {
+    "bbob": "a3f124d49cdd0b4c", "bbob-quick": "37e83ee438deb5dc", "cec2022": "f360fb28900e84ea",
+    "engineering": "61cd7777f1b8b10f", "noise": "7042e9f2b646c6e5", "published": "05692ba560412866",
+    "quick": "45ec5a24133cee76", "thesis": "798b152c548e4da2", "thesis-equal": "2ec428c91048724e",
+    "thesis-plus": "e0eef6ffb144e1d1", "wrist": "4bb732c0e24ed1d3",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "identity"), NAMED.items())
+def test_the_identity_of_a_named_study_stays_as_it_was(name, identity):
+    assert Study.load(name).identity() == identity
