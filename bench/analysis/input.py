@@ -13,7 +13,7 @@ import pandas as pd
 from bench.errors import BenchError
 
 KINDS: dict[str, tuple[type, str]] = {
-    "pd.DataFrame": (pd.DataFrame, "a frame, such as results.frame or results.pooled()"),
+    "pd.DataFrame": (pd.DataFrame, "a frame, such as results.frame"),
     "Traces": (Mapping, "traces, such as results.traces"),
 }
 """By annotation: what an argument must be, and what to give."""

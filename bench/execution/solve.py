@@ -8,7 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, ProblemError
+from bench.errors import BenchError
 from bench.execution.job import Task
 from bench.execution.supervisor import check, make_one
 from bench.numbers import require_seed
@@ -20,7 +20,7 @@ from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.study import Study
-from bench.trial import Result, Row, Trial, doubt, numbers, search
+from bench.trial import Result, Row, Trial, numbers, search
 
 
 def solve(
@@ -36,9 +36,6 @@ def solve(
 
     Example:
         >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
-
-    A warning says where the value of the best point is another one when it is evaluated again, as with noise that a
-    problem does not declare.
 
     Args:
         problem: a problem or the name of one.
@@ -58,14 +55,7 @@ def solve(
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_seed("the seed", seed)
     problem = scored(problem, handlings.checked(constraints), on_error)
-    found = make_run(problem, optimizer, budget=budget, seed=seed)
-    try:
-        doubted = doubt(found, problem)
-    except ProblemError as error:  # what was found is not lost by it
-        doubted = f"{problem.name} fails where its best point is evaluated again: {describe_error(error.raised)}"
-    if doubted:
-        warnings.warn(doubted, stacklevel=2)
-    return found
+    return make_run(problem, optimizer, budget=budget, seed=seed)
 
 
 def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed: int, **settings: Any) -> Row:

@@ -1,11 +1,9 @@
 """Values that honest problems return by mistake: noise that is not declared, -0.0, subclasses, masks."""
 
-import warnings
-
 import numpy as np
 import pytest
 
-from bench import Study, load_problem, load_results, run, solve
+from bench import Study, load_results, run
 from bench.storage.folder import Folder
 
 CODE = """
@@ -83,14 +81,3 @@ def test_minus_zero_is_stored_as_zero_and_damages_no_row(folder, frame):
 def test_masked_values_are_refused_instead_of_the_numbers_under_the_mask(frame):
     assert frame.loc["masked", "status"].eq("failed").all()
     assert frame.loc["masked", "error"].str.contains("values of problem 'masked' must be plain numbers").all()
-
-
-@pytest.mark.parametrize("kind", ["noise", "batch"])
-def test_a_single_run_warns_of_noise_and_keeps_what_it_found(folder, kind):
-    problem = load_problem(f"{folder.parent / 'odd.py'}:Odd", kind=kind)
-    with warnings.catch_warnings(record=True) as warned:
-        warnings.simplefilter("always")
-        assert solve(problem, "hill-climber", budget=60).nfev == 60
-    assert [str(warning.message)[:48] for warning in warned] == [
-        "problem 'noise' has noise that it does not decla" for _ in ["noise"] if kind == "noise"
-    ]

@@ -5,6 +5,7 @@ import pytest
 from bench import FunctionProblem
 from bench.errors import PROBLEM_FAILED
 from bench.execution import trial_process
+from bench.sandbox.side_effects import reset_random
 from bench.trial import Trial
 
 
@@ -12,6 +13,7 @@ from bench.trial import Trial
 def confirmed(monkeypatch, small_study):
     """Return a function that makes a trial on any problem, and then returns what confirms it."""
     trial_process.begin(small_study, {}, {})
+    reset_random()  # as a process of its own begins, whatever other tests left
     label = small_study.optimizers[0].label
 
     def confirm(problem):
