@@ -30,7 +30,7 @@ def test_the_memory_of_known_optimizers_and_agents_is_shown():
     optimizers = (*BOTH, Entry("gwo", "other", {"agents": 31}))
     (section,) = resources.sections(Study("s", (Entry("signature-12", "signature-12"),), optimizers, trials=1))
     assert section.items[0].frame.index.tolist() == ["cma-es 30", "gwo 30"]
-    assert "160 kB with gwo 30 and 340 kB with cma-es 30" in section.text[0]
+    assert "200 kB with gwo 30 and 380 kB with cma-es 30" in section.text[0]
 
 
 @pytest.mark.parametrize("name", ["gwo", pytest.param("cma-es", marks=pytest.mark.slow)])
