@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bench import Optimizer, parameter
-from beside import SPREAD
+from spreads import SPREAD
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,11 @@ name = "scatter"
 @pytest.fixture
 def mine(tmp_path):
     (tmp_path / "mine.py").write_text(CODE)
-    (tmp_path / "beside.py").write_text("SPREAD = 0.1")
+    (tmp_path / "spreads.py").write_text("SPREAD = 0.1")  # no other test has a module of this name
     (tmp_path / "tiny.toml").write_text(STUDY)
     yield tmp_path / "mine.py"
     sys.path[:] = [entry for entry in sys.path if entry != str(tmp_path)]
-    sys.modules.pop("beside", None)
+    sys.modules.pop("spreads", None)
 
 
 def test_a_class_and_a_function_of_a_file_are_optimizers(mine):
@@ -179,7 +179,7 @@ def test_a_file_without_its_class_is_refused_and_not_run(tmp_path, code, said):
     with pytest.raises(BenchError) as caught:
         load_optimizer(path)
     assert said.format(path) in str(caught.value)
-    assert "beside" not in sys.modules
+    assert "spreads" not in sys.modules
 
 
 PROBLEM = """
