@@ -239,6 +239,7 @@ def _hidden(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
         gap = calibration.half_gap[0] if math.isnan(gap) else gap  # below the calibration
         arc = f"{gap * ARC_MINUTES:.2f} arc minutes"
         rows.append(("half-gap", f"the noise hides any up to {1e3 * gap:.3f} mrad ({arc})"))
+    rows.append(("not seen", "a gap that never opens in this motion, as with strong viscous friction"))
     return rows
 
 

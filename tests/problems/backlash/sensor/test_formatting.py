@@ -60,6 +60,7 @@ def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_t
     said = words(make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=(0.0, 0.0001)))
     assert said.startswith("a.csv: no backlash detected\n")
     assert "none detected; the noise hides any below 0.1000 rps" in said
+    assert "not seen     a gap that never opens in this motion, as with strong viscous friction\n" in said
     short = words(make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, 1e7), interval_rad=(0.0, math.nan)))
     assert "none detected; the recording is too short or too noisy to show one\n" in short
     assert "the noise hides any up to 0.100 mrad (0.34 arc minutes)" in said
