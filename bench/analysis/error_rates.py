@@ -92,7 +92,7 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, looks: bool = False, al
 
 
 def _can_reject(trials: int, tests: int, level: float) -> bool:
-    """Return whether complete separation in so many trials is significant beside as many tests."""
+    """Return whether complete separation of this number of trials is significant beside this number of tests."""
     return bool(least_p(trials) * max(tests, 1) <= level)
 
 

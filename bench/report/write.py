@@ -201,7 +201,7 @@ class _Report:
             self.drawer.begin(figures, pdf=self.printed(part))
 
     def printed(self, section: Section) -> bool:
-        """Whether a section is also for papers, as LaTeX and PDF: of many problems, only what is said of all is."""
+        """Whether a section is also written as LaTeX and PDF: of many problems, only the parts on all of them are."""
         return not (section.problem and self.findings.trials.many)
 
     def prepare_plugin(self, name: str) -> list[Section] | Exception:

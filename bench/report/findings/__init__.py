@@ -89,7 +89,7 @@ class Findings:
 
     @cached_property
     def selection(self) -> str:
-        """What the study shown was selected from, and what is left out, in a sentence; "" where it is whole."""
+        """A sentence on what the study was selected from and what is left out; "" where it is whole."""
         shown = self.results.study
         functions = {pooled(entry.label) for entry in shown.problems}
         return selection(self.results.whole, shown, by_instance=len(functions) < len(self.study.problems))

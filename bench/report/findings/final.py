@@ -53,7 +53,7 @@ class Final:
         return self._levels(smaller)
 
     def _levels(self, smaller: list[int]) -> analysis.Levels:
-        """Return the levels where the smaller cell of each pair has so many trials, by problem."""
+        """Return the levels for a number of trials in the smaller cell of each pair, by problem."""
         pairs = comb(len(self.trials.optimizers), 2)
         return analysis.levels(smaller, pairs, self.tests, looks=bool(self.trials.results.study.looks))
 

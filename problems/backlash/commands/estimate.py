@@ -55,7 +55,7 @@ def estimate(
         str | None,
         _recording(
             metavar="COLUMN",
-            help="Of files with several joints: the column that tells the joint of each line, or, with a *, the "
+            help="Of files with several joints: the column that names the joint of each line, or, with a *, the "
             "columns of a joint each, as 'speed_*', where * is the joint's name.",
         ),
     ] = None,
