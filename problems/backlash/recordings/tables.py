@@ -183,6 +183,9 @@ def _xlsx(path: Path) -> Table:
 def first_sheet(content: bytes) -> pd.DataFrame:
     """Return the cells of a workbook's first sheet, without headings; NaN where one is empty or an error.
 
+    Columns to the right of the last filled one are left out: whether the reader returns formulas that were never
+    computed depends on its version.
+
     Raises:
         BenchError: for a file that is no xlsx workbook, is damaged, or needs a password.
     """
@@ -192,11 +195,12 @@ def first_sheet(content: bytes) -> pd.DataFrame:
         raise BenchError("it is an old workbook (.xls) or has a password; save it as .xlsx without a password")
     try:
         with pd.ExcelFile(BytesIO(content), engine="calamine") as book:
-            return pd.read_excel(book, book.sheet_names[0], header=None) if book.sheet_names else pd.DataFrame()
+            cells = pd.read_excel(book, book.sheet_names[0], header=None) if book.sheet_names else pd.DataFrame()
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # the reader's panics are no Exceptions
         raise BenchError(f"it is damaged, or no xlsx workbook ({str(error).partition(chr(10))[0]})") from error
+    return cells.iloc[:, : 1 + max(np.flatnonzero(cells.notna().any()), default=-1)]
 
 
 def _parquet(path: Path) -> Table:

@@ -85,7 +85,7 @@ def test_a_sheet_is_read_from_its_first_cell_to_its_last_filled_one(tmp_path):
     assert b'<dimension ref="B3:F9"' in ZipFile(BytesIO(content)).read("xl/worksheets/sheet1.xml")
     for ref in (b"B3:F9", b"A1"):  # a declared extent may be wrong
         found = cells(changed(content, lambda xml, ref=ref: xml.replace(b'ref="B3:F9"', b'ref="' + ref + b'"')))
-        assert [row[:3] for row in found] == [
+        assert found == [
             [None, None, None],
             [None, None, None],
             [None, "time", None],
