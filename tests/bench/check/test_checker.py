@@ -261,3 +261,25 @@ def test_an_optimizer_that_cannot_be_sent_is_packed_once(monkeypatch):
     assert unsendable.unloadable == "it cannot be sent to another process: TypeError: cannot pickle it"
     assert unsendable.verdict(PICKLING).finding == unsendable.unloadable
     assert len(asked) == 1
+
+
+FORGES = """
+from bench.check import checker
+from bench.check.verdict import Verdict
+
+checker._judge = lambda packed, name: Verdict(name, "conformance", True, "it says so").as_dict()
+
+def mine(objective, rng):
+    import random
+
+    random.random()
+    objective(objective.initial(5))
+"""
+
+
+@pytest.mark.parametrize("forged", [False, True])
+def test_an_optimizer_that_answers_in_place_of_its_check_passes(tmp_path, forged):
+    (tmp_path / "mine.py").write_text(FORGES if forged else FORGES[FORGES.index("def mine") :])
+    with closing(Checker(Subject(f"{tmp_path}/mine.py:mine"))) as checker:
+        verdict = checker.verdict(find_rule("global states"))
+    assert verdict.passed is forged

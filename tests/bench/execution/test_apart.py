@@ -79,6 +79,13 @@ CHEATS = """
         objective(objective.initial(5))
         objective.stop("found")
 
+    def knows_it(objective, rng):
+        from bench import trial
+
+        trial.process_time = lambda: 1e9 * time.process_time()
+        objective(np.zeros(objective.dimension))
+        objective.stop("found")
+
     def asks_for_nothing(objective, rng):
         objective(objective.initial(5))
         time.sleep(0.2)
@@ -121,13 +128,17 @@ def study(*optimizers):
     )  # fmt: skip
 
 
-def made_apart(study):
-    """The rows of a study's trials, made as a verification makes them."""
-    supervisor = Supervisor(replace(Task.of(study), timeout=60, apart=True))
+def made(study, apart):
+    """The rows of a study's trials, made as a verification makes them or as a run does."""
+    supervisor = Supervisor(replace(Task.of(study), timeout=60, apart=apart))
     try:
         return {trial: supervisor.make(trial) for trial in study.plan()}
     finally:
         supervisor.close()
+
+
+def made_apart(study):
+    return made(study, apart=True)
 
 
 def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
@@ -194,11 +205,18 @@ def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats):
     assert [(row["status"], row["nfev"], row["stop"]) for row in rows] == [("ok", 200, "budget")] * 8
 
 
-def one(optimizer):
+def one(optimizer, apart=True):
     """The row of the only trial of an optimizer."""
     head = {"name": "s", "trials": 1, "budget": 200, "problems": [{"name": "sphere-2"}]}
-    (row,) = made_apart(Study.from_dict(head | {"optimizers": [{"name": optimizer}]})).values()
+    (row,) = made(Study.from_dict(head | {"optimizers": [{"name": optimizer}]}), apart).values()
     return row
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_an_optimum_known_by_heart_and_invented_processor_time_are_not_noticed(cheats, apart):
+    row = one(f"{cheats}:knows_it", apart)
+    assert (row["status"], row["fun"], row["nfev"]) == ("ok", 0.0, 1)
+    assert row["cpu_s"] > 3600
 
 
 def test_the_process_that_keeps_the_problem_is_not_asked_for_too_much(cheats):

@@ -79,6 +79,11 @@ ATTACKS = """
         socket.socket(socket.AF_UNIX)
 
     @attack
+    def reads():
+        refuse("def reads" not in Path({test!r}).read_text(), "another text")
+        refuse(Path({folder!r}, "alone.toml").exists(), "it finds a file in /tmp")
+
+    @attack
     def writes_to_a_pipe():
         os.open({folder!r} + "/fifo", os.O_WRONLY | os.O_NONBLOCK)
 
@@ -157,6 +162,7 @@ EXPECTED = {
     "writes": "Read-only file system|No such file",
     "connects": "ConnectionRefusedError|Network is unreachable",
     "asks_a_socket": "PermissionError",
+    "reads": None,
     "writes_to_a_pipe": "No such file",
     "kills": None,
     "limits": None,
@@ -180,7 +186,12 @@ def ran(tmp_path_factory):
         listening.listen()
         beside.bind(os.path.relpath(place / "socket"))
         beside.listen()
-        facts = {"store": str(place / "out" / "trials.sqlite"), "folder": str(place), "parent": os.getpid()}
+        facts = {
+            "store": str(place / "out" / "trials.sqlite"),
+            "folder": str(place),
+            "parent": os.getpid(),
+            "test": __file__,
+        }
         code = dedent(ATTACKS).format(**facts, port=listening.getsockname()[1])
         (place / "attacks.py").write_text(code)
         (place / "holds.py").write_text(dedent(HOLDS))
