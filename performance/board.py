@@ -12,8 +12,8 @@ import numpy as np
 from _rows import Rows, apart, main, short
 
 from bench import Study
+from bench.formats.archive import pack
 from bench.objective import Trace
-from bench.packing import pack
 from bench.storage.folder import Folder
 
 ARCHIVES = 100

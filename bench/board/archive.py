@@ -14,8 +14,8 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.families import dimension_in
+from bench.formats.archive import unpack
 from bench.helpers.text import count, printable
-from bench.packing import unpack
 from bench.plugins.loading import family
 from bench.plugins.registry import DISTRIBUTION
 from bench.storage.folder import Folder
@@ -154,7 +154,7 @@ def read(source: Path, temporary: Path) -> Archive:
     """Unpack an archive into a new folder, verify all of it, and return what the board needs.
 
     Raises:
-        BenchError: naming the archive, where :func:`bench.packing.unpack` refuses it.
+        BenchError: naming the archive, where :func:`bench.formats.archive.unpack` refuses it.
     """
     unpack(source, temporary)
     folder = Folder(temporary)

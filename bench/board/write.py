@@ -39,7 +39,7 @@ def write_board(
     keep_going: bool = False,
     on_progress: OnStep = lambda *_: None,
 ) -> Board:
-    """Write a static site over archives that :func:`bench.packing.pack` wrote.
+    """Write a static site over archives that :func:`bench.formats.archive.pack` wrote.
 
     Each archive is unpacked and verified. The same archives give the same bytes, in any order. Nothing is written where
     one is refused, unless others are to be written without it.

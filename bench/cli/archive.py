@@ -23,7 +23,7 @@ def list_sets(
     suite: Annotated[str, typer.Argument(help="A suite of the archive.")] = "bbob", source: From = None
 ) -> None:
     """List the published data sets of a suite: name, size in MB, and whether it is kept here."""
-    from bench.importing.archive import data_folder, data_sets
+    from bench.formats.coco.published import data_folder, data_sets
 
     for data in data_sets(suite, source):
         kept = ", kept" if (data_folder() / data.suite / data.path).is_file() else ""
@@ -36,7 +36,7 @@ def fetch(
     source: From = None,
 ) -> None:
     """Get published data sets, and check the SHA-256 of each; --against of 'bench run' and 'bench report' uses them."""
-    from bench.importing.archive import fetch as fetch_set
+    from bench.formats.coco.published import fetch as fetch_set
 
     if source is not None and not source.is_dir():
         raise BenchError(f"{source} is no folder; give one that has the archive's files and list")

@@ -8,18 +8,19 @@ from typing import Annotated
 import typer
 
 from bench.cli.console import Output
+from bench.formats import EXPORTABLE, described
 from bench.helpers.console import print_line
 
 
 def command(
     output: Output,
-    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (needs the extra 'parquet').")],
+    kind: Annotated[str, typer.Option("--format", help=f"{described(EXPORTABLE)}.")],
     folder: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder to write; default: OUTPUT/export/FORMAT.")
     ] = None,
 ) -> None:
-    """Write a study's results for IOHanalyzer (ioh) or cocopp (coco), or as plain tables (csv, parquet)."""
-    from bench.export import export
+    """Write a study's results for other tools: for cocopp or IOHanalyzer, or as plain tables."""
+    from bench.formats.exporting import export
     from bench.storage.results import Results
 
     folder, results = folder or output / "export" / kind, Results(output)

@@ -7,13 +7,17 @@ from typing import Annotated
 
 import typer
 
+from bench.formats import IMPORTABLE, described
 from bench.helpers.console import print_line
 from bench.helpers.text import count
 
 
 def command(
     source: Annotated[
-        Path, typer.Argument(metavar="FOLDER|TAR", help="A folder, a tar or zip archive, or a CSV file.")
+        Path,
+        typer.Argument(
+            metavar="FOLDER|TAR", help=f"A folder, a tar or zip archive, or a CSV file. {described(IMPORTABLE)}."
+        ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="The folder to write, missing or empty.")],
     licence: Annotated[
@@ -30,7 +34,7 @@ def command(
     MINE IMPORTED' compares both. Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends
     the import; --partial imports the others, and reports list what is missing.
     """
-    from bench.importing import import_results
+    from bench.formats.importing import import_results
 
     imported = import_results(source, output, licence=licence, partial=partial)
     for note in imported.notes:

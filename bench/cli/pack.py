@@ -28,7 +28,7 @@ def command(
     The zip file holds trials, frozen study, environments, hashes of data and code, the report, and a description for
     machines (RO-Crate 1.1) with the SHA-256 of every file. The same folder gives the same bytes.
     """
-    from bench.packing import pack
+    from bench.formats.archive import pack
 
     packed = pack(folder, output, licence=licence, authors=author or ())
     for note in packed.notes:

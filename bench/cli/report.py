@@ -68,8 +68,8 @@ def published(names: list[str] | None) -> tuple[list[Path], bool]:
     """
     if not names:
         return [], False
-    from bench.importing.archive import imported
-    from bench.importing.best2009 import NAME
+    from bench.formats.coco.best2009 import NAME
+    from bench.formats.coco.published import imported
 
     return [imported(name) for name in names if name != NAME], NAME in names
 

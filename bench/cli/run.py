@@ -144,7 +144,7 @@ def command(
             )
     beside, best = published(against)  # before the run, which may take long
     if best or chosen.targets == "runlength":
-        from bench.importing.best2009 import best2009  # which imports pandas and scipy.stats
+        from bench.formats.coco.best2009 import best2009  # which imports pandas and scipy.stats
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:

@@ -19,7 +19,7 @@ def command(
 
     An archive that was changed, or from which anything is missing, is refused, and nothing of it is unpacked.
     """
-    from bench.packing import unpack
+    from bench.formats.archive import unpack
 
     folder = unpack(file, output, limit_gb=limit)
     print_line(f"{folder.files:,} files in {folder.path}: {folder.sentence}")

@@ -80,7 +80,7 @@ def write_report(
         targets: what counts as reached, other than the study's own (:func:`bench.study.targets.checked`).
         rope: differences that count as equal, other than the study's own (:func:`bench.study.rope.checked`).
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
-            (:mod:`bench.importing.best2009`; it needs the extra ``coco``).
+            (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
         reference: the label of the optimizer that the competition's table compares with each other one.
         optimizers: labels or patterns of the only optimizers to show (:meth:`bench.Results.select`). The page, the
             methods and the answer say what was left out, and a selection needs an ``output`` of its own.

@@ -14,7 +14,7 @@ from bench import analysis
 from bench.analysis.cells import traces_of
 from bench.errors import BenchError
 from bench.families import function_of
-from bench.importing.best2009 import best2009
+from bench.formats.coco.best2009 import best2009
 from bench.report.findings.trials import Trials
 from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.study.targets import NO_METRIC, Targets

@@ -18,7 +18,7 @@ from bench.analysis.running_time import (
     separably_fastest,
     simulated_restarts,
 )
-from tests.bench.export.made import read
+from tests.bench.formats.made import read
 
 INF = float("inf")
 

@@ -11,8 +11,8 @@ import pytest
 from bench import BenchError, Study, run
 from bench.board import write_board
 from bench.board.ranks import mean_ranks
+from bench.formats.archive import pack
 from bench.objective import Trace
-from bench.packing import pack
 from bench.plugins.registry import DISTRIBUTION
 from bench.sandbox import bubblewrap
 from bench.storage.folder import Folder

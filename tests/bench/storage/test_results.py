@@ -8,7 +8,7 @@ import pytest
 from bench import BenchError, Results, Study, load_results, run
 from bench.storage.folder import Folder
 from bench.study import Entry
-from tests.bench.export.made import make, some_fail
+from tests.bench.formats.made import make, some_fail
 from tests.bench.storage.filled import TRIALS, change_record
 
 

@@ -1,4 +1,4 @@
-"""One study of several that are compared; readers of such a study are in tests/bench/importing/test_beside.py."""
+"""One study of several that are compared; readers of such a study are in tests/bench/formats/test_beside.py."""
 
 import pytest
 

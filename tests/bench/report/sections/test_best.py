@@ -11,7 +11,7 @@ from bench.report.findings import Findings
 from bench.report.findings import anytime as findings_module
 from bench.report.methods import methods
 from bench.report.sections import best, datasets
-from tests.bench.export.made import BUDGET, make, record
+from tests.bench.formats.made import BUDGET, make, record
 
 pytestmark = pytest.mark.skipif(not find_spec("cocoex"), reason="bbob's optima are computed by coco-experiment")
 

@@ -12,8 +12,8 @@ from bench.report.sections import anytime, datasets
 from bench.report.target_words import default_targets, meaning, target_words
 from bench.storage.results import ProblemFacts
 from bench.study.targets import KINDS
-from tests.bench.export.made import make as made
-from tests.bench.export.made import record
+from tests.bench.formats.made import make as made
+from tests.bench.formats.made import record
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,183 @@
+"""Bring in the results of other tools as a study's folder.
+
+An imported folder is read, reported on, compared and exported like any other. Its rows refer to one record in
+``environment.json`` that marks them as imported; what the source does not hold, such as seeds and times, is missing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from bench.errors import BenchError
+from bench.formats import FORMATS, IMPORTABLE, naming
+from bench.formats.runs import Reading, Run
+from bench.formats.source import opened
+from bench.helpers.atomic import replacing
+from bench.helpers.text import printable
+from bench.plugins.loading import IMPORTED
+from bench.storage import provenance
+from bench.storage.folder import Folder
+from bench.storage.rows import packed
+from bench.study import Entry, Study
+from bench.study.budget import Budget
+from bench.study.entries import LONGEST_LABEL
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What was imported: the format, the numbers of trials, problems and optimizers, and what a reader should know.
+
+    ``left_out`` has a sentence on each file that could not be read, empty unless those may be left out.
+    """
+
+    format: str
+    trials: int
+    problems: int
+    optimizers: int
+    notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+
+def import_results(
+    source: str | PathLike[str],
+    output: str | PathLike[str],
+    *,
+    name: str | None = None,
+    licence: str | None = None,
+    partial: bool = False,
+) -> Imported:
+    """Import a folder, a tar or zip archive, or a CSV file into a new study's folder, whole or not at all.
+
+    Args:
+        source: what holds the results, in one of :data:`bench.formats.IMPORTABLE`.
+        output: the folder to write, which must be missing or empty.
+        name: what the source is called in the study and its environment; its file name by default.
+        licence: under which the results were published, where it is known.
+        partial: whether to leave out the indices and logs that cannot be read, which the result, ``environment.json``
+            and reports list.
+
+    Raises:
+        BenchError: where the source is of no format or of several, is damaged or cut short, holds results of several
+            suites, of several objectives or of maximisation, unsorted evaluations or another optimum than this
+            project's, or cannot be read, and where the output cannot be written.
+    """
+    started = provenance.now()
+    with opened(Path(source)) as contents:
+        readers = {kind: FORMATS[kind].reader for kind in IMPORTABLE}
+        indices = {
+            kind: files
+            for kind, reader in readers.items()
+            if (files := [file for file in contents.files if reader.is_index(contents, file)])
+        }
+        if len(indices) != 1:
+            raise BenchError(
+                f"{source} holds results of {' and of '.join(indices)}; import one of them at a time"
+                if indices
+                else f"{source} holds no results in a known format: neither "
+                f"{', nor '.join(reader.index for reader in readers.values())}"
+            )
+        ((kind, files),) = indices.items()
+        reading = Reading(partial)
+        runs = _numbered(readers[kind].runs(contents, files, reading))
+        if not runs:
+            raise BenchError("; ".join([f"{source} holds no run that can be read", *reading.left_out[:1]]))
+        called = printable(name or contents.name, LONGEST_LABEL)
+        study = _study_of(called, runs)
+        record = {
+            "imported": called,
+            "format": kind,
+            "sha256": contents.sha256,
+            "licence": licence,
+            "left_out": reading.left_out,
+            "importer": provenance.package(),
+            "started": started,
+            "ended": provenance.now(),
+            "command": provenance.command(),
+        }
+    _write(Path(output), study, runs, record)
+    return Imported(
+        kind, len(runs), len(study.problems), len(study.optimizers), tuple(reading.notes), tuple(reading.left_out)
+    )
+
+
+def _study_of(name: str, runs: Iterable[Run]) -> Study:
+    """Return the study that numbered runs make up.
+
+    Its budget is the largest number of evaluations of any run, by dimension where all dimensions are known: other tools
+    have no budget that every run may spend.
+    """
+    problems: dict[str, int | None] = {}
+    optimizers: dict[str, None] = {}
+    spent: dict[int | None, int] = {}
+    trials = 0
+    for run in runs:
+        problems[run.problem] = run.dimension
+        optimizers[run.optimizer] = None
+        spent[run.dimension] = max(run.nfev, spent.get(run.dimension, 1))
+        trials = max(trials, (run.number or 0) + 1)
+    budget: Budget = max(spent.values())
+    if len(spent) > 1 and None not in spent:
+        budget = {str(dimension): most for dimension, most in sorted(spent.items(), key=lambda item: item[0] or 0)}
+    clean = re.sub(r"[^A-Za-z0-9._-]+", "-", re.sub(r"\.(tgz|tar(\.\w+)?|zip|csv)$", "", name)).strip("._-")[:100]
+    return Study(
+        clean or "imported",
+        tuple(Entry(label if naming.is_offered(label) else f"{IMPORTED}:{label}", label) for label in problems),
+        tuple(Entry(f"{IMPORTED}:{label}", label) for label in optimizers),
+        trials=trials,
+        budget=budget,
+        title=f"Imported from {name}" if name.isprintable() else "Imported results",
+    )
+
+
+def _numbered(runs: Iterable[Run]) -> list[Run]:
+    """Return the runs with the numbers of their trials: those given, or their order within their cell.
+
+    Raises:
+        BenchError: for a number that is given twice.
+    """
+    results: list[Run] = []
+    counts: Counter[tuple[str, str]] = Counter()
+    seen: set[tuple[str, str, int]] = set()
+    for run in runs:
+        number = counts[run.problem, run.optimizer] if run.number is None else run.number
+        counts[run.problem, run.optimizer] += 1
+        if (key := (run.problem, run.optimizer, number)) in seen:
+            raise BenchError(f"trial {number} of {run.optimizer} on {run.problem} occurs twice")
+        seen.add(key)
+        results.append(replace(run, number=number))
+    return results
+
+
+def _write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any]) -> None:
+    """Write a study's folder in which every row refers to the one environment, ``record``.
+
+    Raises:
+        BenchError: where the folder holds anything, or cannot be written.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise BenchError(f"{folder} is there already and not empty; give another -o")
+    with replacing(folder) as temporary:
+        temporary.mkdir(parents=True)
+        target = Folder(temporary)
+        target.claim(study)
+        with target.store.writer() as writer:
+            number = writer.environment(record)
+            with writer.transaction():
+                for run in runs:
+                    writer.put(_row(run) | {"environment": number})
+        target.write_environments()
+        if folder.is_dir():
+            folder.rmdir()  # it is empty
+
+
+def _row(run: Run) -> dict[str, Any]:
+    """Return a run as a row of the store, with NULL for unknown values."""
+    row: dict[str, Any] = {"status": "ok", "fun": run.fun, "nfev": run.nfev, "x": {}, "metrics": {}} | dict(run.columns)
+    trace = {"trace": run.trace} if row["status"] == "ok" else {}
+    return packed(row | trace) | {"problem": run.problem, "optimizer": run.optimizer, "trial": run.number}

@@ -1,0 +1,141 @@
+"""Read an index in the form of COCO's (``.info``), which IOHprofiler took over before its JSON files.
+
+It has three lines for a function and dimension: keys and values, a comment, and the logs with the runs in each,
+``instance:evaluations|final``, where attributes of the run may follow after semicolons. A long list of runs may go on
+over several lines. The archives of 2009 write paths with backslashes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import PurePosixPath
+from typing import NamedTuple
+
+from bench.errors import BenchError
+from bench.formats.runs import inside, label, optimizer_labels, shown
+from bench.formats.source import Source
+
+_PAIR = re.compile(r"""(\w+)\s*=\s*(?:(['"])(.*?)\2(?=\s*(?:,|$))|([^,]*))""")
+_LOG = re.compile(r".*\.[tmc]?dat")
+
+
+class Logged(NamedTuple):
+    """A run as the index names it; evaluations and best value are None where the run was not finished."""
+
+    instance: int
+    evaluations: int | None
+    final: float | None
+
+
+@dataclass
+class DataSet:
+    """The runs of an algorithm on a function in one dimension.
+
+    ``keys`` has all that its first line names. Logs end in ``.dat`` here; other endings stand for the same runs.
+    """
+
+    index: PurePosixPath
+    line: int
+    keys: dict[str, str]
+    suite: str
+    function: str
+    dimension: int
+    algorithm: str
+    comment: str = ""
+    logs: list[tuple[PurePosixPath, list[Logged]]] = field(default_factory=list)
+
+    @property
+    def where(self) -> str:
+        """The place of its first line, as a message begins with it."""
+        return f"{self.index}, line {self.line},"
+
+    @property
+    def runs(self) -> Iterator[tuple[PurePosixPath, Logged]]:
+        """The runs, each with its log."""
+        return ((log, run) for log, runs in self.logs for run in runs)
+
+
+def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[str]) -> Iterator[DataSet]:
+    """Yield the data sets of an index of a tool; the groups of ``run`` are instance, evaluations and final value.
+
+    Raises:
+        BenchError: with the line that cannot be read, and for an index that is cut short.
+    """
+    data: DataSet | None = None
+    for number, line in enumerate(source.text(file).splitlines(), start=1):
+        text = line.strip()
+        if "funcId" in text and "=" in text.partition(",")[0]:
+            if data is not None:
+                yield _whole(data)
+            data = _begun(text, file, number)
+        elif text.startswith("%") and data is not None:
+            data.comment = data.comment or text.lstrip("% ")
+        elif text and not text.startswith("%"):
+            if data is None:
+                raise BenchError(
+                    f"{file}, line {number}, is no index of {tool}: it must begin with the function and dimension"
+                )
+            _add_runs(text, f"{file}, line {number},", data, run)
+    if data is None:
+        raise BenchError(f"{file} is empty, and no index of {tool}")
+    yield _whole(data)
+
+
+def by_log(sets: Iterable[DataSet]) -> dict[PurePosixPath, list[tuple[DataSet, Logged]]]:
+    """Return the runs of all data sets by log, in the order in which the indices name them."""
+    runs: dict[PurePosixPath, list[tuple[DataSet, Logged]]] = {}
+    for data in sets:
+        for log, run in data.runs:
+            runs.setdefault(log, []).append((data, run))
+    return runs
+
+
+def algorithm_labels(sets: Iterable[DataSet]) -> dict[tuple[PurePosixPath, str], str]:
+    """Return the label of each algorithm by its folder and name (:func:`bench.formats.runs.optimizer_labels`)."""
+    return optimizer_labels(
+        (data.index.parent, data.algorithm, (data.suite, data.function, data.dimension, run.instance))
+        for data in sets
+        for _, run in data.runs
+    )
+
+
+def _begun(text: str, file: PurePosixPath, line: int) -> DataSet:
+    """Return the data set of a line of keys and values, without comment and logs."""
+    where = f"{file}, line {line},"
+    keys = {key: (quoted or plain).strip() for key, _, quoted, plain in _PAIR.findall(text)}
+    try:
+        dimension = int(keys["DIM"])
+    except (KeyError, ValueError) as error:
+        raise BenchError(f"{where} has no dimension (DIM)") from error
+    algorithm = label(keys.get("algId") or file.parent.name or "unknown", where)
+    return DataSet(file, line, keys, keys.get("suite", ""), label(keys["funcId"], where), dimension, algorithm)
+
+
+def _add_runs(text: str, where: str, data: DataSet, run: re.Pattern[str]) -> None:
+    """Add the logs and runs of a line."""
+    for item in filter(None, (part.strip() for part in text.split(","))):
+        if match := run.fullmatch(item):
+            if not data.logs:
+                raise BenchError(f"{where} names a run before its log: {shown(item)}")
+            instance, evaluations, final = match.groups()
+            try:
+                logged = Logged(
+                    int(instance),
+                    None if evaluations is None else int(evaluations),
+                    None if final is None else float(final),
+                )
+            except ValueError as error:
+                raise BenchError(f"{where} has the run {shown(item)}, which cannot be read") from error
+            data.logs[-1][1].append(logged)
+        elif _LOG.fullmatch(item):
+            data.logs.append((inside(data.index.parent, item, where).with_suffix(".dat"), []))
+        elif "=" not in item:  # a remark
+            raise BenchError(f"{where} has {shown(item)} where a run such as '1:301|8.5e-02' is expected")
+
+
+def _whole(data: DataSet) -> DataSet:
+    if not data.logs:
+        raise BenchError(f"{data.where} names no run; the index is cut short")
+    return data

@@ -1,0 +1,1 @@
+"""Plain tables of trials and of improvements: CSV read and written, Parquet written."""

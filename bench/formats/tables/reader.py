@@ -1,0 +1,157 @@
+"""Read plain tables (CSV): problem, optimizer, trial, evaluations, value; one row an evaluation that is worth noting.
+
+The rows of a run must be in order of evaluations, and other runs may come between them. Values need not improve; the
+last row of a run says how many evaluations it made. A folder with ``improvements.csv`` and ``trials.csv``, as this
+package exports them, is imported with all that the table of trials holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from io import BytesIO
+from pathlib import PurePosixPath
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+
+from bench.errors import BenchError
+from bench.formats import naming
+from bench.formats.runs import Reader, Reading, Run, improvements, label, require_increasing
+from bench.formats.source import Source
+from bench.objective import Trace
+from bench.trial import FEATURES, FRAME_COLUMNS, PRECISION
+
+COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
+IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
+KEYS = ["problem", "optimizer", "trial"]
+NONE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
+_COUNTS = ("seed", "nfev", "outside_box")
+_TIMES = ("wall_s", "cpu_s", "objective_s")
+_TEXTS = ("stop", "error")
+
+
+def is_index(source: Source, file: PurePosixPath) -> bool:
+    """Return whether a file is a table with the columns."""
+    if file.suffix != ".csv":
+        return False
+    with (source.root / file).open("rb") as opened:
+        head = opened.readline(10_000).decode("utf-8-sig", errors="replace")
+    return set(COLUMNS) <= {cell.strip().strip('"') for cell in head.split(",")}
+
+
+def runs(source: Source, tables: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
+    """Return the runs of every table.
+
+    Raises:
+        BenchError: with the line that cannot be read, or whose evaluations do not increase.
+    """
+    return reading.each(tables, partial(_runs_of, source))
+
+
+def _runs_of(source: Source, file: PurePosixPath) -> Iterator[Run]:
+    beside = file.with_name(TRIALS)
+    whole = file.name == IMPROVEMENTS and beside in source.files
+    return _exported(source, file, beside) if whole else _plain(source, file)
+
+
+def _plain(source: Source, file: PurePosixPath) -> Iterator[Run]:
+    table = _table(source, file)
+    for key, rows in table.groupby(KEYS, sort=False):
+        problem, optimizer, number = cast("tuple[str, str, int]", key)
+        nfev = int(rows["evaluations"].iloc[-1])
+        yield Run(problem, optimizer, naming.dimension_of(problem), nfev, _trace(rows, file), int(number))
+
+
+def _trace(rows: pd.DataFrame, file: PurePosixPath) -> Trace:
+    evaluations = rows["evaluations"].to_numpy(dtype=np.int64)
+    require_increasing(evaluations, rows["line"], str(file))
+    return improvements(evaluations, rows["value"].to_numpy(dtype=np.float64))
+
+
+def _read(source: Source, file: PurePosixPath) -> pd.DataFrame:
+    """Return a table as texts, missing ones as ""; a row is cut short where it has fewer cells than the header."""
+    content = source.bytes(file)
+    try:
+        table = pd.read_csv(BytesIO(content), dtype=str, keep_default_na=False, encoding="utf-8-sig")
+    except (ValueError, pd.errors.ParserError) as error:
+        raise BenchError(f"{file} cannot be read as a table: {str(error).strip().splitlines()[0]}") from error
+    if content and not content.endswith((b"\n", b"\r")):
+        raise BenchError(f"{file} is cut short: its last line has no end")
+    return table.rename(columns=str.strip).assign(line=np.arange(2, len(table) + 2))
+
+
+def _table(source: Source, file: PurePosixPath) -> pd.DataFrame:
+    table = _read(source, file)
+    for name in ("trial", "evaluations"):
+        table[name] = _counts(table, name, file, all_given=True)
+    table["value"] = _numbers(table, "value", file)
+    for wrong, what in ((table["value"].isna(), "no value"), (table["value"] == -np.inf, "the value -inf")):
+        if wrong.any():
+            raise BenchError(f"{file}, line {table.loc[wrong, 'line'].iloc[0]}, has {what}")
+    for name in ("problem", "optimizer"):
+        labels = {text: label(text, f"{file}, column {name},") for text in table[name].unique()}
+        table[name] = table[name].map(labels)
+    return table
+
+
+def _counts(table: pd.DataFrame, name: str, file: PurePosixPath, *, all_given: bool = False) -> list[int | None]:
+    """Return a column of whole numbers, which rows may lack unless all are to be given; only seeds have 19 digits."""
+    texts = table[name].str.strip()
+    digits = 15 if all_given else 19
+    wrong = ~texts.str.fullmatch(f"[0-9]{{1,{digits}}}") & (all_given | (texts != ""))
+    if wrong.any():
+        row = table[wrong].iloc[0]
+        raise BenchError(f"{file}, line {row['line']}, has {row[name]!r} as {name}, which is no whole number from 0")
+    return [int(text) if text else None for text in texts]
+
+
+def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[float]:
+    try:
+        texts: list[str] = table[name].tolist()
+        return pd.Series([float(text) if text.strip() else np.nan for text in texts], index=table.index)
+    except ValueError as error:
+        raise BenchError(f"{file} has a {name} that is no number: {error}") from error
+
+
+def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Iterator[Run]:
+    """Yield the trials of this package's own export, with those that failed."""
+    traces = {key: _trace(rows, file) for key, rows in _table(source, file).groupby(KEYS, sort=False)}
+    table = _read(source, trials)
+    if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
+        raise BenchError(f"{trials} has no column {lacking[0]!r}")
+    table["trial"] = _counts(table, "trial", trials, all_given=True)
+    counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
+    reserved = {*FRAME_COLUMNS, *FEATURES, PRECISION, "line"}
+    measured: dict[str, list[float]] = {
+        name: _numbers(table, name, trials).tolist()
+        for name in map(str, table)
+        if name not in reserved or name in (*_TIMES, "fun")
+    }
+    for place, row in enumerate(table.to_dict("records")):
+        key = row["problem"], row["optimizer"], row["trial"]
+        numbers = {name: column[place] for name, column in measured.items()}
+        columns: dict[str, Any] = {"status": row["status"], "fun": _known(numbers["fun"])}
+        columns |= {name: counts[name][place] for name in _COUNTS if name in counts}
+        columns |= {name: _known(numbers.get(name, np.nan)) for name in _TIMES}
+        columns |= {name: row.get(name) or None for name in _TEXTS}
+        if row["status"] == "ok":
+            columns["x"] = {
+                n[2:]: number for n, number in numbers.items() if n.startswith("x_") and not np.isnan(number)
+            }
+            metrics = set(measured) - {*_TIMES, "fun"}
+            columns["metrics"] = {
+                n: number for n, number in numbers.items() if n in metrics and n[:2] != "x_" and not np.isnan(number)
+            }
+        optimizer = label(row["optimizer"], str(trials))
+        problem = label(row["problem"], str(trials))
+        dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
+        yield Run(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NONE), key[2], columns)
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else value
+
+
+READER = Reader(f"a table ({', '.join(COLUMNS)})", is_index, runs)

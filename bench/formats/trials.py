@@ -1,0 +1,146 @@
+"""What writers of formats share: the finished trials, cell by cell, each from evaluation 1 to its last; the READMEs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.analysis.cells import variables
+from bench.errors import BenchError
+from bench.helpers.text import file_name, unique
+from bench.objective import Trace
+from bench.storage.results import Results
+from bench.typing import Floats
+
+OTHERS = "other-problems"
+"""The folder of problems of no suite, in a study of several suites."""
+
+
+@dataclass(frozen=True)
+class Writer:
+    """What writes a format.
+
+    Attributes:
+        files: returns the path, within the export's folder, and the content of every file; raises BenchError at the
+            call, not during iteration, for results that the format cannot hold.
+        about: returns the part of the README that describes the files.
+        holds_failures: whether the files contain failed trials.
+    """
+
+    files: Callable[[Results], Iterator[tuple[str, str | bytes]]]
+    about: Callable[[Results], str]
+    holds_failures: bool = False
+
+
+@dataclass(frozen=True)
+class ExportedTrial:
+    """One finished trial."""
+
+    number: int  # from 0
+    seed: int | None  # None where it is unknown, as of imported trials
+    nfev: int
+    x: Floats  # (d,) the best point, (0,) where it is unknown
+    trace: Trace
+
+    @property
+    def evaluations(self) -> NDArray[np.int64]:
+        """(m,) int64: evaluation 1, every improvement and the last evaluation, increasing."""
+        return np.union1d(self.trace.evaluations, [1, self.nfev]).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class ExportedCell:
+    """The finished trials of an optimizer on a problem, both by label; there is at least one."""
+
+    problem: str
+    optimizer: str
+    dimension: int  # search variables
+    trials: tuple[ExportedTrial, ...]  # by number
+
+
+def exported_cells(results: Results) -> list[ExportedCell]:
+    """Return the cells that have a finished trial, problem by problem in the study's order.
+
+    Raises:
+        BenchError: when no trial finished.
+    """
+    frame = results.frame
+    finished = frame[frame["status"] == "ok"]
+    if finished.empty:
+        raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
+    cells, traces = [], results.traces
+    for _, on_problem in finished.groupby("problem", sort=False):
+        names, problem = variables(on_problem), str(on_problem["problem"].iat[0])
+        for _, rows in on_problem.groupby("optimizer", sort=False):
+            optimizer = str(rows["optimizer"].iat[0])
+            points = rows[names].to_numpy(dtype=np.float64)
+            seeds = [None if pd.isna(seed) else int(seed) for seed in rows["seed"]]
+            trials = tuple(
+                ExportedTrial(number, seed, int(nfev), x, traces[problem, optimizer, number])
+                for number, seed, nfev, x in zip(rows["trial"].tolist(), seeds, rows["nfev"], points, strict=True)
+            )
+            dimension = points.shape[1] or results.dimension(problem)
+            cells.append(ExportedCell(problem, optimizer, dimension, trials))
+    return cells
+
+
+def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, str, list[ExportedCell]]]:
+    """Return for each optimizer and function the beginning of its files' paths, the optimizer and its cells.
+
+    The beginning is the folder of the suite with a slash, "" where all problems are of one. Cells are in the order of
+    dimensions and instances.
+
+    Args:
+        results: what is exported.
+        places: the place of each problem in the format, by label: its ``folder``, ``function`` and ``instance``.
+
+    Raises:
+        BenchError: when no trial finished.
+    """
+    several = len({place.folder for place in places.values()}) > 1
+    functions: dict[tuple[str, str, int], list[ExportedCell]] = {}
+    for cell in exported_cells(results):
+        place = places[cell.problem]
+        functions.setdefault((f"{place.folder}/" * several, cell.optimizer, place.function), []).append(cell)
+    return [
+        (folder, optimizer, sorted(cells, key=lambda cell: (cell.dimension, places[cell.problem].instance)))
+        for (folder, optimizer, _), cells in functions.items()
+    ]
+
+
+def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str, str]:
+    """Return the folder of each optimizer, by label: its file name, changed by ``rename`` and made unique."""
+    labels = [entry.label for entry in results.study.optimizers]
+    return dict(zip(labels, unique(rename(file_name(label)) for label in labels), strict=True))
+
+
+def readme(kind: str, **values: object) -> str:
+    """Return the README of a kind of files: the template of that name in the folder ``readme``, with its values."""
+    template = Path(__file__).with_name("readme") / f"{kind}.txt"
+    return template.read_text(encoding="utf-8").format(**values)
+
+
+def readme_lines(named: Mapping[Any, str]) -> str:
+    """Return a line of a README for each number or folder and what it stands for."""
+    return "\n".join(f"    {name}  {meaning}" for name, meaning in named.items())
+
+
+def omission_notes(frame: pd.DataFrame) -> list[str]:
+    """Return a sentence for each optimizer with unfinished trials: a trial that did not finish has no trace."""
+    unfinished = frame[frame["status"] != "ok"]
+    sentences = []
+    for optimizer, rows in unfinished.groupby("optimizer", sort=False):
+        where = ", ".join(
+            f"{count} on {problem}" for problem, count in rows["problem"].value_counts(sort=False).items()
+        )
+        sentences.append(
+            f"Left out, because this format holds no failures: {len(rows)} of the trials of {optimizer} ({where}). "
+            f"Statistics of this export therefore flatter {optimizer}."
+        )
+    return sentences

@@ -1,0 +1,51 @@
+import json
+import shutil
+import zipfile
+
+import pytest
+
+from bench import Study
+from bench.formats.archive import pack
+from bench.storage.folder import Folder
+from tests.bench.storage.filled import OPTIMIZERS, PROBLEMS, TRIALS, add_missing
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory):
+    """A study's folder of 120 trials with a report of two files, which no test changes."""
+    folder = Folder(tmp_path_factory.mktemp("packing") / "small")
+    folder.path.mkdir()
+    study = {
+        "name": "small", "title": "A small study", "trials": TRIALS, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
+        "optimizers": [{"name": name} for name in OPTIMIZERS],
+    }  # fmt: skip
+    (folder.path / "study.toml").write_text(Study.from_dict(study).to_toml())
+    add_missing(folder)
+    folder.write_environments()
+    (folder.path / "tables").mkdir()
+    (folder.path / "tables" / "cells.csv").write_text("problem,median\nsphere-2,0.5\n")
+    (folder.path / "report.html").write_text("<!doctype html><title>A small study</title>")
+    (folder.path / ".report.json").write_text(json.dumps(["report.html", "tables/cells.csv"]))
+    (folder.path / "notes of mine.txt").write_text("private")
+    return folder
+
+
+@pytest.fixture
+def copied(whole, tmp_path):
+    """A copy of it that a test may change."""
+    shutil.copytree(whole.path, tmp_path / "copy")
+    return Folder(tmp_path / "copy")
+
+
+@pytest.fixture(scope="session")
+def packed(whole, tmp_path_factory):
+    """An archive of it, which no test changes."""
+    authors = ("Ada Lovelace 0000-0002-1825-0097", "Somebody Else")
+    return pack(whole.path, tmp_path_factory.mktemp("archive") / "small.zip", licence="CC-BY-4.0", authors=authors).path
+
+
+@pytest.fixture(scope="session")
+def content(packed):
+    """The content of every file of the archive, by name."""
+    with zipfile.ZipFile(packed) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}

@@ -1,0 +1,106 @@
+import hashlib
+import json
+import shutil
+import sqlite3
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, load_results
+from bench.formats.archive import pack, unpack
+from tests.bench.storage.filled import TRIALS
+
+
+def test_an_archive_holds_results_study_environments_hashes_and_report(content):
+    assert sorted(content) == [
+        ".report.json", "SHA256SUMS", "environment.json", "report.html", "ro-crate-metadata.json",
+        "study.toml", "tables/cells.csv", "trials.sqlite",
+    ]  # fmt: skip
+
+
+def test_the_checksums_are_those_of_the_files(content):
+    lines = dict(reversed(line.split("  ")) for line in content["SHA256SUMS"].decode().splitlines())
+    assert lines == {name: hashlib.sha256(each).hexdigest() for name, each in content.items() if name != "SHA256SUMS"}
+
+
+def test_the_same_folder_gives_the_same_bytes(whole, tmp_path):
+    shutil.copytree(whole.path, tmp_path / "copy")  # other times of the files
+    archives = [pack(folder, tmp_path / f"{n}.zip").path for n, folder in enumerate((whole.path, tmp_path / "copy"))]
+    assert archives[0].read_bytes() == archives[1].read_bytes()
+
+
+def test_the_trials_are_those_of_the_folder_also_while_it_is_written(copied, tmp_path):
+    """Rows that are committed in the write-ahead log alone are packed; those of an open transaction are not."""
+    with copied.store.writer() as writer:
+        writer.remove(["sphere-3"], ["early"])
+        connection = sqlite3.connect(copied.store.path)
+        connection.execute("DELETE FROM results WHERE trial = 28")
+        done = pack(copied.path, tmp_path / "a.zip")
+        connection.rollback()
+        connection.close()
+    assert done.trials == 3 * TRIALS
+    assert "30 of the study's 120 trials are missing" in done.notes
+    unpack(done.path, tmp_path / "there")
+    pd.testing.assert_frame_equal(load_results(tmp_path / "there"), load_results(copied.path), check_exact=True)
+
+
+def test_nothing_of_the_folder_is_changed_and_nothing_is_left_beside_the_archive(copied, tmp_path):
+    before = {file: file.read_bytes() for file in copied.path.rglob("*") if file.is_file()}
+    pack(copied.path, tmp_path / "new" / "a.zip")
+    assert {file: file.read_bytes() for file in copied.path.rglob("*") if file.is_file()} == before
+    assert [file.name for file in (tmp_path / "new").iterdir()] == ["a.zip"]
+
+
+def test_damaged_trials_are_not_packed(copied, tmp_path):
+    connection = sqlite3.connect(copied.store.path)
+    connection.execute("UPDATE results SET fun = 0 WHERE cell = 1 AND trial = 0")
+    connection.commit()
+    connection.close()
+    with pytest.raises(BenchError, match=r"1 of 120 trials are damaged \(scatter on sphere-2, trial 0\)"):
+        pack(copied.path, tmp_path / "new" / "a.zip")
+    assert list((tmp_path / "new").iterdir()) == []
+
+
+def test_notes_name_what_a_reader_would_miss(copied, tmp_path):
+    (copied.path / "report.html").unlink()
+    notes = pack(copied.path, tmp_path / "a.zip").notes
+    assert [note.partition(",")[0] for note in notes] == [
+        "the archive has no report", "the archive states no licence; --licence CC-BY-4.0 states one"
+    ]  # fmt: skip
+
+
+def test_a_part_of_the_report_that_is_missing_is_named(copied, tmp_path):
+    (copied.path / "tables" / "cells.csv").unlink()
+    with pytest.raises(BenchError, match=r"cells.csv, a file of the report, is missing; write the report again"):
+        pack(copied.path, tmp_path / "a.zip")
+
+
+@pytest.mark.parametrize("name", ["../secret.csv", "/etc/passwd", "tables/../../secret.csv", "study.toml", ".lock"])
+def test_a_list_of_the_reports_files_names_no_others(copied, tmp_path, name):
+    (copied.path / ".report.json").write_text(json.dumps([name]))
+    with pytest.raises(BenchError, match="which is no file of a report"):
+        pack(copied.path, tmp_path / "a.zip")
+
+
+def test_a_link_is_not_followed(copied, tmp_path):
+    (tmp_path / "secret.csv").write_text("secret")
+    (copied.path / "tables" / "cells.csv").unlink()
+    (copied.path / "tables" / "cells.csv").symlink_to(tmp_path / "secret.csv")
+    with pytest.raises(BenchError, match=r"cells.csv is a link"):
+        pack(copied.path, tmp_path / "a.zip")
+
+
+def test_an_earlier_archive_is_replaced_and_another_file_is_not(whole, tmp_path):
+    pack(whole.path, tmp_path / "a.zip")
+    pack(whole.path, tmp_path / "a.zip")
+    (tmp_path / "thesis.docx").write_text("mine")
+    for other in ("thesis.docx", "."):
+        with pytest.raises(BenchError, match=r"is another file than an archive|is a folder"):
+            pack(whole.path, tmp_path / other)
+    assert (tmp_path / "thesis.docx").read_text() == "mine"
+
+
+def test_a_folder_without_a_store_is_refused(copied, tmp_path):
+    copied.store.path.unlink()
+    with pytest.raises(BenchError, match=r"there is no trials.sqlite"):
+        pack(copied.path, tmp_path / "a.zip")

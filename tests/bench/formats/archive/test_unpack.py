@@ -1,0 +1,174 @@
+import hashlib
+import json
+import stat
+import zipfile
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, load_results, run
+from bench.formats.archive import pack, unpack
+from bench.storage.folder import Folder
+
+CRATE, SUMS = "ro-crate-metadata.json", "SHA256SUMS"
+
+
+def write(path, content, *, lists=False, kinds=None):
+    """Write an archive; with ``lists``, its checksums and description agree with its content, as a forger's do."""
+    if lists:
+        digests = {
+            name: hashlib.sha256(each).hexdigest() for name, each in content.items() if name not in (CRATE, SUMS)
+        }
+        graph = [{"@id": name, "@type": "File", "sha256": each} for name, each in digests.items()]
+        crate = json.dumps({"@graph": graph}).encode()
+        digests[CRATE] = hashlib.sha256(crate).hexdigest()
+        sums = "".join(f"{each}  {name}\n" for name, each in digests.items()).encode()
+        content = content | {CRATE: crate, SUMS: sums}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, each in content.items():
+            entry = zipfile.ZipInfo(name)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (kinds or {}).get(name, stat.S_IFREG | 0o644) << 16
+            archive.writestr(entry, each)
+    return path
+
+
+def assert_refused(path, match, **options):
+    target = path.parent / "there"
+    with pytest.raises(BenchError, match=match) as refused:
+        unpack(path, target, **options)
+    assert "\n" not in str(refused.value)
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+def test_what_was_packed_is_unpacked(packed, content, whole, tmp_path):
+    found = unpack(packed, tmp_path / "there")
+    files = {each.relative_to(found.path).as_posix(): each for each in found.path.rglob("*") if each.is_file()}
+    assert {name: each.read_bytes() for name, each in files.items() if name != "store.json"} == content
+    assert (found.files, found.trials) == (len(content), 120)
+    assert found.sentence == "all 120 trials are as they were written"
+    assert Folder(found.path).noted("store.json")["sound"]
+    pd.testing.assert_frame_equal(load_results(found.path), load_results(whole.path), check_exact=True)
+
+
+def test_an_unpacked_folder_is_packed_to_the_same_bytes(packed, tmp_path):
+    unpack(packed, tmp_path / "there")
+    authors = ("Ada Lovelace 0000-0002-1825-0097", "Somebody Else")
+    again = pack(tmp_path / "there", tmp_path / "again.zip", licence="CC-BY-4.0", authors=authors)
+    assert again.path.read_bytes() == packed.read_bytes()
+
+
+def test_an_empty_folder_is_filled_and_any_other_is_kept(packed, tmp_path):
+    (tmp_path / "empty").mkdir()
+    unpack(packed, tmp_path / "empty")
+    with pytest.raises(BenchError, match=r"empty is there already; give a new folder"):
+        unpack(packed, tmp_path / "empty")
+    assert (tmp_path / "empty" / "study.toml").exists()
+
+
+@pytest.mark.parametrize("name", ["trials.sqlite", "study.toml", "tables/cells.csv", "environment.json", CRATE])
+def test_a_changed_file_is_named(content, tmp_path, name):
+    changed = content[name].replace(b"e", b"f", 1)
+    where = "was changed|disagree on" if name != CRATE else f"{CRATE} is no JSON|{CRATE} was changed|disagree on"
+    assert_refused(write(tmp_path / "a.zip", content | {name: changed}), where)
+
+
+@pytest.mark.parametrize("name", ["trials.sqlite", "study.toml", "tables/cells.csv", CRATE, SUMS])
+def test_a_missing_file_is_named(content, tmp_path, name):
+    left = {each: value for each, value in content.items() if each != name}
+    assert_refused(write(tmp_path / "a.zip", left), f"{name} is missing|has no {name}")
+
+
+def test_an_added_file_is_named(content, tmp_path):
+    assert_refused(write(tmp_path / "a.zip", content | {"tables/more.csv": b""}), r"tables/more.csv was added")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../out.csv", "/tmp/out.csv", "tables/../../out.csv", "tables\\..\\out.csv", "C:out.csv", "tables//out.csv",
+        "tables/a/out.csv", "code.py", ".lock", "tables/.hidden", "tables/\u202etxt.csv", "tables/a\nb.csv",
+    ],
+)  # fmt: skip
+def test_a_name_that_we_do_not_write_is_refused(content, tmp_path, name):
+    assert_refused(write(tmp_path / "a.zip", content | {name: b""}, lists=True), "which is no file of an archive")
+
+
+@pytest.mark.parametrize("kind", [stat.S_IFLNK, stat.S_IFDIR, stat.S_IFIFO, stat.S_IFCHR])
+def test_links_folders_and_devices_are_refused(content, tmp_path, kind):
+    path = write(tmp_path / "a.zip", content | {"report.html": b"/etc/passwd"}, lists=True, kinds={"report.html": kind})
+    assert_refused(path, r"'report.html', which is a link, a folder or a device")
+
+
+def test_a_name_that_occurs_twice_is_refused(content, tmp_path):
+    path = write(tmp_path / "a.zip", content | {"tables/Cells.csv": b""}, lists=True)
+    assert_refused(path, r"'tables/Cells.csv' twice")
+
+
+def test_a_bomb_is_refused_before_it_is_unpacked(content, tmp_path):
+    path = write(tmp_path / "a.zip", content | {"tables/more.csv": bytes(300_000_000)}, lists=True)
+    assert_refused(path, "times its size, as no results do")
+
+
+def test_size_and_number_of_files_are_limited(content, tmp_path, monkeypatch):
+    path = write(tmp_path / "a.zip", content, lists=True)
+    assert_refused(path, r"more than the limit of 1e-06 GB; --limit raises it", limit_gb=1e-6)
+    monkeypatch.setitem(unpack.__globals__, "MOST_FILES", 3)
+    assert_refused(path, "holds 8 files; an archive of results has at most 3")
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.99])
+def test_an_archive_that_was_cut_short_is_refused(packed, tmp_path, part):
+    (tmp_path / "a.zip").write_bytes(packed.read_bytes()[: int(part * packed.stat().st_size)])
+    assert_refused(tmp_path / "a.zip", "is no zip archive, or a damaged one")
+
+
+def test_damaged_bytes_are_noticed_wherever_a_file_is_changed(packed, content, tmp_path):
+    """One byte is changed at each of 60 places: the archive is refused, or all files are as they were."""
+    whole = packed.read_bytes()
+    for place in range(5, len(whole), len(whole) // 60):
+        (tmp_path / "a.zip").write_bytes(whole[:place] + bytes([whole[place] ^ 0x55]) + whole[place + 1 :])
+        try:
+            found = unpack(tmp_path / "a.zip", tmp_path / f"{place}")
+        except BenchError:
+            assert not (tmp_path / f"{place}").exists()
+        else:
+            assert all((found.path / name).read_bytes() == each for name, each in content.items())
+
+
+def test_trials_that_do_not_fit_their_digests_are_refused_although_the_lists_do(content, copied, tmp_path):
+    store = content["trials.sqlite"]
+    place = store.index(b"RuntimeError")
+    forged = store[:place] + b"rUNTIME" + store[place + 7 :]
+    (tmp_path / "x").mkdir()
+    path = write(tmp_path / "x" / "a.zip", content | {"trials.sqlite": forged}, lists=True)
+    assert_refused(path, r"1 of 120 trials are damaged")
+
+
+def test_a_study_that_is_none_is_refused(content, tmp_path):
+    path = write(tmp_path / "a.zip", content | {"study.toml": b"name = 3"}, lists=True)
+    assert_refused(path, r"a.zip: ")
+
+
+def test_a_study_of_other_optimizers_is_refused(content, tmp_path):
+    study = content["study.toml"].replace(b'"scatter"', b'"hill-climber"')
+    path = write(tmp_path / "a.zip", content | {"study.toml": study}, lists=True)
+    assert_refused(path, r"trials of scatter on sphere-\d, which its study does not name")
+
+
+@pytest.mark.parametrize("file", ["missing.zip", "."])
+def test_what_is_no_file_is_refused(tmp_path, file):
+    with pytest.raises(BenchError, match=r"cannot be used: No such file|is no file; give an archive"):
+        unpack(tmp_path / file, tmp_path / "there")
+
+
+@pytest.mark.slow
+def test_an_unpacked_folder_is_verified_and_reported(bench_here, tmp_path, small_study):
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
+    pack(tmp_path / "out", tmp_path / "a.zip")
+    unpack(tmp_path / "a.zip", tmp_path / "there")
+    again = bench_here("verify", tmp_path / "there", "--trials", "1", "--jobs", "1")
+    assert (again.returncode, "6 of 6 trials of 6 cells are the same bit by bit" in again.stdout) == (0, True)
+    assert "study small" in bench_here("status", tmp_path / "there").stdout
+    assert bench_here("report", tmp_path / "there", "--jobs", "1").returncode == 0
+    assert (tmp_path / "there" / "report.html").exists()
