@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping
@@ -15,6 +14,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.families import dimension_in
 from bench.formats.archive import unpack
+from bench.formats.source import sha256_of
 from bench.helpers.text import count, printable
 from bench.plugins.loading import family
 from bench.plugins.registry import DISTRIBUTION
@@ -167,10 +167,9 @@ def read(source: Path, temporary: Path) -> Archive:
         cells.setdefault((row["problem"], row["optimizer"]), []).append(float(fun) if finished else math.inf)
         if row["problem"] not in dimensions and row["variables"]:
             dimensions[row["problem"]] = len(json.loads(row["variables"]))
-    with source.open("rb") as file:
-        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
     archive = Archive(
-        printable(source.name, LONGEST), sha256, study, tuple(folder.environments()), sum(map(len, cells.values())),
+        printable(source.name, LONGEST), sha256_of(source), study, tuple(folder.environments()),
+        sum(map(len, cells.values())),
         {cell: np.array(values) for cell, values in cells.items()}, dimensions, folder.fingerprints().data,
     )  # fmt: skip
     try:

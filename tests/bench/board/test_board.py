@@ -232,7 +232,7 @@ def test_a_name_that_leaves_the_folder_is_refused(two, tmp_path, name):
 def test_a_bomb_is_refused(two, tmp_path):
     with zipfile.ZipFile(two[0], "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("tables/zeros.csv", bytes(300_000_000))
-    assert_refused(two, tmp_path / "board", r"a\.zip unpacks to [0-9,]+ times its size")
+    assert_refused(two, tmp_path / "board", r"a\.zip unpacks to more than 200 times its size")
 
 
 def test_two_archives_of_one_name_are_refused(two, tmp_path):

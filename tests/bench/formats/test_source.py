@@ -10,7 +10,7 @@ import zipfile
 import pytest
 
 from bench import BenchError, Results
-from bench.formats import source
+from bench.formats import unpacking
 from bench.formats.importing import import_results
 from tests.bench.formats.tables.test_reader import TABLE
 
@@ -47,12 +47,12 @@ def test_a_path_that_leaves_the_archive_is_refused(tmp_path, name):
 
 @pytest.mark.parametrize("kind", [tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.FIFOTYPE])
 def test_links_and_devices_are_refused(tmp_path, kind):
-    with pytest.raises(BenchError, match="which is no file; links are not imported"):
+    with pytest.raises(BenchError, match="which is a link, a folder or a device"):
         import_results(packed(tmp_path, type=kind, linkname="/etc/passwd"), tmp_path / "out")
 
 
-def test_sizes_are_limited(tmp_path, monkeypatch):
-    monkeypatch.setattr(source, "MOST_BYTES", 10)
+def test_the_number_of_files_is_limited(tmp_path, monkeypatch):
+    monkeypatch.setattr(unpacking, "MOST_FILES", 0)
     for each in (packed(tmp_path), tmp_path):
         with pytest.raises(BenchError, match="import a part of it at a time"):
             import_results(each, tmp_path / "out")
@@ -111,7 +111,7 @@ def member(kind):
     "kind", [tarfile.REGTYPE, tarfile.XHDTYPE, tarfile.GNUTYPE_LONGNAME, b"5"], ids=["file", "pax", "name", "folder"]
 )
 def test_a_tar_archive_that_grows_as_no_results_do_is_not_unpacked(tmp_path, monkeypatch, suffix, kind):
-    monkeypatch.setattr(source, "HARMLESS", 100_000)
+    monkeypatch.setattr(unpacking, "HARMLESS", 100_000)
     file = tmp_path / f"runs.tar.{suffix}"
     opened = {"xz": lzma.open, "gz": gzip.open, "bz2": bz2.open}[suffix]
     with opened(file, "wb") as content:
@@ -122,7 +122,7 @@ def test_a_tar_archive_that_grows_as_no_results_do_is_not_unpacked(tmp_path, mon
 
 
 def test_nor_is_such_a_zip_archive(tmp_path, monkeypatch):
-    monkeypatch.setattr(source, "HARMLESS", 100_000)
+    monkeypatch.setattr(unpacking, "HARMLESS", 100_000)
     with zipfile.ZipFile(tmp_path / "runs.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("runs.csv", bytes(1_000_000))
     with pytest.raises(BenchError, match=r"unpacks to more than 200 times its size"):
@@ -137,3 +137,9 @@ def test_an_honest_archive_may_grow(tmp_path):
         archive.addfile(about, io.BytesIO(TABLE.encode()))
     import_results(file, tmp_path / "out")
     assert len(Results(tmp_path / "out").frame)
+
+
+def test_a_disk_that_cannot_be_written_is_no_damage_of_the_archive(tmp_path):
+    file = packed(tmp_path)
+    with pytest.raises(FileExistsError):
+        unpacking.extract(file, unpacking.members_of(file), file)

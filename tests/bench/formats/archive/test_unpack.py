@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, load_results, run
+from bench.formats import unpacking
 from bench.formats.archive import pack, unpack
 from bench.storage.folder import Folder
 
@@ -105,22 +106,22 @@ def test_a_name_that_occurs_twice_is_refused(content, tmp_path):
     assert_refused(path, r"'tables/Cells.csv' twice")
 
 
-def test_a_bomb_is_refused_before_it_is_unpacked(content, tmp_path):
+def test_a_bomb_is_refused(content, tmp_path):
     path = write(tmp_path / "a.zip", content | {"tables/more.csv": bytes(300_000_000)}, lists=True)
     assert_refused(path, "times its size, as no results do")
 
 
 def test_size_and_number_of_files_are_limited(content, tmp_path, monkeypatch):
     path = write(tmp_path / "a.zip", content, lists=True)
-    assert_refused(path, r"more than the limit of 1e-06 GB; --limit raises it", limit_gb=1e-6)
-    monkeypatch.setitem(unpack.__globals__, "MOST_FILES", 3)
-    assert_refused(path, "holds 8 files; an archive of results has at most 3")
+    assert_refused(path, r"or 1e-06 GB; --limit raises the size", limit_gb=1e-6)
+    monkeypatch.setattr(unpacking, "MOST_FILES", 3)
+    assert_refused(path, "holds more than 3 files")
 
 
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.99])
 def test_an_archive_that_was_cut_short_is_refused(packed, tmp_path, part):
     (tmp_path / "a.zip").write_bytes(packed.read_bytes()[: int(part * packed.stat().st_size)])
-    assert_refused(tmp_path / "a.zip", "is no zip archive, or a damaged one")
+    assert_refused(tmp_path / "a.zip", "a.zip is damaged or cut short")
 
 
 def test_damaged_bytes_are_noticed_wherever_a_file_is_changed(packed, content, tmp_path):
@@ -158,7 +159,7 @@ def test_a_study_of_other_optimizers_is_refused(content, tmp_path):
 
 @pytest.mark.parametrize("file", ["missing.zip", "."])
 def test_what_is_no_file_is_refused(tmp_path, file):
-    with pytest.raises(BenchError, match=r"cannot be used: No such file|is no file; give an archive"):
+    with pytest.raises(BenchError, match="is no file; give an archive"):
         unpack(tmp_path / file, tmp_path / "there")
 
 
