@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 from bench.errors import BenchError, nearest
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
+from bench.helpers.atomic import replacing
 from bench.helpers.text import listed
 from bench.storage.results import Results
 
@@ -33,14 +33,12 @@ def export(results: Results, kind: str, folder: Path) -> list[str]:
     notes = results.damage + _controls(results) + ([] if chosen.holds_failures else omission_notes(results.frame))
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
     readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
-    try:
-        _empty(folder, title)
-        _write(folder / README, "\n".join([readme, *notes, ""] if notes else [readme]))
-        _write(folder / "study.toml", results.study.to_toml())
+    _refuse_other(folder, title)
+    with replacing(folder) as temporary:
+        _write(temporary / README, "\n".join([readme, *notes, ""] if notes else [readme]))
+        _write(temporary / "study.toml", results.study.to_toml())
         for path, content in files:
-            _write(folder / path, content)
-    except OSError as error:
-        raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
+            _write(temporary / path, content)
     return notes
 
 
@@ -53,17 +51,12 @@ def _controls(results: Results) -> list[str]:
     )
 
 
-def _empty(folder: Path, title: str) -> None:
-    """Remove an earlier export; raises BenchError when the folder holds anything else."""
-    content = list(folder.iterdir()) if folder.exists() else []
+def _refuse_other(folder: Path, title: str) -> None:
+    """Raise BenchError when a folder holds anything but an earlier export."""
     readme = folder / README
+    content = folder.is_dir() and any(folder.iterdir())
     if content and not (readme.is_file() and readme.read_bytes().startswith(title.encode())):
         raise BenchError(f"{folder} holds something other than an earlier export of this format; give another folder")
-    for path in content:
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path)
-        else:
-            path.unlink()
 
 
 def _write(path: Path, content: str | bytes) -> None:

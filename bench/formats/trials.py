@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from bench.analysis.cells import variables
@@ -122,13 +122,9 @@ def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str
 
 def readme(kind: str, **values: object) -> str:
     """Return the README of a kind of files: the template of that name in the folder ``readme``, with its values."""
-    template = Path(__file__).with_name("readme") / f"{kind}.txt"
-    return template.read_text(encoding="utf-8").format(**values)
-
-
-def readme_lines(named: Mapping[Any, str]) -> str:
-    """Return a line of a README for each number or folder and what it stands for."""
-    return "\n".join(f"    {name}  {meaning}" for name, meaning in named.items())
+    loader = PackageLoader("bench.formats", "readme")
+    templates = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
+    return templates.get_template(f"{kind}.txt").render(values)
 
 
 def omission_notes(frame: pd.DataFrame) -> list[str]:

@@ -17,11 +17,11 @@ optimizers in a black-box setting", Optimization Methods and Software 36(1), 202
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,6 @@ from bench.formats.trials import (
     by_function,
     folders_of,
     readme,
-    readme_lines,
 )
 from bench.storage.results import ProblemFacts, Results
 from bench.typing import Floats
@@ -114,35 +113,21 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    places, optima = places_in_coco(results), assumed_optima(results)
-    numbers: dict[str, set[int]] = {}
+    places = places_in_coco(results)
+    suites: dict[str, set[int]] = {}
     for place in places.values():
         if place.own:
-            numbers.setdefault(place.suite, set()).add(place.function)
-    suites = {suite: f"functions {', '.join(map(str, sorted(functions)))}" for suite, functions in numbers.items()}
-    stand_ins = {
-        place.function: f"{label}: {optima[label].value!r}, {optima[label].source}"
-        for label, place in places.items()
-        if not place.own
-    }
-    parts: dict[str, Mapping[Any, str]] = {
-        "suites": suites,
-        "constrained": suites if CONSTRAINED in suites else {},
-        "others": stand_ins,
-    }
-    details = [
-        readme(f"coco-{name}", functions=readme_lines(lines), constrained=CONSTRAINED)
-        for name, lines in parts.items()
-        if lines
-    ]
-    several = len({place.folder for place in places.values()}) > 1
+            suites.setdefault(place.suite, set()).add(place.function)
     return readme(
         "coco",
-        folders=readme_lines({folder: label for label, folder in optimizer_folders(results).items()}),
-        where="SUITE/" if several else "",
-        details="\n".join(details),
-        smallest=SMALLEST,
-        infinite=INFINITE,
+        folders=optimizer_folders(results),
+        where="SUITE/" if len({place.folder for place in places.values()}) > 1 else "",
+        suites=suites,
+        constrained=CONSTRAINED,
+        stand_ins={place.function: label for label, place in places.items() if not place.own},
+        optima=assumed_optima(results),
+        smallest=f"{SMALLEST:g}",
+        infinite=f"{INFINITE:g}",
     )
 
 

@@ -28,7 +28,6 @@ from bench.formats.trials import (
     by_function,
     folders_of,
     readme,
-    readme_lines,
 )
 from bench.helpers.text import file_name
 from bench.objective import Trace
@@ -92,9 +91,8 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    named = {f"{place.suite} {place.function}": place.name for place in places_in_ioh(results).values()}
-    folders = {folder: label for label, folder in folders_of(results).items()}
-    return readme("ioh", functions=readme_lines(named), folders=readme_lines(folders))
+    places = {(place.suite, place.function): place for place in places_in_ioh(results).values()}
+    return readme("ioh", places=places.values(), folders=folders_of(results))
 
 
 def places_in_ioh(results: Results) -> dict[str, Place]:
