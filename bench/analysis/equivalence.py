@@ -29,7 +29,7 @@ from scipy.stats import norm
 from bench.analysis.cells import cells, labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import percentile_interval
-from bench.study.rope import Rope, share
+from bench.study.rope import Rope
 from bench.typing import Floats
 
 DRAWS = 20_000  # from a posterior
@@ -41,7 +41,7 @@ FAR = 1e6  # ropes: a difference that is infinite, or where the rope has no widt
 PAIR = ("problem", "first", "second", "difference", "error", "low", "high", "rope", "wide", "equivalent")
 
 
-def differences(frame: pd.DataFrame, rope: Rope, alpha: float = ALPHA, seed: int = 0) -> pd.DataFrame:
+def differences(frame: pd.DataFrame, rope: Rope | float | str, alpha: float = ALPHA, seed: int = 0) -> pd.DataFrame:
     """Return one row a problem and pair of optimizers that both have trials there.
 
     Columns: problem, first, second; ``difference`` of the medians, the first less the second; its bootstrap standard
@@ -52,6 +52,7 @@ def differences(frame: pd.DataFrame, rope: Rope, alpha: float = ALPHA, seed: int
     A percentage counts of the smaller size of the two medians, also within a resample. Failed trials are +inf,
     near-ties are ties; two infinite medians do not differ.
     """
+    rope = Rope.read(rope, "the rope")
     by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     level = 1 - 2 * alpha / max(comb(len(optimizers), 2), 1)
     rows: list[tuple[Any, ...]] = []
@@ -64,7 +65,7 @@ def differences(frame: pd.DataFrame, rope: Rope, alpha: float = ALPHA, seed: int
         medians = {label: np.array([quantiles(values, 0.5)]) for label, values in samples.items()}
         for first, second in combinations(samples, 2):
             here = medians[first], medians[second]
-            width = float(_width(rope, *here)[0])
+            width = float(rope.widths(*here)[0])
             inference = np.nan, np.nan, np.nan, False
             if first in resampled and second in resampled:
                 inference = _inference(resampled[first], resampled[second], rope, level)
@@ -150,7 +151,7 @@ def hierarchical(z: Floats, errors: Floats, seed: int = 0) -> tuple[float, float
 
 def _inference(first: Floats, second: Floats, rope: Rope, level: float) -> tuple[float, float, float, bool]:
     """Return error and interval of the difference of resampled medians, and whether the interval is in the rope."""
-    moved, widths = _less(first, second), _width(rope, first, second)
+    moved, widths = _less(first, second), rope.widths(first, second)
     low, high = percentile_interval(moved, level)
     error = float(np.std(moved, ddof=1)) if np.isfinite(moved).all() else np.inf
     least, most = percentile_interval(in_ropes(moved, widths), level)
@@ -167,12 +168,3 @@ def _less(first: Floats, second: Floats) -> Floats:
     """Return first less second; two infinite values do not differ."""
     with np.errstate(invalid="ignore"):
         return np.where(np.isinf(first) & np.isinf(second), 0.0, first - second)
-
-
-def _width(rope: Rope, first: Floats, second: Floats) -> Floats:
-    """Return the half width of the rope in the unit of the problem, beside these medians."""
-    part = share(rope)
-    if part is None:
-        return np.full(len(first), float(rope))
-    size = np.minimum(np.abs(first), np.abs(second))
-    return np.asarray(part * np.where(np.isfinite(size), size, 0.0))

@@ -111,9 +111,8 @@ def summary(folder: Folder) -> Group:
     head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")
     lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
     if study.looks:
-        looks = ", ".join(map(str, study.looks))
         at = ", ".join(f"{list(stopped.values()).count(look)} at {look}" for look in sorted({*stopped.values()}))
-        lines.append(Text(f"looks at {looks} trials; cells decided: {at or 'none'}, of {len(most)}"))
+        lines.append(Text(f"looks at {study.looks.words} trials; cells decided: {at or 'none'}, of {len(most)}"))
     if running := folder.running():
         left = sum(most.values()) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))

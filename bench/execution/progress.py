@@ -117,7 +117,7 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
         more = f"{count(len(optimizers), 'run')} more at the end: one of each optimizer is made again and compared"
         print_line(more, console=console)
     if study.looks:
-        print_line(f"looks at {', '.join(map(str, study.looks))} trials: {_decided([], plan)}", console=console)
+        print_line(f"looks at {study.looks.words} trials: {_decided([], plan)}", console=console)
     for note in plan.notes:
         print_line(note, "yellow", console)
 

@@ -32,7 +32,7 @@ from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.folder import ANSWER
 from bench.storage.results import Results
-from bench.study import rope as ropes
+from bench.study.rope import Rope
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import checked
 
@@ -78,7 +78,7 @@ def write_report(
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
         targets: what counts as reached, other than the study's own (:func:`bench.study.targets.checked`).
-        rope: differences that count as equal, other than the study's own (:func:`bench.study.rope.checked`).
+        rope: differences that count as equal, other than the study's own (:class:`bench.study.rope.Rope`).
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
         reference: the label of the optimizer that the competition's table compares with each other one.
@@ -95,7 +95,7 @@ def write_report(
             another study.
     """
     chosen = None if targets is None else checked(targets, "the targets of a report")
-    equal = None if rope is None else ropes.checked(rope, "the rope of a report")
+    equal = None if rope is None else Rope.read(rope, "the rope of a report")
     results = Results(path, *others)
     if (optimizers, problems, dimensions) != (None, None, None):
         results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)

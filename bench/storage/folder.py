@@ -98,7 +98,7 @@ class Folder:
             return study
         present = self.study()
         if present.looks != study.looks and present.identity() == replace(study, looks=present.looks).identity():
-            begun = f"with looks at {', '.join(map(str, present.looks))} trials" if present.looks else "without looks"
+            begun = f"with looks at {present.looks.words} trials" if present.looks else "without looks"
             raise BenchError(
                 f"{self.path} was begun {begun}: looks are declared before the first trial, since what is declared "
                 "after it may follow the results; keep them as they are or give another --output"

@@ -7,7 +7,6 @@ import hashlib
 import json
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
@@ -30,8 +29,6 @@ from bench.seeds import trial_seed
 from bench.study import blocks as resembling
 from bench.study import budget as budgets
 from bench.study import entries, tuned
-from bench.study import looks as declared
-from bench.study import rope as ropes
 from bench.study import targets as target_kinds
 from bench.study.blocks import Blocks
 from bench.study.budget import Budget
@@ -41,10 +38,14 @@ from bench.study.rope import Rope
 from bench.study.sweep import Sweep, sweeps
 from bench.study.targets import NO_METRIC, Targets
 from bench.study.tuned import Tuning
+from bench.study.values import Checked, Value
 from bench.trial import Trial
 
 LONGEST_NAME, LONGEST_TITLE = 100, 1000
 """Characters of the name and of the title of a study."""
+
+TRIALS = 30
+"""The usual number of trials of an optimizer on a problem."""
 
 
 class Fingerprints(NamedTuple):
@@ -59,6 +60,11 @@ class Fingerprints(NamedTuple):
     code: dict[str, str]
 
 
+def _whole(value: Any, what: str, *, least: int, most: int) -> int:
+    require_whole(what, value, least, most)
+    return int(value)
+
+
 @dataclass(frozen=True)
 class Study:
     """A comparison of optimizers on problems.
@@ -67,7 +73,8 @@ class Study:
         name: a short name, which also names the default output folder.
         problems: the problems, with distinct labels.
         optimizers: the optimizers, with distinct labels.
-        trials: the number of runs of each optimizer on each problem.
+        trials: the number of runs of each optimizer on each problem; by default those of the last look,
+            or 30 without looks.
         budget: evaluations a run may spend: a number, a multiple of the dimension such as ``"1e4 * d"``, or a table by
             dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
@@ -77,7 +84,7 @@ class Study:
             the problem; "worst", the point counts, its value is +inf and the trial goes on.
         targets: what a report counts as reached (:func:`bench.study.targets.checked`); None: the usual ones of the
             problems. They decide no trial's result.
-        rope: the difference of medians below which two optimizers count as equal (:func:`bench.study.rope.checked`);
+        rope: the difference of medians below which two optimizers count as equal (:class:`bench.study.rope.Rope`);
             None: nothing is said of practical equality. It decides no trial's result.
         blocks: which problems resemble each other, and so count once where reports speak of further problems
             (:func:`bench.study.blocks.checked`); None: those of which it is known. They decide no trial's result.
@@ -92,28 +99,26 @@ class Study:
     name: str
     problems: tuple[Entry, ...]
     optimizers: tuple[Entry, ...]
-    trials: int = 30
-    budget: Budget = 10_000
-    seed: int = 0
+    trials: Checked[int] = Checked(partial(_whole, least=1, most=MOST_TRIALS))
+    budget: Checked[Budget] = Checked(budgets.checked, 10_000)
+    seed: Checked[int] = Checked(partial(_whole, least=0, most=LARGEST_SEED), 0)
     title: str = ""
-    constraints: str = handlings.DEFAULT
-    on_error: str = "fail"
-    targets: Targets | None = None
-    rope: Rope | None = None
-    blocks: Blocks | None = None
-    tuning: Tuning | None = None
-    looks: Looks = ()
+    constraints: Checked[str] = Checked(handlings.checked, handlings.DEFAULT)
+    on_error: Checked[str] = Checked(require_on_error, "fail")
+    targets: Checked[Targets | None] = Checked(target_kinds.checked)
+    rope: Checked[Rope | None] = Checked(Rope.read)
+    blocks: Checked[Blocks | None] = Checked(resembling.checked)
+    tuning: Checked[Tuning | None] = Checked(tuned.checked)
+    looks: Checked[Looks] = Checked(Looks.read, Looks())
     controls: tuple[Entry, ...] = ()
 
     def __post_init__(self) -> None:
-        """Hold each value as one from a file is held; raises BenchError, naming the key, for what cannot be one.
+        """Check the name and the title; raises BenchError, as each field does for a value that it cannot hold.
 
         Looks, which must fit other values, are checked where a study is read or changed (:meth:`check_looks`).
         """
-        usual = {item.name: item.default for item in dataclasses.fields(self)}
-        values = {key: getattr(self, key) for key in _READERS if key != "looks"}
-        for key, value in _checked({k: v for k, v in values.items() if v is not usual[k]}, "").items():
-            object.__setattr__(self, key, value)
+        if self.trials is None:  # as the field's default is
+            object.__setattr__(self, "trials", self.looks[-1] if self.looks else TRIALS)
         if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", self.name):
             raise BenchError(
                 f"the name {self.name!r} must be up to 100 letters, digits, '.', '_' or '-', as it names a folder"
@@ -152,23 +157,20 @@ class Study:
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         prefix = f"study {where}: "
-        data = data | _checked(data, prefix)
-        if "looks" in data:
-            data = {"trials": data["looks"][-1]} | data
         keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
         lists = {key: entries.read_entries(data.get(key), key, where) for key in keys}
         try:
             study = cls(**data | lists)
+            study.check_looks()
         except BenchError as error:
             raise BenchError(f"{prefix}{error}") from error
         study._check_entries(where)
-        study.check_looks(prefix)
         return study
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
         chosen = {key: value for key, value in changes.items() if value is not None}
-        study = dataclasses.replace(self, **chosen | _checked(chosen, ""))
+        study = dataclasses.replace(self, **chosen)
         study.check_looks()
         return study
 
@@ -185,23 +187,9 @@ class Study:
         study = dataclasses.replace(self, controls=tuple(controls.values()))
         return study.override(trials=max(self.trials, other.trials))
 
-    def check_looks(self, where: str = "") -> None:
+    def check_looks(self) -> None:
         """Raise BenchError where declared looks do not suit the trials, the optimizers or the problems."""
-        if not self.looks:
-            return
-        if self.trials != self.looks[-1]:
-            raise BenchError(
-                f"{where}'trials' is {self.trials}, but the last of the declared looks is at {self.looks[-1]} trials; "
-                "leave out the number, or declare other looks before the first trial is made"
-            )
-        if len(self.optimizers) < 2:
-            raise BenchError(f"{where}'looks' needs two optimizers or more: with one, no look can decide anything")
-        functions = Counter(re.sub(r"-i[0-9]+$", "", entry.label) for entry in self.problems)
-        if pooled := next((function for function, number in functions.items() if number > 1), ""):
-            raise BenchError(
-                f"{where}'looks' compares problem by problem, but reports pool the instances of {pooled!r}; take one "
-                "instance of each function, or leave out the looks"
-            )
+        self.looks.require_fit(self.trials, len(self.optimizers), (entry.label for entry in self.problems))
 
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
@@ -330,13 +318,13 @@ class Study:
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
-        table |= self._handling() | {"targets": self.targets, "rope": self.rope}
-        table["looks"] = {"trials": list(self.looks)} if self.looks else None
+        table |= self._handling() | {"targets": self.targets, "rope": self.rope, "looks": self.looks.plain}
         for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         table["blocks"] = self.blocks
         table["tuning"] = None if self.tuning is None else self.tuning.as_dict()
-        return tomli_w.dumps({key: value for key, value in table.items() if value is not None})
+        plain = {key: value.plain if isinstance(value, Value) else value for key, value in table.items()}
+        return tomli_w.dumps({key: value for key, value in plain.items() if value is not None})
 
     def _repr_html_(self) -> str:
         """Return the study as a table, for a notebook."""
@@ -391,25 +379,6 @@ class Study:
         """
         usual = {"constraints": handlings.DEFAULT, "on_error": "fail"}
         return {key: getattr(self, key) for key, default in usual.items() if getattr(self, key) != default}
-
-
-def _whole(value: Any, what: str, *, least: int, most: int) -> int:
-    require_whole(what, value, least, most)
-    return int(value)
-
-
-_READERS: dict[str, Callable[[Any, str], Any]] = {
-    "seed": partial(_whole, least=0, most=LARGEST_SEED), "trials": partial(_whole, least=1, most=MOST_TRIALS),
-    "budget": budgets.checked, "constraints": handlings.checked, "on_error": require_on_error,
-    "targets": target_kinds.checked, "rope": ropes.checked, "blocks": resembling.checked, "tuning": tuned.checked,
-    "looks": declared.checked,
-}  # fmt: skip
-"""By key, what returns a value as a study holds it and raises BenchError for what cannot be one."""
-
-
-def _checked(values: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return the values of the keys that have a reader, as a study holds them."""
-    return {key: read(values[key], f"{where}'{key}'") for key, read in _READERS.items() if key in values}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -19,13 +19,9 @@ SURE = 0.95  # a probability from which on the text names a pair
 
 def section(findings: Findings) -> Section | None:
     """Return what can be said of practical equality; None where the study gives no rope."""
-    if findings.final.rope is None:
+    if (chosen := findings.final.rope) is None:
         return None
-    rope = (
-        f"{findings.final.rope} of the smaller median"
-        if isinstance(findings.final.rope, str)
-        else f"{findings.final.rope:g}"
-    )
+    rope = chosen.words + " of the smaller median" * chosen.relative
     if len(findings.trials.optimizers) < 2:
         return Section(TITLE, ("There is only one optimizer, so none can be equal to another.",))
     table = findings.final.equivalence

@@ -31,6 +31,7 @@ from bench.report.target_words import target_words
 from bench.report.winner import winner_rule
 from bench.storage.results import ProblemFacts
 from bench.study import Entry, Study
+from bench.study.rope import Rope
 from bench.study.tuned import Tuned, Tuning
 
 ENVIRONMENT = {
@@ -74,7 +75,7 @@ def full(**changes):
         "levels": Levels(0.01, 0.035, 0.005), "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1,
         "targets": 3, "early": {"cma-es": 3, "gwo": 0},
         "checks": {"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
-        "dominance": 2, "landscapes": 3, "rope": "1%", "common": "at 400 evaluations", "confined": 2,
+        "dominance": 2, "landscapes": 3, "rope": Rope(1.0, True), "common": "at 400 evaluations", "confined": 2,
     } | changes  # fmt: skip
 
 

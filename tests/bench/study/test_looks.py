@@ -5,7 +5,8 @@ import tomllib
 import pytest
 
 from bench import BenchError, Study
-from bench.study.looks import checked
+from bench.study import Entry
+from bench.study.looks import Looks
 
 
 def study(looks=None, optimizers=("gwo", "da"), problems=("sphere-2",), **more):
@@ -78,4 +79,10 @@ def test_one_optimizer_and_instances_of_one_function_are_refused():
 
 
 def test_looks_are_whole_numbers_of_python():
-    assert checked((6, 9), "looks") == (6, 9)
+    assert Looks.read((6, 9), "looks") == (6, 9)
+
+
+def test_in_python_the_last_look_is_the_number_of_trials_too():
+    entries = (Entry("p", "p"),), (Entry("a", "a"), Entry("b", "b"))
+    assert Study("s", *entries, looks=[6, 9]).trials == 9
+    assert Study("s", *entries, looks=()).trials == Study("s", *entries).trials == 30
