@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from bench.cli.console import Jobs, table
-from bench.helpers.console import print_line
+from bench.helpers.console import print_line, steps
 from bench.helpers.text import count
 from bench.numbers import require_seed, require_whole
 
@@ -35,7 +35,6 @@ def command(
     from bench.atlas import compare, methods, survey, write_atlas
     from bench.atlas.compare import findings
     from bench.atlas.write import check_output
-    from bench.execution.progress import steps
 
     require_whole("--trials", trials, 2, 1000)
     require_whole("--budget", budget, 50, 10_000_000)

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from bench.cli import completion
 from bench.cli.console import Against, Jobs, Open, Rope, Targets
-from bench.helpers.console import print_line
+from bench.helpers.console import print_line, steps
 
 
 def command(
@@ -79,7 +79,6 @@ def report_on(folders: list[Path], console: Console, open_page: bool = False, **
     on request.
     """
     from bench.cli.answer import read, shown
-    from bench.execution.progress import steps
     from bench.report import write_report
     from bench.storage.folder import STORE, Folder
 

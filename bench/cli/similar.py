@@ -13,7 +13,7 @@ from bench.cli import completion
 from bench.cli.console import Parameters, table
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
-from bench.helpers.console import pairs, print_line
+from bench.helpers.console import pairs, print_line, steps
 from bench.numbers import require_seed, require_whole
 
 
@@ -48,7 +48,6 @@ def command(
     """
     from bench.analysis.similarity import similarity
     from bench.check.behaviour import behaviours, common_problems, recorder
-    from bench.execution.progress import steps
     from bench.plots import style
     from bench.plots.similarity import similarity_map
     from bench.plugins import loading, selection

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.helpers.console import print_error, print_line
+from bench.helpers.console import print_error, print_line, steps
 from bench.helpers.text import count
 
 
@@ -32,7 +32,6 @@ def command(
     code is 1 where archives were left out or a trial differs.
     """
     from bench.board import write_board
-    from bench.execution.progress import steps
 
     with steps(Console(), "read") as on_progress:
         board = write_board(archives, output, verify=verify, keep_going=keep_going, on_progress=on_progress)

@@ -13,7 +13,7 @@ from rich.console import Console
 from bench.cli.console import Jobs, Parameters
 from bench.errors import BenchError, require
 from bench.helpers.atomic import replacing
-from bench.helpers.console import duration, pairs, print_error, print_line
+from bench.helpers.console import duration, pairs, print_error, print_line, steps
 from bench.helpers.text import option
 from bench.numbers import MOST_TRIALS, require_positive, require_seed, require_whole
 
@@ -58,7 +58,6 @@ def command(
     same study. Parameters of --set are fixed for all optimizers. The conditions of a comparison, agents, handling and
     start, keep their defaults but for those of --condition.
     """
-    from bench.execution.progress import steps
     from bench.plugins import loading
     from bench.report.wording import count
     from bench.study.budget import checked, evaluations

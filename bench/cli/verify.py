@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from bench.cli.console import Output, Untrusted, checked_jobs
-from bench.helpers.console import print_error, print_line
+from bench.helpers.console import print_error, print_line, steps
 
 
 def command(
@@ -37,7 +37,6 @@ def command(
 
 def verify_folder(path: Path, console: Console, *, trials: int, jobs: int | None = None, untrusted: bool) -> bool:
     """Make trials of each cell of a folder again and print the outcome; return whether all is as it was stored."""
-    from bench.execution.progress import steps
     from bench.execution.verify import verify as make_again
 
     with steps(console, "verify") as on_progress:

@@ -39,7 +39,7 @@ from bench.study import Study
 from bench.trial import Trial
 
 LOADING = 300.0  # seconds for loading plug-ins, for a warm-up, and for evaluating a point
-SILENCE = 3.0  # least seconds of a warm-up in which nothing is imported or compiled
+WARMING = 20.0  # least seconds of a warm-up, in which code may be compiled, where a trial may take fewer
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
 WORTH = 50.0  # times the seconds of its start: a process is replaced once its trials have taken longer
 TIMEOUT, MEMORY = 600.0, 4_000_000_000  # wall seconds and bytes of a trial of code that nobody trusts, unless given
@@ -89,8 +89,8 @@ class Job:
         self._task, study = task, task.study
         self._limits: dict[str, Any] = {"seconds": task.timeout, "memory": task.memory}  # of a trial
         self._loading = self._limits | {"seconds": LOADING}
-        silence = None if task.timeout is None else max(task.timeout, SILENCE)
-        self._warming = self._loading | {"silence": silence, "printed": PRINTED}
+        warming = LOADING if task.timeout is None else max(task.timeout, WARMING)
+        self._warming = self._loading | {"seconds": warming, "printed": PRINTED}
         self.doing = ""  # beside the trial itself, for messages
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.with_controls}

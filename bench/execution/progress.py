@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from time import monotonic
 from types import TracebackType
 from typing import Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    TaskID,
-    TextColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import TaskID, TextColumn, TimeRemainingColumn
 
 from bench.execution.plan import Plan
-from bench.helpers.console import OnStep, duration, print_line
+from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
 from bench.trial import Trial
 
 SHOWN = 20  # failures of an optimizer that are printed as they happen
+PAUSE = 15.0  # seconds between lines where there is no terminal
 
 
 class Display:
@@ -32,12 +26,11 @@ class Display:
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self._live = console.is_terminal
-        self._progress = _bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn())
-        self._bars: dict[str, TaskID] = {}
-        self._failures: dict[str, int] = {}  # by optimizer
-        self._made = self._left = 0
-        self._started = self._printed = monotonic()
+        self._progress = bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn())
+        self._bars: dict[str, TaskID] = {}  # by optimizer; "" for all, which is the first
+        self._failures: Counter[str] = Counter()  # by optimizer
+        self._present = 0  # trials that earlier runs made
+        self._printed = monotonic()
 
     def __enter__(self) -> Display:
         self._progress.start()
@@ -50,46 +43,46 @@ class Display:
 
     def plan(self, plan: Plan) -> None:
         """Print the plan's size and notes, and start the bars at the trials that an earlier run made."""
-        counts = plan.counts()
-        show_plan(plan, counts, self._console)
-        total, present = (sum(numbers) for numbers in zip(*counts.values(), strict=True))
-        self._left = total - present
-        self._started = monotonic()
-        self._bars["all"] = self._progress.add_task("all", total=total, completed=present)
-        for entry in plan.study.with_controls:
-            counted = [count for (_, label), count in counts.items() if label == entry.label]
-            total, present = (sum(numbers) for numbers in zip(*counted, strict=True)) if counted else (0, 0)
-            self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
+        show_plan(plan, plan.counts(), self._console)
+        for label in ("", *(entry.label for entry in plan.study.with_controls)):
+            self._bars[label] = self._progress.add_task(label or "all", total=0)
+        self._present = self._count(plan)
 
     def look(self, look: int, plan: Plan) -> None:
         """Print what a look decided, and take the trials that are not needed any more out of the bars."""
         now = [cell for cell, most in plan.stopped.items() if most == look]
         print_line(f"look at {look} trials: {_decided(now, plan, look)}", console=self._console)
-        counts = plan.counts()
-        self._left = self._made + sum(planned - done for planned, done in counts.values())
-        for entry in plan.study.with_controls:
-            total = sum(planned for (_, label), (planned, _) in counts.items() if label == entry.label)
-            self._progress.update(self._bars[f"of {entry.label}"], total=total)
-        self._progress.update(self._bars["all"], total=sum(planned for planned, _ in counts.values()))
+        self._count(plan)
 
     def trial(self, trial: Trial, row: dict[str, Any]) -> None:
         """Count one finished trial; print a failed one at once."""
-        self._made += 1
         if row["status"] != "ok":
             reason = str(row["error"]).partition("\n")[0]
-            count = self._failures[trial.optimizer] = self._failures.get(trial.optimizer, 0) + 1
-            more = "; further failures of it are counted, not printed" if count == SHOWN else ""
-            if count <= SHOWN:
+            self._failures[trial.optimizer] += 1
+            failures = self._failures[trial.optimizer]
+            more = "; further failures of it are counted, not printed" if failures == SHOWN else ""
+            if failures <= SHOWN:
                 where = f"{trial.optimizer} on {trial.problem}, trial {trial.number}"
                 print_line(f"{row['status']}: {where}: {reason}{more}", "red", self._console)
-        self._progress.advance(self._bars["all"])
-        self._progress.advance(self._bars[f"of {trial.optimizer}"])
-        if not self._live and (monotonic() - self._printed > 15 or self._made == self._left):
+        for label in ("", trial.optimizer):
+            self._progress.advance(self._bars[label])
+        task = self._progress.tasks[0]
+        if not self._console.is_terminal and (monotonic() - self._printed > PAUSE or task.finished):
             self._printed = monotonic()
-            seconds = (self._printed - self._started) / self._made * (self._left - self._made)
-            soon = self._made < min(20, self._left / 10)  # most of the time so far went into loading and compiling
-            left = f", about {duration(seconds)} left" if self._made < self._left and not soon else ""
-            print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
+            made, missing = (int(number or 0) - self._present for number in (task.completed, task.total))
+            left = f", about {duration(task.time_remaining)} left" if task.time_remaining else ""
+            print_line(f"{made} of {missing} runs done{left}", console=self._console)
+
+    def _count(self, plan: Plan) -> int:
+        """Set the bars to the trials of a plan and those of them that are done; return the number of the latter."""
+        planned, done = Counter[str](), Counter[str]()
+        for (_, optimizer), numbers in plan.counts().items():
+            for label in ("", optimizer):
+                planned[label] += numbers[0]
+                done[label] += numbers[1]
+        for label, bar in self._bars.items():
+            self._progress.update(bar, total=planned[label], completed=done[label])
+        return done[""]
 
 
 def displayed(progress: bool | None) -> AbstractContextManager[Display | None]:
@@ -130,22 +123,3 @@ def _decided(now: Sequence[tuple[str, str]], plan: Plan, look: int = 0) -> str:
     cells, total = len(plan.study.problems) * len(plan.study.optimizers), len(plan.stopped)
     newly = f"decided{stopped} {named}{more}; " if now else ""
     return f"{newly}{total} of {cells} cells {'is' if total == 1 else 'are'} decided"
-
-
-@contextmanager
-def steps(console: Console, name: str) -> Iterator[OnStep]:
-    """Display a progress bar; yield a function to call before each step: its title, steps done, steps in total."""
-    title = TextColumn("{task.description}", markup=False)
-    with _bars(console, "{task.fields[name]}", title, transient=True) as progress:
-        task = progress.add_task("", name=name, total=None)
-
-        def show(title: str, done: int, total: int) -> None:
-            progress.update(task, description=title, completed=done, total=total)
-
-        yield show
-
-
-def _bars(console: Console, name: str, *columns: ProgressColumn, transient: bool = False) -> Progress:
-    """Return bars of named tasks, displayed on a terminal only."""
-    named = TextColumn(name, markup=False), BarColumn(), MofNCompleteColumn()
-    return Progress(*named, *columns, console=console, disable=not console.is_terminal, transient=transient)

@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import sys
 import traceback
-from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -28,7 +25,7 @@ from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import from_file
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
-from bench.sandbox.server import end_if_stuck, note
+from bench.sandbox.server import end_if_stuck
 from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
 from bench.storage import provenance
@@ -139,8 +136,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
         if not is_warm:
             chosen = _study().optimizer(optimizer)
             problem = FunctionProblem(_sphere, box.lower, box.upper, integer=box.integer)
-            with _noting():
-                search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
+            search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
         scanner(budget, len(box.lower))  # the optimizer may have imported numba
         if is_warm:
             return False
@@ -280,33 +276,3 @@ _begun: Study | None = None
 _found: Result | None = None  # of the last trial
 _data: dict[str, str] = {}  # hashes by label
 _warm: set[type | str] = set()  # kinds of problems, and optimizers
-
-
-@contextlib.contextmanager
-def _noting() -> Iterator[None]:
-    """Note every import of a module and every step of a compilation by numba, as signs of life."""
-    finder: Any = SimpleNamespace(find_spec=lambda *_: note(None))  # finds no module, but is asked for each
-    sys.meta_path.insert(0, finder)
-    try:
-        with _noting_compilations():
-            yield
-    finally:
-        with contextlib.suppress(ValueError):
-            sys.meta_path.remove(finder)
-
-
-@contextlib.contextmanager
-def _noting_compilations() -> Iterator[None]:
-    if "numba" not in sys.modules:
-        yield
-        return
-    from numba.core import event
-
-    class Listener(event.Listener):  # type: ignore[misc]
-        def on_start(self, event: Any) -> None:  # noqa: ARG002
-            note(None)
-
-        on_end = on_start
-
-    with event.install_listener("numba:run_pass", Listener()):
-        yield

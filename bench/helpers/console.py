@@ -1,8 +1,9 @@
-"""What commands share: lines printed unchanged, errors, durations as text, and options given as KEY=VALUE."""
+"""What commands share: lines printed unchanged, errors, progress, durations as text, and options as KEY=VALUE."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError
@@ -11,6 +12,7 @@ from bench.helpers.text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import Progress, ProgressColumn
 
 # rich is imported at the first line: optimizers import this package, and their processes print nothing.
 
@@ -33,6 +35,29 @@ def print_error(message: str) -> None:
     from rich.console import Console
 
     print_line(f"bench: {printable(message, LONGEST)}", "red", Console(stderr=True))
+
+
+@contextmanager
+def steps(console: Console, name: str) -> Iterator[OnStep]:
+    """Display a progress bar; yield a function to call before each step: its title, steps done, steps in total."""
+    from rich.progress import TextColumn
+
+    title = TextColumn("{task.description}", markup=False)
+    with bars(console, "{task.fields[name]}", title, transient=True) as progress:
+        task = progress.add_task("", name=name, total=None)
+
+        def show(title: str, done: int, total: int) -> None:
+            progress.update(task, description=title, completed=done, total=total)
+
+        yield show
+
+
+def bars(console: Console, name: str, *columns: ProgressColumn, transient: bool = False) -> Progress:
+    """Return progress bars of named tasks, displayed on a terminal only."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    named = TextColumn(name, markup=False), BarColumn(), MofNCompleteColumn()
+    return Progress(*named, *columns, console=console, disable=not console.is_terminal, transient=transient)
 
 
 def duration(seconds: float) -> str:

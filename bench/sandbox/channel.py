@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import socket
 import struct
-from array import array
 from collections.abc import Sequence
 from time import monotonic
 
@@ -15,7 +13,7 @@ LONGEST = 1 << 26
 _HEAD = struct.Struct("<QQ")  # the call's number, and the number of bytes that follow
 _CHUNK = 1 << 18
 _FILES = 4  # that may go with one message
-_FIRST = 10  # the least number of a file that came with a message
+_CLOSED = getattr(socket, "MSG_CMSG_CLOEXEC", 0)  # in programs that plug-in code starts
 
 
 class BrokenChannelError(RuntimeError):
@@ -69,7 +67,7 @@ class Channel:
                 return None
             try:
                 self._end.settimeout(left)
-                chunk = self._read_with_files() if self._takes_files else self._end.recv(_CHUNK)
+                chunk = self._read()
             except (TimeoutError, BlockingIOError):
                 return None
             except OSError as error:
@@ -94,18 +92,9 @@ class Channel:
         del self._arrived[:whole]
         return number, payload
 
-    def _read_with_files(self) -> bytes:
-        chunk, beside, _, _ = self._end.recvmsg(_CHUNK, socket.CMSG_SPACE(_FILES * array("i").itemsize))
-        for level, kind, data in beside:
-            if (level, kind) == (socket.SOL_SOCKET, socket.SCM_RIGHTS):
-                self.files += map(_moved, array("i", data))
+    def _read(self) -> bytes:
+        if not self._takes_files:
+            return self._end.recv(_CHUNK)
+        chunk, files, _, _ = socket.recv_fds(self._end, _CHUNK, _FILES, _CLOSED)
+        self.files += files
         return chunk
-
-
-def _moved(file: int) -> int:
-    """Move an open file out of the numbers of the standard streams, which plug-in code may have closed."""
-    import fcntl
-
-    moved = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FIRST)
-    os.close(file)
-    return moved

@@ -6,7 +6,6 @@ import ctypes
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
 SCRATCH = "/dev/shm"
 """The only folder that can be written in a sandbox: a memory file system of its own in each set of namespaces."""
@@ -19,7 +18,7 @@ _DUMPABLE = 4  # linux/prctl.h
 _CAPABILITIES = 0x20080522  # the version of the sets in linux/capability.h
 
 
-def enter(fork: Any) -> int:
+def enter() -> int:
     """Move to new namespaces without any privilege there; return 0 in a new process, which is their first.
 
     In this process, which stays outside of the new list of processes, return the other one's number.
@@ -33,7 +32,7 @@ def enter(fork: Any) -> int:
     system.prctl(_DUMPABLE, 1, 0, 0, 0)  # otherwise the files below are not its own
     for name, text in (("setgroups", "deny"), ("uid_map", f"{user} {user} 1"), ("gid_map", f"{group} {group} 1")):
         Path("/proc/self", name).write_text(text)
-    if pid := fork():
+    if pid := os.fork():
         return int(pid)
     _checked(system.mount(b"scratch", SCRATCH.encode(), b"tmpfs", _NOSUID | _NODEV, b"size=%d" % SIZE))
     system.mount(b"proc", b"/proc", b"proc", 0, None)  # refused where the sandbox hides parts of the one that is there
@@ -54,4 +53,4 @@ def _checked(result: int) -> None:
 
 
 if __name__ == "__main__":  # whether processes can have namespaces of their own here
-    sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) if (pid := enter(os.fork)) else 0)
+    sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) if (pid := enter()) else 0)

@@ -209,7 +209,6 @@ class Process:
         self,
         *,
         seconds: float | None,
-        silence: float | None = None,
         memory: int | None = None,
         printed: int | None = None,
         beside: Sequence[Process] = (),
@@ -220,7 +219,6 @@ class Process:
 
         Args:
             seconds: that the call may take; None to wait for as long as the process is alive.
-            silence: seconds that it may take without a note (:func:`bench.sandbox.server.note`); None for no limit.
             memory: bytes that the process and all that it started may hold; None for no limit.
             printed: bytes that the call may print; None for no limit.
             beside: processes whose calls were begun too, held to the same limit of memory.
@@ -233,16 +231,15 @@ class Process:
         """
         now = monotonic()
         end, look = now + (inf if seconds is None else seconds), now + _LOOK
-        until = min(end, now + (inf if silence is None else silence))
         while True:
-            began, wait = now, max(0.0, min(look, until) - now)
+            began, wait = now, max(0.0, min(look, end) - now)
             try:
                 message = self._channel.receive(wait)
             except BrokenChannelError:
                 raise self._died_error() from None
             now = monotonic()
             if (paused := now - began - wait) > _PAUSE:  # the others may be continued a little later than this process
-                end, until, look = end + paused, until + paused, now + _LOOK
+                end, look = end + paused, now + _LOOK
             if message is not None:
                 kind, value = self._load(*message)
                 if kind == "value":
@@ -252,10 +249,9 @@ class Process:
                     self.close()
                     raise RemoteError(str(value))
                 self.note = value
-                until = min(end, now + (inf if silence is None else silence))
-            if now >= until:
+            if now >= end:
                 self.close()
-                raise TimeExceededError(f"{seconds if until == end else silence:g} s")
+                raise TimeExceededError(f"{seconds:g} s")
             if now >= look:
                 self._check_printed(printed)
                 for process in (self, *beside):

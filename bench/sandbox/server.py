@@ -71,12 +71,12 @@ def note(value: Any) -> None:
 def end_if_stuck(refusals: int) -> None:
     """End this process where an optimizer keeps asking for values after its budget is spent: nothing else stops it."""
     if _serving is not None and refusals > _REFUSALS:
-        _exit(STILL_ASKING)
+        os._exit(STILL_ASKING)
 
 
 class _Server:
     def __init__(self, channel: Channel, *, apart: bool) -> None:
-        self._channel, self._process = channel, _getpid()
+        self._channel, self._process = channel, os.getpid()
         self._apart = apart  # whether this is a sandbox, so that copies have namespaces of their own
         self._number = 0  # of the present call
         self._before: set[int] = set()  # children that calls have left running
@@ -89,7 +89,7 @@ class _Server:
             try:
                 received = self._channel.receive()
             except BrokenChannelError:
-                self._end()
+                self._end_all()
             assert received is not None  # no time limit was given
             self._number, payload = received
             try:
@@ -97,16 +97,16 @@ class _Server:
             except BaseException as error:  # of a module that is imported for it
                 self._answer(["error", describe_error(error)])
                 continue
-            if (answer := _REQUESTS[request](self, *arguments)) is not None:  # None in the copy
+            if (answer := getattr(self, f"_{request}")(*arguments)) is not None:  # None in the copy
                 self._answer(answer)
 
     def note(self, value: Any) -> None:
-        if _getpid() == self._process:
+        if os.getpid() == self._process:
             self._channel.send(self._number, json.dumps(["note", value]).encode())
 
     def _answer(self, answer: list[Any]) -> None:
-        if _getpid() != self._process:  # a fork that has returned from its call and arrives here
-            _exit(0)
+        if os.getpid() != self._process:  # a fork that has returned from its call and arrives here
+            os._exit(0)
         try:
             payload = json.dumps(answer).encode()
             if len(payload) > LONGEST:
@@ -116,7 +116,7 @@ class _Server:
         try:
             self._channel.send(self._number, payload)
         except BrokenChannelError:
-            _exit(UNANSWERABLE)
+            os._exit(UNANSWERABLE)
 
     def _call(self, function: Callable[..., Any], *arguments: Any) -> list[Any]:
         try:
@@ -145,7 +145,7 @@ class _Server:
             gc.freeze()  # a collection in a copy would copy every page that holds an object
             before = children()
             self._before |= before - {*self._copies.values()}
-            pid = _fork()
+            pid = os.fork()
             if not pid:
                 self._begin_copy(end, output)
                 return None
@@ -158,14 +158,14 @@ class _Server:
         """Turn this process, which has just been forked, into a server of its own."""
         _end_with_original(self._process)
         os.setsid()
-        if self._apart and (inside := namespaces.enter(_fork)):
+        if self._apart and (inside := namespaces.enter()):
             self._channel.close()
             _stand_for(inside, self._process, end, output)
         if self._apart:
             _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
             _adopt_orphans()
         self._channel.close()
-        self._channel, self._process = Channel(socket.socket(fileno=end), takes_files=True), _getpid()
+        self._channel, self._process = Channel(socket.socket(fileno=end), takes_files=True), os.getpid()
         self._before, self._copies = set(), {}
         os.dup2(output, 1)
         os.dup2(output, 2)
@@ -174,19 +174,19 @@ class _Server:
     def _look(self, pid: int) -> list[Any]:
         return ["value", look(self._copies.get(pid, 0))]
 
-    def _end_copy(self, pid: int, seconds: float) -> list[Any]:
+    def _end(self, pid: int, seconds: float) -> list[Any]:
         """End a copy and all that it started; return its exit code, None where it had to be ended after ``seconds``.
 
         After a signal the code is minus the signal's number.
         """
-        if pid not in self._copies or pid <= 1:  # plug-in code may have answered in place of a fork
+        if pid not in self._copies:  # plug-in code may have answered in place of a fork
             return ["value", None]
         code = _reap(pid, seconds)
         with suppress(OSError):
-            _killpg(pid, signal.SIGKILL)
+            os.killpg(pid, signal.SIGKILL)
         with suppress(OSError):
             if code is None:
-                _kill(pid, signal.SIGKILL)
+                os.kill(pid, signal.SIGKILL)
                 _reap(pid, _REAP)
         del self._copies[pid]
         if self._process == 1:  # of its own namespaces: those of the copy have ended with it
@@ -195,19 +195,14 @@ class _Server:
         while (strays := children() - self._before - {*self._copies.values()}) and monotonic() < until:
             for stray in strays:
                 with suppress(OSError):
-                    _kill(stray, signal.SIGKILL)
+                    os.kill(stray, signal.SIGKILL)
                 _reap(stray, _PAUSE)
         return ["value", code]
 
-    def _end(self) -> None:
+    def _end_all(self) -> None:
         """End this process and all that it and its copies started: the owner has ended."""
-        kill(_getpid())
-        _exit(1)
-
-
-_REQUESTS: dict[str, Callable[..., list[Any] | None]] = {
-    "call": _Server._call, "fork": _Server._fork, "look": _Server._look, "end": _Server._end_copy,
-}  # fmt: skip
+        kill(os.getpid())
+        os._exit(1)
 
 
 def _reap(pid: int, seconds: float) -> int | None:
@@ -229,9 +224,9 @@ def _end_with_owner(owner: int) -> None:
     """End this process and its group when the owner has ended, even in mid-call."""
     while os.getppid() == owner:
         sleep(_LOOK)
-    if _killpg is not None and os.getpgrp() == _getpid():
-        _killpg(0, signal.SIGKILL)
-    _exit(1)
+    if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
+        os.killpg(0, signal.SIGKILL)
+    os._exit(1)
 
 
 def _prctl(option: int, value: int) -> None:
@@ -253,8 +248,8 @@ def _stand_for(inside: int, original: int, *files: int) -> None:
     if code < 0:
         with suppress(OSError):  # that of SIGKILL cannot be set, and need not be
             signal.signal(-code, signal.SIG_DFL)
-        _kill(_getpid(), -code)
-    _exit(code)
+        os.kill(os.getpid(), -code)
+    os._exit(code)
 
 
 def _end_with_original(original: int) -> None:
@@ -262,13 +257,8 @@ def _end_with_original(original: int) -> None:
     _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     _adopt_orphans()
     if os.getppid() != original:  # it has ended meanwhile
-        _exit(1)
+        os._exit(1)
 
-
-# A plug-in may replace these functions when it is imported; the server keeps those from before.
-_kill, _exit, _getpid = os.kill, os._exit, os.getpid
-_fork: Any = getattr(os, "fork", None)
-_killpg: Any = getattr(os, "killpg", None)
 
 _serving: _Server | None = None
 _system: Any = None

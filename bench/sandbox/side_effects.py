@@ -5,7 +5,6 @@ This protects the next trial of the same optimizer from accidents; other optimiz
 
 from __future__ import annotations
 
-import _signal  # type: ignore[import-not-found]
 import _thread
 import os
 import random
@@ -24,11 +23,6 @@ from bench import seeds
 from bench.sandbox.tree import children
 
 _GRACE = 0.1  # seconds for threads and processes to end after their trial
-_SIGNALS = [
-    int(getattr(signal, name))  # of which the module signal would make an enumeration at every look
-    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGUSR1", "SIGUSR2", "SIGCHLD", "SIGPIPE")
-    if hasattr(signal, name)
-]
 _TIMERS = [getattr(signal, name) for name in ("ITIMER_REAL", "ITIMER_VIRTUAL", "ITIMER_PROF") if hasattr(signal, name)]
 
 
@@ -82,7 +76,7 @@ def _state() -> tuple[Any, ...]:
         sys.getrecursionlimit(), list(sys.path), len(sys.modules),
         dict(getattr(os.environ, "_data", os.environ)), _folder(), np.geterr(), np.geterrcall(), list(warnings.filters),
         sys.stdin, sys.stdout, sys.stderr, *(_identity(number) for number in range(3)),
-        *map(_signal.getsignal, _SIGNALS), *map(signal.getitimer, _TIMERS),
+        *map(signal.getsignal, signal.Signals), *map(signal.getitimer, _TIMERS),
         1.0 + _HALF_ULP, 1.0 + 1.5 * _HALF_ULP, _SMALLEST / 2 * 4,  # by the processor's arithmetic modes
     )  # fmt: skip
 

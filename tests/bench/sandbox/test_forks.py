@@ -198,20 +198,3 @@ def test_one_in_which_plug_in_code_answers_is_ended(calls, original):
     assert first.closed
     assert not other.closed
     assert other.call(calls.echo, seconds=LONG) == []
-
-
-@LINUX
-def test_what_an_import_puts_in_place_of_the_system_s_functions_ends_no_other_process(calls, original):
-    """A process that takes 1 for its number, or for that of its fork, would end all processes of the system."""
-    replaced = "[setattr(os, name, lambda *_: 1) for name in ('fork', 'getpid')] and 1"
-    signals = "[setattr(os, name, lambda *each: open({path!r}, 'a').write(str(each))) for name in ('kill', 'killpg')]"
-    with original.fork() as process:
-        process.call(calls.evaluate, replaced, seconds=LONG)
-        with process.fork() as fork:
-            assert fork._pid > 1
-            pid = fork.call(calls.evaluate, "int(os.readlink('/proc/self'))", seconds=LONG)
-        assert gone(pid)
-        process.call(calls.evaluate, signals.format(path=os.devnull), seconds=LONG)
-        with process.fork() as fork:
-            pid = fork.call(calls.evaluate, "int(os.readlink('/proc/self'))", seconds=LONG)
-        assert gone(pid)
