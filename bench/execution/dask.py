@@ -1,4 +1,4 @@
-"""The dask backend, the parent's side: have the workers of a dask.distributed cluster make batches of trials.
+"""The dask backend, the parent's side: have the workers of a dask.distributed cluster make trials.
 
 The workers' side is :mod:`bench.execution.dask_worker`.
 """
@@ -19,7 +19,7 @@ from typing import Any
 from uuid import uuid4
 
 from bench.errors import BenchError, require
-from bench.execution.dask_worker import LOOK, end, work
+from bench.execution.dask_worker import LOOK, work
 from bench.execution.job import Task
 from bench.execution.local import Answer, OnBegin
 from bench.execution.supervisor import KilledError, WorkerDiedError
@@ -29,13 +29,11 @@ from bench.trial import Trial
 CONNECT = 10.0  # seconds for a scheduler to answer
 ARRIVE = 20.0  # seconds for the first worker to arrive
 RETURN = 600.0  # seconds that a cluster may be without workers before a run gives up
-DEATHS = 3  # of batches that dask gives up, without a finished trial between them, before a run gives up
-BATCH, LARGEST = 0.5, 100  # limits of a batch: seconds, and trials
-QUEUED = 500  # batches submitted at least, so that workers that join later have work
+DEATHS = 3  # of trials that dask gives up, without a finished one between them, before a run gives up
+QUEUED = 500  # trials submitted at least, so that workers that join later have work
 
-PAUSE = 0.02  # seconds between looks for batches that have ended
+PAUSE = 0.02  # seconds between looks for trials that have ended
 
-_KEPT = 0.9  # weight of earlier batches in the mean duration of a trial
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
 
@@ -79,7 +77,7 @@ class Cluster:
     ) -> Iterator[Answer]:
         """Yield answers; see :meth:`bench.execution.local.Local.answers`.
 
-        A lost worker costs only time: dask begins its batches again elsewhere. When dask gives a batch up, having lost
+        A lost worker costs only time: dask begins its trials again elsewhere. When dask gives a trial up, having lost
         several workers with it, all missing trials are submitted again.
         """
         from distributed import KilledWorker
@@ -110,18 +108,16 @@ class Cluster:
                 raise
 
     def _made(self, task: Task, trials: Iterator[Trial]) -> Generator[Answer]:
-        """Yield answers until there are no more trials; raise the first error of a batch."""
+        """Yield answers until there are no more trials; raise the first error of a worker."""
         from distributed import as_completed
 
-        client, name, pending = self._client, uuid4().hex, dict[Any, int]()  # futures, with the sizes of their batches
+        client, name, pending = self._client, uuid4().hex, dict[Any, Trial]()
         ended = as_completed(loop=client.loop, with_results=True, raise_errors=False)
-        made, seconds = 1.0, BATCH  # weighted sums over the latest batches; the first batches hold one trial
         try:
             while True:
-                size = min(max(1, int(BATCH * made / seconds)), LARGEST)
-                while len(pending) < self._queued and (batch := list(islice(trials, size))):
-                    future = client.submit(work, name, task, batch, key=f"bench-{uuid4().hex}", pure=False)
-                    pending[future] = len(batch)
+                for trial in islice(trials, max(0, self._queued - len(pending))):
+                    future = client.submit(work, name, task, trial, key=f"bench-{uuid4().hex}", pure=False)
+                    pending[future] = trial
                     ended.add(future)
                 if not pending:
                     return
@@ -131,16 +127,10 @@ class Cluster:
                     error = answer if isinstance(answer, BaseException) else answer[1]  # (type, error, trace)
                     if isinstance(error, BaseException):
                         raise error
-                    rows, machine, took = answer
-                    made, seconds = _KEPT * made + pending.pop(future), _KEPT * seconds + took
-                    for trial, row in rows:
-                        yield trial, row, machine
+                    yield pending.pop(future), *answer
         finally:
             for future in pending:
-                future.release()  # its worker then ends the trial processes
-            with suppress(Exception):
-                if client.status == "running":
-                    client.run(end, name, on_error="ignore")
+                future.release()  # its worker then ends the trial's processes
 
     def _look(self) -> None:
         """Raise WorkerDiedError when the scheduler is lost, or all workers have been for long."""

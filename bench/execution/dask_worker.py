@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from threading import Lock, Thread
 from time import monotonic, sleep
@@ -14,72 +15,67 @@ from bench.execution.supervisor import Supervisor, check
 from bench.storage import provenance
 from bench.trial import Row, Trial
 
-LOOK = 1.0  # seconds between looks at the state of batches
-IDLE = 60.0  # seconds after which idle trial processes end
+LOOK = 1.0  # seconds between looks at the state of trials
+IDLE = 10.0  # seconds after which idle trial processes end
 
 _lock, _checking = Lock(), Lock()
-_wanted: dict[Supervisor, Callable[[], bool]] = {}  # with what states whether a supervisor is still needed
-_idle: dict[Supervisor, str] = {}  # those of them that wait for a batch, with their run
-_ended: set[str] = set()  # runs
+_kept: list[_Kept] = []
 _machines: dict[str, str] = {}  # this machine's record, by run
 
 
-def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Trial, Row]], str, float]:
-    """Make a batch of trials; return them with their rows, the machine's record (JSON), and the seconds that they took.
+@dataclass(eq=False)
+class _Kept:
+    """A supervisor, the run that it belongs to, and what states whether it is still needed."""
 
-    Dask cannot interrupt a thread. When the parent has released the batch, was killed or has lost the scheduler, the
-    trial processes are ended from another thread.
+    run: str
+    supervisor: Supervisor
+    is_needed: Callable[[], bool]
+    is_idle: bool = False
+
+
+def work(run: str, task: Task, trial: Trial) -> tuple[Row, str]:
+    """Make a trial; return its row and the machine's record (JSON).
+
+    Dask cannot interrupt a thread. When the parent has released the trial, was killed or has lost the scheduler, the
+    trial's processes are ended from another thread.
 
     Args:
-        run: a unique name of the run, whose batches may share trial processes.
+        run: a unique name of the run, whose trials may share processes.
         task: what all its trials have in common.
-        trials: the batch.
+        trial: the trial.
 
     Raises:
         BenchError: when this worker has another version of the package than the parent.
-        KilledError: when the parent no longer waits for the batch.
+        KilledError: when the parent no longer waits for the trial.
     """
-    version = provenance.package()
-    if version != task.package:
-        raise BenchError(
-            f"a worker on {provenance.host()} runs {version}, the run itself {task.package}; install the same version "
-            "on both"
-        )
+    if (version := provenance.package()) != task.package:
+        raise BenchError(f"a worker on {provenance.host()} runs {version}, the run itself {task.package}")
     with _checking:
-        if run not in _machines:
-            _machines[run] = _machine(task)
-        machine = _machines[run]
-    began = monotonic()
+        machine = _machines.get(run) or _machines.setdefault(run, _machine(task))
     is_wanted = _is_wanted()
     with _lock:
         _start_watch()
-        supervisor = next((idle for idle, its_run in _idle.items() if its_run == run), None) or Supervisor(task)
-        _idle.pop(supervisor, None)
-        _wanted[supervisor] = is_wanted
-    made = [(trial, supervisor.make(trial)) for trial in trials]
+        kept = next((each for each in _kept if each.is_idle and each.run == run), None)
+        if kept is None:
+            _kept.append(kept := _Kept(run, Supervisor(task), is_wanted))
+        kept.is_needed, kept.is_idle = is_wanted, False
+    row = kept.supervisor.make(trial)
     ended = monotonic()
     with _lock:
-        if supervisor in _wanted and is_wanted():
-            _idle[supervisor] = run
-            _wanted[supervisor] = lambda: run not in _ended and monotonic() - ended < IDLE
-    return made, machine, ended - began
-
-
-def end(run: str) -> None:
-    """End the idle trial processes of a run."""
-    _ended.add(run)
+        kept.is_needed, kept.is_idle = lambda: monotonic() - ended < IDLE, True
+    return row, machine
 
 
 def _is_wanted() -> Callable[[], bool]:
-    """Return a function that states whether the parent waits for the batch that this thread makes."""
+    """Return a function that states whether the parent waits for the trial that this thread makes."""
     from distributed import get_worker
 
     worker = get_worker()
     key = worker.get_current_task()
 
     def is_wanted() -> bool:
-        batch = worker.state.tasks.get(key)
-        return batch is not None and batch.state == "executing"
+        task = worker.state.tasks.get(key)
+        return task is not None and task.state == "executing"
 
     return is_wanted
 
@@ -94,10 +90,9 @@ def _watch() -> None:
     while True:
         sleep(LOOK)
         with _lock:
-            for supervisor in [begun for begun, is_wanted in _wanted.items() if not is_wanted()]:
-                supervisor.kill()
-                _idle.pop(supervisor, None)
-                del _wanted[supervisor]
+            for kept in [each for each in _kept if not each.is_needed()]:
+                kept.supervisor.kill()
+                _kept.remove(kept)
 
 
 def _machine(task: Task) -> str:

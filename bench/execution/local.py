@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from itertools import islice
 from queue import SimpleQueue
-from threading import Lock
 
 from bench.execution.job import Task
-from bench.execution.supervisor import KilledError, Supervisor
+from bench.execution.supervisor import Supervisor
 from bench.trial import Row, Trial
 
 OnBegin = Callable[[int, Trial], None]
@@ -16,10 +16,7 @@ Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that ma
 
 
 class Local:
-    """A context of a thread for each of ``jobs``, which supervises the processes that make its trials.
-
-    They are kept for the next trials of the same task.
-    """
+    """A context of ``jobs`` supervisors of processes, which are kept for the next trials of the same task."""
 
     def __init__(self, jobs: int) -> None:
         self.jobs = jobs
@@ -42,8 +39,6 @@ class Local:
     ) -> Iterator[Answer]:
         """Yield each missing trial with its row and its machine's record as they finish, in any order.
 
-        Trials are not handed out one by one: that would cost more than all else that this process does for one.
-
         Args:
             task: what all trials have in common.
             machine: the record (JSON) of this machine.
@@ -53,36 +48,29 @@ class Local:
         if self._task is not task or not self._supervisors:
             self._end()
             self._task, self._supervisors = task, [Supervisor(task) for _ in range(self.jobs)]
-        trials = iter(missing())
-        made: SimpleQueue[tuple[Trial, Row] | BaseException | None] = SimpleQueue()
-        turn = Lock()
+        idle: SimpleQueue[int] = SimpleQueue()
+        for job in range(self.jobs):
+            idle.put(job)
 
-        def begun(job: int) -> Trial | None:
-            with turn:
-                trial = next(trials, None)
-                if trial is not None and on_begin is not None:
-                    on_begin(job, trial)
-                return trial
-
-        def supervise(job: int, supervisor: Supervisor) -> None:
+        def make(trial: Trial) -> Answer:
+            job = idle.get()  # there is one for each thread
             try:
-                while (trial := begun(job)) is not None:
-                    made.put((trial, supervisor.make(trial)))
-            except KilledError:
-                pass
-            except BaseException as error:
-                made.put(error)
-            made.put(None)
+                if on_begin is not None:
+                    on_begin(job, trial)
+                return trial, self._supervisors[job].make(trial), machine
+            finally:
+                idle.put(job)
 
         with ThreadPoolExecutor(self.jobs) as pool:  # which waits for its threads
             try:
-                for job, supervisor in enumerate(self._supervisors):
-                    pool.submit(supervise, job, supervisor)
-                for _ in range(self.jobs):
-                    while (answer := made.get()) is not None:
-                        if isinstance(answer, BaseException):
-                            raise answer
-                        yield *answer, machine
+                trials = iter(missing())
+                begun = {pool.submit(make, trial) for trial in islice(trials, 2 * self.jobs)}  # so that none waits
+                while begun:
+                    done, begun = wait(begun, return_when=FIRST_COMPLETED)
+                    begun |= {pool.submit(make, trial) for trial in islice(trials, len(done))}
+                    for future in done:
+                        yield future.result()
             except BaseException:  # GeneratorExit, too
+                pool.shutdown(wait=False, cancel_futures=True)
                 self._end()
                 raise

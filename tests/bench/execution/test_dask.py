@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from itertools import repeat
 from pathlib import Path
 
 import psutil
@@ -108,7 +109,7 @@ def _address(file):
 
 @pytest.fixture
 def machines(tmp_path, monkeypatch, request):
-    """Start a scheduler; a parameter is the number of workers that a batch may lose before dask gives it up."""
+    """Start a scheduler; a parameter is the number of workers that a trial may lose before dask gives it up."""
     monkeypatch.setattr(cluster, "RETURN", PATIENCE)  # a test that loses more than it means to shall end
     folder = tmp_path / "machines"
     folder.mkdir()
@@ -225,21 +226,12 @@ def test_the_third_worker_in_a_row_that_is_killed_ends_the_run(times, ends, mach
 
 
 @pytest.mark.slow
-def test_short_trials_are_sent_in_batches_and_nothing_is_left_at_the_end(machines, small_study, tmp_path, monkeypatch):
-    submit, sizes = distributed.Client.submit, []
-
-    def count(self, work, name, task, batch, **options):
-        sizes.append(len(batch))
-        return submit(self, work, name, task, batch, **options)
-
-    monkeypatch.setattr(distributed.Client, "submit", count)
+def test_every_trial_is_made_once_and_nothing_is_left_at_the_end(machines, small_study, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "QUEUED", 1)
-    monkeypatch.setattr(cluster, "LARGEST", 7)
     worker = psutil.Process(machines.worker("one").pid)
-    assert machines.run(replace(small_study, trials=50), tmp_path / "out").made == 300
-    assert sum(sizes) == 300 + 3  # one of each optimizer is made again
-    assert (sizes[0], max(sizes)) == (1, 7)
-    until(lambda: not worker.children(), "the idle processes to end", patience=dask_worker.IDLE / 2)
+    assert machines.run(replace(small_study, trials=5), tmp_path / "out").made == 30
+    assert len(load_results(tmp_path / "out")) == 30
+    until(lambda: not worker.children(), "the idle processes to end")
 
 
 @pytest.mark.slow
@@ -247,21 +239,21 @@ def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
     monkeypatch.setattr(dask_worker, "LOOK", 0.1)
     monkeypatch.setattr(dask_worker, "IDLE", 0.5)
     monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: True)
-    task, trials = Task(small_study), list(small_study.plan())
+    task, trial = Task(small_study), next(small_study.plan())
     before = set(psutil.Process().children())
 
     def started():
         return set(psutil.Process().children()) - before
 
-    first, _, _ = dask_worker.work("run", task, trials[:2])
+    first, _ = dask_worker.work("run", task, trial)
     kept = started()
-    second, _, _ = dask_worker.work("run", task, trials[:2])
-    assert [row["fun"] for _, row in first] == [row["fun"] for _, row in second]
-    assert started() == kept, "the second batch starts no process"
+    second, _ = dask_worker.work("run", task, trial)
+    assert first["fun"] == second["fun"]
+    assert started() == kept, "the second trial starts no process"
     until(lambda: not started(), "the idle processes to end")
     monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: False)
     with pytest.raises(KilledError):
-        dask_worker.work("run", task, trials * 1000)
+        list(map(dask_worker.work, repeat("run"), repeat(task), repeat(trial)))
     assert not started()
 
 
