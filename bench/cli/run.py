@@ -134,9 +134,11 @@ def command(
     settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
     if matched:
-        from bench.execution.matched import with_controls
+        from bench.conditions.matched import with_controls
+        from bench.execution.job import Task
+        from bench.execution.supervisor import check as load
 
-        chosen = with_controls(chosen, untrusted)
+        chosen = with_controls(chosen, load(Task.of(chosen, untrusted)).descriptions)  # by processes of their own
         if not chosen.controls:
             print_line(
                 "no control is missing: no optimizer can run under a condition of another one that it does not have",

@@ -10,10 +10,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
+from bench.conditions import descriptions
+from bench.conditions.descriptions import Description, Descriptions, accepting, read
 from bench.errors import PROBLEM_FAILED, BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
-from bench.execution.descriptions import Description, Descriptions, accepting, read
 from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
 from bench.plugins import from_file
@@ -115,7 +116,7 @@ def _checked(first: ForkServer, task: Task) -> Checked:
         described = {entry.label: Description() for entry in study.with_controls}
         for package, labels in study.packages().items():
             with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
-                answer = packages[package].call(trial_process.descriptions, study, labels, seconds=DESCRIBING)
+                answer = packages[package].call(descriptions.describe, study, labels, seconds=DESCRIBING)
                 described |= read(answer, labels)
         return described
 

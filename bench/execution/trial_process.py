@@ -19,9 +19,8 @@ from bench import scoring
 from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.execution import apart
 from bench.execution.answers import Box
-from bench.helpers.text import option, printable
+from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
-from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import from_file
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
@@ -66,28 +65,6 @@ def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
         return {"hashes": hashes, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
-
-
-def descriptions(study: Study, labels: list[str]) -> dict[str, Any]:
-    """Return BibTeX, parameters and defaults of optimizers by label, without those that cannot be loaded.
-
-    ``values`` and ``defaults`` are texts by name of the parameter. A class attribute of the name of a condition that
-    reports compare (:data:`bench.optimizer.CONDITIONS`) counts as a parameter without a choice.
-    """
-    described: dict[str, Any] = {}
-    for label in labels:
-        with contextlib.suppress(Exception):  # a plug-in may raise anything
-            optimizer = study.optimizer(label)
-            chosen = settings(optimizer)
-            fixed = {
-                name: getattr(optimizer, name) for name in CONDITIONS if name not in chosen and hasattr(optimizer, name)
-            }
-            described[label] = {
-                "bibtex": optimizer.bibtex,
-                "values": {name: option(value) for name, value in (chosen | fixed).items()},
-                "defaults": {name: option(value) for name, value in (defaults(optimizer) | fixed).items()},
-            }
-    return described
 
 
 def load_problem(label: str) -> dict[str, Any] | str:

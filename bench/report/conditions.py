@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench.execution.descriptions import Description
+from bench.conditions.descriptions import Description
 from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.plugins.loading import is_built_in

@@ -23,8 +23,8 @@ from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
 from bench.analysis.integrity import undeclared
 from bench.analysis.pairwise import RESAMPLES
+from bench.conditions.descriptions import Description
 from bench.errors import BenchError
-from bench.execution.descriptions import Description
 from bench.helpers.bibtex import Work, parse, read
 from bench.report import problem_words
 from bench.report.conditions import conditions

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import struct
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ LONGEST = 1 << 26
 _HEAD = struct.Struct("<QQ")  # the call's number, and the number of bytes that follow
 _CHUNK = 1 << 18
 _FILES = 4  # that may go with one message
-_CLOSED = getattr(socket, "MSG_CMSG_CLOEXEC", 0)  # in programs that plug-in code starts
+_FIRST = 10  # the least number of a file that came with a message
 
 
 class BrokenChannelError(RuntimeError):
@@ -95,6 +96,15 @@ class Channel:
     def _read(self) -> bytes:
         if not self._takes_files:
             return self._end.recv(_CHUNK)
-        chunk, files, _, _ = socket.recv_fds(self._end, _CHUNK, _FILES, _CLOSED)
-        self.files += files
+        chunk, files, _, _ = socket.recv_fds(self._end, _CHUNK, _FILES)
+        self.files += map(_moved, files)
         return chunk
+
+
+def _moved(file: int) -> int:
+    """Move an open file out of the numbers of the standard streams, which plug-in code may have closed."""
+    import fcntl
+
+    moved = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FIRST)
+    os.close(file)
+    return moved

@@ -15,8 +15,8 @@ from typing import cast
 import pandas as pd
 
 from bench import analysis
-from bench.execution.descriptions import Descriptions, noted
-from bench.execution.matched import matched
+from bench.conditions.descriptions import Descriptions, noted
+from bench.conditions.matched import matched
 from bench.report.findings.anytime import BEST, Anytime
 from bench.report.findings.controls import Controls
 from bench.report.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Display

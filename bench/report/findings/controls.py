@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench.analysis.across import improvement_of
 from bench.analysis.strata import strata
-from bench.execution.matched import Matched, algorithms
+from bench.conditions.matched import Matched, algorithms
 from bench.helpers.console import duration
 from bench.plugins import registry
 from bench.report.findings.final import Final

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from bench import Results, Study
-from bench.execution.descriptions import Description, noted
+from bench.conditions.descriptions import Description, noted
 from bench.execution.supervisor import Task, check
 from bench.report import conditions
 from bench.report.conditions import conditions_table

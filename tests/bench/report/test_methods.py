@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from bench.analysis import Levels
 from bench.analysis.comparable import Comparable
-from bench.execution.descriptions import Description
+from bench.conditions.descriptions import Description
 from bench.helpers.bibtex import parse
 from bench.plugins import registry
 from bench.report.methods import (

@@ -8,7 +8,9 @@ import pandas as pd
 import pytest
 
 from bench import Study, solve
-from bench.execution.matched import with_controls
+from bench.conditions.matched import with_controls
+from bench.execution.job import Task
+from bench.execution.supervisor import check
 from bench.plugins.loading import load_problem
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -27,7 +29,8 @@ def compared():
 
 def test_it_is_whole_and_of_the_shipped_study(controls):
     study = Study.load(FOLDER / "study.toml")
-    assert study == with_controls(Study.load("thesis"))
+    thesis = Study.load("thesis")
+    assert study == with_controls(thesis, check(Task.of(thesis)).descriptions)
     assert len(controls) == len(study.problems) * len(study.controls) * study.trials == 2700
     assert (controls["status"] == "ok").all()
     assert controls["seed"].is_unique

@@ -6,9 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from bench.execution.descriptions import Description, Values, value_of
-from bench.execution.job import Task
-from bench.execution.supervisor import check
+from bench.conditions.descriptions import Description, Values, value_of
 from bench.helpers.text import free
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study
@@ -30,23 +28,13 @@ class Matched:
     apart: dict[str, list[str]]
 
 
-def with_controls(study: Study, untrusted: bool = False) -> Study:
-    """Return the study with each of its optimizers under the conditions of the others, as controls.
-
-    No plug-in is loaded in this process.
-
-    Raises:
-        BenchError: for a study whose plug-ins cannot be loaded, as :func:`bench.execution.supervisor.check` does.
-    """
-    descriptions = check(Task.of(study, untrusted)).descriptions
-    return replace(study, controls=(*study.controls, *missing(study, matched(study, descriptions))))
-
-
-def missing(study: Study, conditions: list[Matched]) -> list[Entry]:
-    """Return the controls that a study lacks."""
+def with_controls(study: Study, descriptions: Mapping[str, Description]) -> Study:
+    """Return the study with each of its optimizers under the conditions of the others, as controls."""
+    conditions = matched(study, descriptions)
     wanted = {entry.label: entry for condition in conditions for entry in condition.entries.values()}
     present = {entry.label for entry in study.with_controls}
-    return [entry for label, entry in wanted.items() if label not in present]
+    missing = (entry for label, entry in wanted.items() if label not in present)
+    return replace(study, controls=(*study.controls, *missing))
 
 
 def algorithms(study: Study) -> dict[str, str]:
@@ -60,7 +48,7 @@ def matched(study: Study, descriptions: Mapping[str, Description]) -> list[Match
 
     Args:
         study: with the controls that it has already.
-        descriptions: of its optimizers and controls (:class:`bench.execution.descriptions.Description`); those whose
+        descriptions: of its optimizers and controls (:class:`bench.conditions.descriptions.Description`); those whose
             parameters are not known take no part.
     """
     present = {label: about.conditions for label, about in descriptions.items() if about.values is not None}

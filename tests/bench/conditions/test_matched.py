@@ -4,9 +4,12 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, run
-from bench.execution.descriptions import noted
-from bench.execution.matched import algorithms, matched, with_controls
+from bench.conditions import matched as module
+from bench.conditions.descriptions import noted
+from bench.conditions.matched import algorithms, matched
+from bench.execution.job import Task
 from bench.execution.runner import plan
+from bench.execution.supervisor import check
 from bench.storage.folder import Folder
 from bench.storage.merge import merge
 
@@ -14,6 +17,10 @@ from bench.storage.merge import merge
 def study(*optimizers, **changes):
     head = {"name": "s", "trials": 2, "budget": 60, "problems": [{"name": "sphere-2"}]}
     return Study.from_dict(head | {"optimizers": list(optimizers)} | changes)
+
+
+def with_controls(own):
+    return module.with_controls(own, check(Task.of(own)).descriptions)
 
 
 def found(own):

@@ -7,13 +7,13 @@ report starts no process and loads no stranger's code.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from bench.execution import trial_process
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import option, printable
-from bench.optimizer import CONDITIONS
+from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import loading
 from bench.study import Entry, Study
 
@@ -94,7 +94,29 @@ def _here(study: Study) -> Descriptions:
     """Return the descriptions of the optimizers that come with the harness, and empty ones of the others."""
     built_in = [entry.label for entry in study.with_controls if loading.is_built_in(entry.name)]
     empty = {entry.label: Description() for entry in study.with_controls}
-    return empty | read(trial_process.descriptions(study, built_in), built_in)
+    return empty | read(describe(study, built_in), built_in)
+
+
+def describe(study: Study, labels: list[str]) -> dict[str, Any]:
+    """Return BibTeX, parameters and defaults of optimizers by label, without those that cannot be loaded.
+
+    ``values`` and ``defaults`` are texts by name of the parameter. A class attribute of the name of a condition that
+    reports compare (:data:`bench.optimizer.CONDITIONS`) counts as a parameter without a choice.
+    """
+    described: dict[str, Any] = {}
+    for label in labels:
+        with suppress(Exception):  # a plug-in may raise anything
+            optimizer = study.optimizer(label)
+            chosen = settings(optimizer)
+            fixed = {
+                name: getattr(optimizer, name) for name in CONDITIONS if name not in chosen and hasattr(optimizer, name)
+            }
+            described[label] = {
+                "bibtex": optimizer.bibtex,
+                "values": {name: option(value) for name, value in (chosen | fixed).items()},
+                "defaults": {name: option(value) for name, value in (defaults(optimizer) | fixed).items()},
+            }
+    return described
 
 
 def value_of(text: str) -> Any:

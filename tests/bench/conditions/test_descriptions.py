@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from bench import Results, Study, load_optimizer, run, write_report
-from bench.execution.descriptions import Description, noted
+from bench.conditions.descriptions import Description, noted
 from bench.execution.job import Task
 from bench.execution.supervisor import check
 from bench.sandbox.process import Process

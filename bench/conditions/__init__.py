@@ -1,0 +1,1 @@
+"""The conditions of a comparison: what optimizers print of themselves, and controls under matched conditions."""
