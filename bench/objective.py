@@ -17,6 +17,7 @@ from bench.problem import Problem
 from bench.typing import Flags, Floats
 
 _LONGEST_REASON = 200  # characters
+IMPROVEMENT = 16  # bytes: its evaluation as int64, its value as float64
 _WORTH_COMPILING = 10_000  # coordinates of points, with which an interpreter is busy for a few milliseconds
 
 
@@ -43,6 +44,22 @@ class Trace:
         """Return the best-so-far value after each of the given evaluation counts, +inf before the first."""
         position = np.searchsorted(self.evaluations, np.asarray(evaluations), side="right")
         return np.concatenate(([np.inf], self.values))[position]
+
+    def packed(self) -> bytes:
+        """Return the trace as bytes: m little-endian int64 evaluation counts, then m float64 best-so-far values."""
+        return self.evaluations.astype("<i8").tobytes() + self.values.astype("<f8").tobytes()
+
+    @classmethod
+    def unpacked(cls, packed: bytes | memoryview) -> "Trace":
+        """Return the trace that :meth:`packed` packed; its arrays share the memory of the bytes.
+
+        Raises:
+            ValueError: when the number of bytes fits no trace.
+        """
+        if len(packed) % IMPROVEMENT:
+            raise ValueError(f"{len(packed)} bytes are no trace")
+        half = len(packed) // 2
+        return cls(np.frombuffer(packed[:half], dtype="<i8"), np.frombuffer(packed[half:], dtype="<f8"))
 
 
 class Objective:
@@ -78,11 +95,11 @@ class Objective:
         self.integer = integer_flags(problem)
         self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
         self.outside_box = 0
-        self.seconds = 0.0  # spent inside the problem's evaluate
-        self.best_value = np.inf
+        self.objective_s = 0.0  # spent inside the problem's evaluate
+        self.fun = np.inf  # the lowest value so far
         self.best_point: Floats | None = None
         self._budget = budget
-        self._evaluations = 0
+        self._nfev = 0
         self._stop_reason: str | None = None
         self.raised: BaseException | None = None  # by the problem's own code, at points in the box
         self._problem = problem
@@ -106,9 +123,9 @@ class Objective:
         return self._budget
 
     @property
-    def evaluations(self) -> int:
+    def nfev(self) -> int:
         """The number of evaluations made."""
-        return self._evaluations
+        return self._nfev
 
     @property
     def stop_reason(self) -> str | None:
@@ -118,7 +135,7 @@ class Objective:
     @property
     def remaining(self) -> int:
         """The number of evaluations left."""
-        return self._budget - self._evaluations
+        return self._budget - self._nfev
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
@@ -155,7 +172,7 @@ class Objective:
             raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
         rows = points.reshape(-1, d)
         with self._lock:
-            remaining = self._budget - self._evaluations
+            remaining = self._budget - self._nfev
             allowed = rows if len(rows) <= remaining else rows[:remaining]
             try:
                 values = self._evaluate(allowed)
@@ -182,22 +199,22 @@ class Objective:
         points = rows.copy()  # the problem may write into it, or keep it
         began = perf_counter()
         returned = self._values(points)
-        self.seconds += perf_counter() - began
+        self.objective_s += perf_counter() - began
         values = as_values(self._problem, returned, n)
         lowest, outside = self._scan(rows, values, self._box)
         if lowest == -np.inf:
             raise minus_infinity(self._problem)
         self.outside_box += outside
-        if lowest < self.best_value:
-            best_before = np.minimum.accumulate(np.append(self.best_value, values[:-1]))
+        if lowest < self.fun:
+            best_before = np.minimum.accumulate(np.append(self.fun, values[:-1]))
             better = np.flatnonzero(values < best_before)
-            self._improved_at += (better + (self._evaluations + 1)).tolist()
+            self._improved_at += (better + (self._nfev + 1)).tolist()
             self._improved_to += values[better].tolist()
-            self.best_value = self._improved_to[-1]
+            self.fun = self._improved_to[-1]
             self.best_point = rows[better[-1]].copy()
         elif self.best_point is None:
             self.best_point = rows[0].copy()
-        self._evaluations += n
+        self._nfev += n
         return values
 
     def _values(self, x: Floats) -> ArrayLike:

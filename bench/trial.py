@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from bench import scoring
+from bench.columns import MEASURED, RESERVED, Measured, Row, packed
 from bench.errors import ProblemError
 from bench.helpers.text import html_table, listed
 from bench.objective import BudgetExhausted, Objective, Trace
@@ -18,26 +19,11 @@ from bench.problem import Problem
 from bench.seeds import streams
 from bench.typing import Floats
 
-FRAME_COLUMNS = (
-    "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
-    "stop", "outside_box", "error",
-)  # fmt: skip
-"""The tidy frame's own columns; one ``x_<variable>`` for each variable and the domain metrics follow."""
-
-PRECISION = "precision"
-"""The column of the tidy frame that is computed when it is read: the objective value less the known optimum."""
-
-FEATURES = ("suite", "function", "dimension", "instance", "group")
-"""The columns of the tidy frame that say of which kind a problem is, as it loads where the frame is read."""
-
 ROUNDING = 1e-9
 """By how much a value may differ, relative to itself, when its point is evaluated again."""
 
 _SPREADS = 100.0  # times the differences seen among batches: a value near 0 is a difference of larger terms
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
-
-Row = dict[str, Any]
-"""A trial's columns by name, as :func:`as_row` makes them and :mod:`bench.storage.store` keeps them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,41 +44,40 @@ class Trial:
         """The identity of the trial within its study."""
         return self.problem, self.optimizer, self.number
 
+    @property
+    def columns(self) -> Row:
+        """The columns of the trial's row that are known before it is made."""
+        return {"problem": self.problem, "optimizer": self.optimizer, "trial": self.number, "seed": self.seed}
 
-@dataclass(frozen=True)
-class Result:
+
+@dataclass(frozen=True, kw_only=True)
+class Result(Measured):
     """The result of a trial: the best point, its value and the resources used.
+
+    Beside these attributes it has ``fun``, ``nfev``, ``wall_s`` and all others that the tidy frame has of the search
+    (:class:`bench.columns.Measured`).
 
     Attributes:
         x: (d,) the best point.
-        fun: its objective value.
-        nfev: evaluations made.
         trace: the best-so-far value over evaluations.
-        time: wall seconds of the whole search.
-        cpu_time: processor seconds of the same.
-        objective_time: wall seconds inside the problem's evaluate; the optimizer's overhead is ``time`` less this.
-        stop: ``"budget"``, or the reason the optimizer declared, or ``"undeclared"`` when it declared none.
-        outside_box: evaluations spent outside the box.
         metrics: the problem's domain metrics of ``x``.
         seed: the seed that repeats the trial.
     """
 
     x: Floats
-    fun: float
-    nfev: int
     trace: Trace
-    time: float
-    cpu_time: float
-    objective_time: float
-    stop: str
-    outside_box: int
     metrics: dict[str, float]
     seed: int
 
     @property
-    def overhead_time(self) -> float:
+    def time(self) -> float:
+        """Wall seconds of the whole search, as ``wall_s``."""
+        return self.wall_s
+
+    @property
+    def overhead_s(self) -> float:
         """Wall seconds that the optimizer itself took."""
-        return self.time - self.objective_time
+        return self.wall_s - self.objective_s
 
     def __repr__(self) -> str:
         """Return the result in a few lines: the trace and a long point are shortened."""
@@ -101,7 +86,7 @@ class Result:
         return (
             f"Result(fun={self.fun!r}, x=[{point}]{metrics},\n"
             f"       nfev={self.nfev}, stop={self.stop!r}, improvements={len(self.trace.values)}, "
-            f"time={self.time:.3g}, seed={self.seed})"
+            f"time={self.wall_s:.3g}, seed={self.seed})"
         )
 
     def _repr_html_(self) -> str:
@@ -111,7 +96,7 @@ class Result:
             ("best point", listed([f"{coordinate:.6g}" for coordinate in self.x], 10)),
             *((name, f"{value:.6g}") for name, value in self.metrics.items()),
             ("evaluations", f"{self.nfev:,} (stopped by: {self.stop})"),
-            ("time", f"{self.objective_time:.3f} s in the objective, {self.overhead_time:.3f} s in the optimizer"),
+            ("time", f"{self.objective_s:.3f} s in the objective, {self.overhead_s:.3f} s in the optimizer"),
             ("seed", self.seed),
         ]
         return html_table("Result of one run", rows)
@@ -167,19 +152,9 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, returned: o
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
     stop = "budget" if objective.remaining == 0 else objective.stop_reason
-    return Result(
-        x=objective.best_point,
-        fun=objective.best_value,
-        nfev=objective.evaluations,
-        trace=objective.trace,
-        time=wall,
-        cpu_time=cpu,
-        objective_time=objective.seconds,
-        stop="undeclared" if stop is None else stop,
-        outside_box=objective.outside_box,
-        metrics={},
-        seed=seed,
-    )
+    clocked: Row = {"wall_s": wall, "cpu_s": cpu, "stop": "undeclared" if stop is None else stop}
+    counted = {column.name: getattr(objective, column.name) for column in MEASURED if column.name not in clocked}
+    return Result(**clocked, **counted, x=objective.best_point, trace=objective.trace, metrics={}, seed=seed)
 
 
 def doubt(result: Result, problem: Problem) -> str:
@@ -221,39 +196,31 @@ def doubt(result: Result, problem: Problem) -> str:
     )
 
 
-def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
-    """Return the result as the columns of its store row (see bench.storage.store).
+def as_row(result: Result, variables: tuple[str, ...]) -> Row:
+    """Return the row of a finished trial from its result; see :func:`finished`."""
+    return finished(measured(result), variables, result.x, numbers(result.metrics), result.trace)
+
+
+def measured(result: Result) -> Row:
+    """Return those columns of a result's row that are single values."""
+    return {column.name: getattr(result, column.name) for column in MEASURED}
+
+
+def finished(
+    measured: Mapping[str, Any], variables: tuple[str, ...], x: Floats, metrics: Mapping[str, float], trace: Trace
+) -> Row:
+    """Return the row of a finished trial as the store keeps it.
 
     Raises:
         ValueError: when variables or domain metrics cannot be columns: variable names are missing or repeated, a metric
             has the name of a column of the frame or is no number.
     """
-    if len(set(variables)) != len(result.x):
-        raise ValueError(f"the problem names {len(set(variables))} different variables for {len(result.x)} dimensions")
-    metrics = numbers(result.metrics)
-    reserved = sorted(name for name in metrics if name in (*FRAME_COLUMNS, PRECISION) or name.startswith("x_"))
-    if reserved:
+    if len(set(variables)) != len(x):
+        raise ValueError(f"the problem names {len(set(variables))} different variables for {len(x)} dimensions")
+    if reserved := sorted(name for name in metrics if name in RESERVED or name.startswith("x_")):
         raise ValueError(f"the problem's describe() uses a name of the tidy frame: {reserved[0]!r}")
-    return {
-        "status": "ok",
-        **measured(result),
-        "x": dict(zip(variables, result.x.tolist(), strict=True)),
-        "metrics": metrics,
-        "trace": result.trace,
-    }
-
-
-def measured(result: Result) -> dict[str, Any]:
-    """Return those columns of a result's row that are single values."""
-    return {
-        "fun": result.fun,
-        "nfev": result.nfev,
-        "wall_s": result.time,
-        "cpu_s": result.cpu_time,
-        "objective_s": result.objective_time,
-        "stop": result.stop,
-        "outside_box": result.outside_box,
-    }
+    point = dict(zip(variables, x.tolist(), strict=True))
+    return packed({"status": "ok", **measured, "x": point, "metrics": metrics, "trace": trace})
 
 
 def numbers(metrics: Mapping[Any, Any]) -> dict[str, float]:

@@ -81,18 +81,18 @@ class MealpyOptimizer(Constructed):
         model.initialization()
         model.after_initialization()
         model.before_main_loop()
-        start, idle = objective.evaluations, 0
+        start, idle = objective.nfev, 0
         for epoch in count(1):
             if not objective.remaining:
                 return
-            before = objective.evaluations
+            before = objective.nfev
             model.epoch = max(LEAST_EPOCHS, epoch - 1 - int(-objective.remaining // cost))
             model.evolve(epoch)
             ordered, model.g_best = model.update_global_best_agent(model.pop)
             if model.sort_flag:
                 model.pop = ordered
-            cost = max((objective.evaluations - start) / epoch, 1 / IDLE_EPOCHS)
-            idle = 0 if objective.evaluations > before else idle + 1
+            cost = max((objective.nfev - start) / epoch, 1 / IDLE_EPOCHS)
+            idle = 0 if objective.nfev > before else idle + 1
             if idle == IDLE_EPOCHS:
                 objective.stop(f"no evaluation in {IDLE_EPOCHS} epochs")
                 return

@@ -12,6 +12,7 @@ import numpy as np
 from _rows import Rows, apart, main, short
 
 from bench import Study
+from bench.columns import packed
 from bench.formats.archive import pack
 from bench.objective import Trace
 from bench.storage.folder import Folder
@@ -40,7 +41,7 @@ def archive(path: Path, study: Study) -> Path:
         environment = writer.environment({"python": sys.version.split()[0], "ended": "2026-01-01T00:00:00+00:00"})
         for trial in study.plan():
             values = np.sort(rng.normal(size=IMPROVEMENTS))[::-1]
-            writer.add(trial, row(values, int(trial.problem.split("-d")[1].split("-")[0])), environment)
+            writer.add(trial, packed(row(values, int(trial.problem.split("-d")[1].split("-")[0]))), environment)
     folder.write_environments()
     return pack(path).path
 

@@ -17,8 +17,8 @@ from _rows import Rows, apart, main, short
 from scale import OPTIMIZERS, PROBLEMS, STUDY
 
 from bench import Study, Trace
+from bench.columns import packed
 from bench.storage.folder import Folder
-from bench.storage.rows import stored
 from bench.trial import Trial
 
 TRIALS = 250_000
@@ -59,7 +59,7 @@ def make(folder: Folder, trials: int) -> None:
         number = writer.environment({"host": "here"})
         for place in range(trials):
             trial, row = made(rng, place % CELLS, place // CELLS)
-            writer.put(stored(trial, row) | {"environment": number})
+            writer.put(packed(row) | trial.columns | {"environment": number})
 
 
 def made(rng: random.Random, cell: int, number: int) -> tuple[Trial, dict[str, object]]:

@@ -51,7 +51,7 @@ def overhead(optimizer: Optimizer, seed: int, generations: int = GENERATIONS) ->
     began = perf_counter()
     with suppress(BudgetExhausted):
         optimizer.minimize(objective, search)
-    return (perf_counter() - began - objective.seconds) / (objective.evaluations / AGENTS) * 1e3
+    return (perf_counter() - began - objective.objective_s) / (objective.nfev / AGENTS) * 1e3
 
 
 if __name__ == "__main__":

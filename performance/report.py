@@ -15,9 +15,9 @@ from _rows import Cost, Rows, apart, main, short, times
 from joblib import cpu_count
 
 from bench import Study, Trace
+from bench.columns import packed
 from bench.problem import Problem
 from bench.storage.folder import Folder
-from bench.storage.rows import stored
 from bench.trial import Row, Trial
 
 STUDY = {
@@ -80,7 +80,7 @@ def made(folder: Path, suite: dict[str, object], optimizers: int) -> Path:
         for trial in study.plan():
             problem = problems[trial.problem]
             budget = study.evaluations(len(problem.lower))
-            writer.put(stored(trial, row(trial, problem, skills[trial.optimizer], budget)))
+            writer.put(packed(row(trial, problem, skills[trial.optimizer], budget)) | trial.columns)
     return folder
 
 

@@ -25,9 +25,8 @@ from bench.execution.verify import HASH_SEED
 from bench.plugins import from_file
 from bench.sandbox import bubblewrap
 from bench.storage.results import load_results
-from bench.storage.rows import disagreement, stored
+from bench.storage.rows import disagreement
 from bench.study import Study
-from bench.trial import Trial
 
 LAYOUT = 1  # of the record; a key that changes its meaning or goes raises it, a new key does not
 FUNCTIONS = ("ellipsoid", "rosenbrock", "sharp-ridge", "rastrigin", "ackley", "griewank")
@@ -136,13 +135,13 @@ def _made_twice(study: Study, timeout: float) -> dict[str, Any]:
     task = replace(check(Task.of(alone, untrusted=True)).task, timeout=timeout)
     trial = next(iter(alone.plan()))
     rows = [make_one(replace(task, hash_seed=hash_seed), trial) for hash_seed in (0, HASH_SEED)]
-    return {"problem": trial.problem, "trial": trial.number} | _difference(trial, *rows)
+    return {"problem": trial.problem, "trial": trial.number} | _difference(*rows)
 
 
-def _difference(trial: Trial, one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
+def _difference(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
     if lost := next((row["error"] for row in (one, other) if row["status"] != "ok"), ""):
         return {"same": False, "difference": f"a trial did not finish: {lost}"}
-    name = disagreement(stored(trial, one), stored(trial, other))
+    name = disagreement(one, other)
     return {"same": not name, "difference": f"{name} differs where a trial is made again" if name else ""}
 
 

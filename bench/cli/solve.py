@@ -16,8 +16,8 @@ from bench.helpers.text import said
 from bench.sandbox.messages import describe_error
 
 if TYPE_CHECKING:
+    from bench.columns import Row
     from bench.study.budget import Budget
-    from bench.trial import Row
 
 Named = tuple[str, dict[str, Any]]  # a plug-in's name and its options
 
@@ -45,6 +45,7 @@ def command(
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
+    from bench.columns import named
     from bench.scoring.constraints import DEFAULT
     from bench.study.budget import checked
 
@@ -59,8 +60,8 @@ def command(
     objective = row["objective_s"]
     rows = [
         ("best value, without noise" if row.get("noisy") else "best value", repr(row["fun"])),
-        *((f"  {name}", f"{value:.10g}") for name, value in row["x"].items()),
-        *((name, f"{value:.6g}") for name, value in row["metrics"].items()),
+        *((f"  {name}", f"{value:.10g}") for name, value in named(row, "x").items()),
+        *((name, f"{value:.6g}") for name, value in named(row, "metrics").items()),
         ("evaluations", f"{row['nfev']} (stopped by: {row['stop']})"),
         ("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer"),
     ]

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
+from bench.columns import Row, named
 from bench.execution.local import Answer
 from bench.helpers.text import count
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
-from bench.storage.rows import disagreement, named, stored
+from bench.storage.rows import disagreement
 from bench.storage.store import Store
-from bench.trial import Row, Trial
+from bench.trial import Trial
 
 
 class Repetition:
@@ -58,7 +59,7 @@ class Repetition:
 
 def difference(store: Store, trial: Trial, row: Row) -> str:
     """Return how a trial made again differs from the stored one, "" where it does not."""
-    before, again = store.find(*trial.key), stored(trial, row)
+    before, again = store.find(*trial.key), row | trial.columns
     if before is None:
         return "it is no longer stored"
     if row["status"] != "ok":

@@ -6,15 +6,18 @@ import base64
 import binascii
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isnan
+from math import inf
 from typing import Any
 
 import numpy as np
 
+from bench.columns import MEASURED, Column, Row
 from bench.helpers.text import printable
-from bench.objective import Trace
-from bench.trial import Result
+from bench.objective import IMPROVEMENT, Trace
+from bench.trial import finished
 from bench.typing import Flags, Floats
+
+_NOUNS = {int: "whole number", float: "number", str: "text"}
 
 
 class RefusedError(RuntimeError):
@@ -62,28 +65,24 @@ def error(answer: Any) -> str:
     return printable(reason, 4000)
 
 
-def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int) -> Result:
-    """Return the result that an answer claims, where it can be one.
+def row(answer: Mapping[str, Any], box: Box, budget: int) -> Row:
+    """Return the row of the finished trial that an answer claims, where it can be one.
 
     Args:
         answer: the fields of :func:`bench.execution.trial_process.as_answer`, and the metrics.
         box: of the trial's problem.
         budget: evaluations that the trial may have made.
-        seed: of the trial.
 
     Raises:
         RefusedError: for missing fields, other types, and values that contradict each other or the study.
+        ValueError: for variables or metrics that cannot be columns.
     """
-    nfev, outside = (_whole(answer, name) for name in ("nfev", "outside_box"))
-    if not 1 <= nfev <= budget:
-        raise RefusedError(f"it made {nfev} evaluations, of a budget of {budget}")
-    if not 0 <= outside <= nfev:
-        raise RefusedError(f"{outside} of its {nfev} evaluations lie outside the box")
-    wall, cpu, objective = (_number(answer, name) for name in ("wall_s", "cpu_s", "objective_s"))
-    if not all(0 <= seconds < inf for seconds in (wall, cpu, objective)):
-        raise RefusedError("its times are no durations")
-    fun, x = _number(answer, "fun"), _array(answer, "x", "<f8")
-    trace = Trace(_array(answer, "evaluations", "<i8"), _array(answer, "values", "<f8"))
+    measured = {column.name: _value(answer, column) for column in MEASURED}
+    for column in MEASURED:
+        if column.kind is not str:
+            _check(column, measured | {"budget": budget})
+    fun, nfev, stop = measured["fun"], measured["nfev"], measured["stop"]
+    x, trace = np.frombuffer(_bytes(answer, "x"), "<f8"), Trace.unpacked(_bytes(answer, "trace"))
     _check_trace(trace, fun, nfev)
     if x.shape != box.lower.shape:
         raise RefusedError(f"its best point has {len(x)} values, in {len(box.lower)} dimensions")
@@ -93,12 +92,23 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int) -> Resul
         raise RefusedError("its best point has values that are no numbers")
     if (np.rint(x) != x)[box.integer].any():
         raise RefusedError("its best point has an integer variable that is no whole number")
-    stop = answer.get("stop")
-    if not isinstance(stop, str):
-        raise RefusedError("its reason to stop is no text")
     if (nfev == budget) != (stop == "budget"):  # a word that only the harness uses, and only at the end of the budget
         raise RefusedError(f"it stopped by {printable(stop, 50)!r} after {nfev} of {budget} evaluations")
-    return Result(x, fun, nfev, trace, wall, cpu, objective, printable(stop, 201), outside, _metrics(answer), seed)
+    return finished(measured | {"stop": printable(stop, 201)}, box.variables, x, _metrics(answer), trace)
+
+
+def _value(answer: Mapping[str, Any], column: Column) -> Any:
+    value = answer.get(column.name)
+    if type(value) is not column.kind or value != value:  # NaN
+        raise RefusedError(f"its {column.name} is no {_NOUNS[column.kind]}")
+    return value
+
+
+def _check(column: Column, values: Mapping[str, Any]) -> None:
+    """Refuse a number that is not within the bounds of its column; times are finite."""
+    value, most = values[column.name], values.get(column.within, column.most)
+    if not column.least <= value <= most or (column.unit and value == inf):
+        raise RefusedError(f"its {column.name} is {value!s:.30}, and must be from {column.least} to {most}")
 
 
 def _metrics(answer: Mapping[str, Any]) -> dict[str, float]:
@@ -111,10 +121,10 @@ def _metrics(answer: Mapping[str, Any]) -> dict[str, float]:
 def _check_trace(trace: Trace, fun: float, nfev: int) -> None:
     """Refuse a trace that is none of the run."""
     made, values = trace.evaluations, trace.values
-    if len(made) != len(values) or not len(made):
-        if fun == inf and not len(made) and not len(values):
+    if not len(made):
+        if fun == inf:
             return  # no point inside the box
-        raise RefusedError("its trace is empty, or its halves differ in length")
+        raise RefusedError("its trace is empty")
     if made[0] < 1 or made[-1] > nfev or (made[1:] <= made[:-1]).any():  # differences may overflow
         raise RefusedError("the evaluations of its trace do not increase from 1 to their number")
     if not np.isfinite(values).all() or (values[1:] >= values[:-1]).any():
@@ -123,25 +133,13 @@ def _check_trace(trace: Trace, fun: float, nfev: int) -> None:
         raise RefusedError(f"its trace ends at {float(values[-1])!r}, its best value is {fun!r}")
 
 
-def _whole(answer: Mapping[str, Any], name: str) -> int:
-    value = answer.get(name)
-    if type(value) is not int:
-        raise RefusedError(f"its {name} is no whole number")
-    return value
-
-
-def _number(answer: Mapping[str, Any], name: str) -> float:
-    value = answer.get(name)
-    if type(value) is not float or isnan(value):
-        raise RefusedError(f"its {name} is no number")
-    return value
-
-
-def _array(answer: Mapping[str, Any], name: str, dtype: str) -> np.ndarray[Any, Any]:
-    """Return an array of one dimension from its bytes in base 64."""
+def _bytes(answer: Mapping[str, Any], name: str) -> bytes:
+    """Return the bytes of numbers of 8 bytes, or of a trace's improvements of 16, from their text in base 64."""
     text = answer.get(name)
     try:
         data = base64.b64decode(text, validate=True)  # type: ignore[arg-type]
-        return np.frombuffer(data, dtype=dtype).astype(np.dtype(dtype).newbyteorder("="))
     except (TypeError, ValueError, binascii.Error) as error:
         raise RefusedError(f"its {name} cannot be read") from error
+    if len(data) % (IMPROVEMENT if name == "trace" else 8):
+        raise RefusedError(f"its {name} cannot be read")
+    return data

@@ -7,9 +7,10 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from itertools import islice
 from queue import SimpleQueue
 
+from bench.columns import Row
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor
-from bench.trial import Row, Trial
+from bench.trial import Trial
 
 OnBegin = Callable[[int, Trial], None]
 Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that made it

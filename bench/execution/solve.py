@@ -8,6 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from bench.columns import Row
 from bench.errors import BenchError
 from bench.execution.job import Task
 from bench.execution.supervisor import check, make_one
@@ -20,7 +21,7 @@ from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.study import Study
-from bench.trial import Result, Row, Trial, numbers, search
+from bench.trial import Result, Trial, numbers, search
 
 
 def solve(

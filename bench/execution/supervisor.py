@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
+from bench.columns import Row
 from bench.conditions import descriptions
 from bench.conditions.descriptions import Description, Descriptions, accepting, read
 from bench.errors import PROBLEM_FAILED, BenchError
@@ -31,7 +32,7 @@ from bench.sandbox.process import (
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
 from bench.study import Fingerprints, Study
-from bench.trial import Row, Trial, as_row
+from bench.trial import Trial
 
 DESCRIBING = 60.0  # seconds for what the optimizers of one package print of themselves
 CHECKS = 4  # attempts at it, where its process is killed from outside
@@ -220,8 +221,7 @@ class Supervisor:
         answer = job.make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        found = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed)
-        return as_row(found, box.variables) | {"after": after}
+        return answers.row(answer, box, self._task.study.evaluations(len(box.lower))) | {"after": after}
 
 
 def make_one(task: Task, trial: Trial) -> Row:

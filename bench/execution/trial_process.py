@@ -122,7 +122,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
 
 
 def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
-    """Make one trial; return what :func:`bench.execution.answers.result` reads but the metrics, or why it failed.
+    """Make one trial; return what :func:`bench.execution.answers.row` reads but the metrics, or why it failed.
 
     ``altered`` states whether the trial has left anything behind in this process.
 
@@ -154,7 +154,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
 def serve(trial: Trial, end: int) -> dict[str, Any]:
     """Keep the problem, the budget and the trace of a trial until its optimizer has ended.
 
-    Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point; or the error of the
+    Return what :func:`bench.execution.answers.row` reads, and the metrics of the best point; or the error of the
     problem.
     """
     problem = _problem(trial.problem)
@@ -187,23 +187,14 @@ def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
 
 
 def as_answer(result: Result) -> dict[str, Any]:
-    """Return a result as JSON values, without its metrics."""
-    arrays = result.x.astype("<f8"), result.trace.evaluations.astype("<i8"), result.trace.values.astype("<f8")
-    return {
-        "x": _text(arrays[0]),
-        "evaluations": _text(arrays[1]),
-        "values": _text(arrays[2]),
-        **measured(result),
-    }
+    """Return a result as JSON values, without its metrics: the columns of its row, bytes in base 64."""
+    packed = {"x": result.x.astype("<f8").tobytes(), "trace": result.trace.packed()}
+    return measured(result) | {name: base64.b64encode(content).decode() for name, content in packed.items()}
 
 
 def _sphere(x: Floats) -> Floats:
     values: Floats = (x * x).sum(axis=1)
     return values
-
-
-def _text(array: np.ndarray[Any, Any]) -> str:
-    return base64.b64encode(array.tobytes()).decode()
 
 
 def _failure(error: BaseException) -> str:

@@ -14,6 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from bench.columns import Row, packed
 from bench.errors import BenchError
 from bench.formats import FORMATS, IMPORTABLE, naming
 from bench.formats.runs import Reading, Run
@@ -23,7 +24,6 @@ from bench.helpers.text import printable
 from bench.plugins.loading import IMPORTED
 from bench.storage import provenance
 from bench.storage.folder import Folder
-from bench.storage.rows import packed
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.entries import LONGEST_LABEL
@@ -176,8 +176,8 @@ def _write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, An
             folder.rmdir()  # it is empty
 
 
-def _row(run: Run) -> dict[str, Any]:
+def _row(run: Run) -> Row:
     """Return a run as a row of the store, with NULL for unknown values."""
-    row: dict[str, Any] = {"status": "ok", "fun": run.fun, "nfev": run.nfev, "x": {}, "metrics": {}} | dict(run.columns)
+    row: Row = {"status": "ok", "fun": run.fun, "nfev": run.nfev, "x": {}, "metrics": {}} | dict(run.columns)
     trace = {"trace": run.trace} if row["status"] == "ok" else {}
     return packed(row | trace) | {"problem": run.problem, "optimizer": run.optimizer, "trial": run.number}

@@ -10,10 +10,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.columns import COLUMNS
 from bench.errors import BenchError
 from bench.formats.source import Source
 from bench.helpers.text import is_formula, printable
-from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
+from bench.numbers import LARGEST_BUDGET
 from bench.objective import Trace
 from bench.study.entries import LONGEST_LABEL
 from bench.typing import Floats
@@ -76,13 +77,11 @@ class Run:
     def __post_init__(self) -> None:
         """Raise BenchError for a number that no run has, and that a store or a report could not hold."""
         what = f"a run of {self.optimizer} on {self.problem} has"
-        seed = self.columns.get("seed")
-        for name, value, most in (
-            ("evaluations", self.nfev, LARGEST_BUDGET), ("dimension", self.dimension, LARGEST_DIMENSION),
-            ("number of the trial", self.number, MOST_TRIALS - 1), ("seed", seed, LARGEST_SEED),
-        ):  # fmt: skip
-            if value is not None and not 0 <= value <= most:
-                raise BenchError(f"{what} the {name} {value}, which must be from 0 to {most}")
+        given = {"dimension": self.dimension, **self.columns, "nfev": self.nfev, "trial": self.number}
+        limits = {column.name: column.most for column in COLUMNS if column.kind is int}
+        for name, most in ({"dimension": LARGEST_DIMENSION} | limits).items():
+            if (value := given.get(name)) is not None and not 0 <= value <= most:
+                raise BenchError(f"{what} {name} {value}, which must be from 0 to {most}")
         if -np.inf in (self.fun, self.columns.get("fun")):
             raise BenchError(f"{what} the value -inf, with which no other value can be compared")
 

@@ -174,7 +174,7 @@ class ScoredObjective(Objective):
         return self._found.values
 
     def _evaluate(self, rows: Floats) -> Floats:
-        before, none = self.best_value, self.best_point is None
+        before, none = self.fun, self.best_point is None
         values = super()._evaluate(rows)
         if not len(rows):
             return values
@@ -182,9 +182,9 @@ class ScoredObjective(Objective):
         inside = ((rows >= self.lower) & (rows <= self.upper)).all(axis=1)
         violation = np.where(inside, assessment.violation, np.inf)
         least = int(violation.argmin())
-        if self.best_value < before:
+        if self.fun < before:
             self.best_point = assessment.points[int(values.argmin())].copy()
-        elif self.best_value == np.inf and violation[least] < self._least:
+        elif self.fun == np.inf and violation[least] < self._least:
             self._least = float(violation[least])
             self.best_point = assessment.points[least].copy()
         elif none:  # no point of a trial lies in the box so far

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
+from bench.columns import Row
 from bench.errors import BenchError
 from bench.helpers.text import listed
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.rows import disagreement
 from bench.storage.writing import Writer
 from bench.study import Study
-from bench.trial import Row
 
 
 @dataclass(frozen=True)

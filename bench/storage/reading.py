@@ -14,7 +14,7 @@ from typing import Any
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, MEASURED, TEXTS, binding, digest
+from bench.storage.rows import COLUMNS, TEXTS, VALUES, binding, digest
 from bench.storage.traces import Key
 
 NAMED = 3  # damaged trials that a sentence names
@@ -22,7 +22,7 @@ UNKNOWN = "an unknown problem", "an unknown optimizer"
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
 LONGEST = 100  # characters of a label, which may be damaged too
 
-READ = ("digest", "cell", "names", "trial", *MEASURED)
+READ = ("digest", "cell", "names", "trial", *VALUES)
 """The columns of the rows that are read to be compared with their digests."""
 
 _ENVIRONMENT = READ.index("environment")

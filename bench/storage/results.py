@@ -16,6 +16,7 @@ from typing import Any
 
 import pandas as pd
 
+from bench.columns import FEATURES, PRECISION
 from bench.errors import BenchError
 from bench.families import dimension_in
 from bench.helpers.text import html_table, unique
@@ -34,11 +35,11 @@ from bench.storage.union import differences, united
 from bench.study import Study
 from bench.study.budget import Budget
 from bench.study.selection import Dimensions, Patterns, selected
-from bench.trial import FEATURES, PRECISION
 
 AnyPath = str | PathLike[str]
 
 CELL = READ.index("cell")
+KINDS = tuple(column.name for column in FEATURES)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -295,7 +296,7 @@ class Results:
             with suppress(Exception):  # a plug-in may raise anything, and may be missing here
                 problem = self.problem(label)
                 kind = {"dimension": problem.dimension} | dict(problem.features)
-        return {name: kind.get(name) for name in FEATURES}
+        return {name: kind.get(name) for name in KINDS}
 
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
@@ -493,17 +494,17 @@ def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.Data
     Without any known optimum, and where a domain metric has that name, the frame stays as it is.
     """
     optimum = frame["problem"].map(optima).astype(float) if optima else pd.Series(dtype=float)
-    if not optimum.notna().any() or PRECISION in frame:
+    if not optimum.notna().any() or PRECISION.name in frame:
         return frame
     precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - optimum
-    frame.insert(list(frame).index("fun") + 1, PRECISION, precision)
+    frame.insert(list(frame).index("fun") + 1, PRECISION.name, precision)
     return frame
 
 
 def _with_features(frame: pd.DataFrame, kinds: pd.DataFrame) -> pd.DataFrame:
     """Return the frame with the features of its problems, given by label; whole numbers stay whole where some lack."""
     rows = kinds.index.get_indexer(pd.Index(frame["problem"]))
-    for name in FEATURES:
+    for name in KINDS:
         if name not in frame:
             values = kinds[name].astype("Int64") if all(map(is_whole, kinds[name].dropna())) else kinds[name]
             frame[name] = values.array.take(rows)

@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, MEASURED
+from bench.storage.rows import COLUMNS, VALUES
 
 VERSION = 3
 
@@ -34,7 +34,7 @@ CREATE TABLE results (
     trace BLOB, PRIMARY KEY (cell, trial)
 ) WITHOUT ROWID;
 CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(MEASURED[:-3])}, variables, x, metric_names, metrics, trace
+    SELECT problem, optimizer, trial, {", ".join(VALUES[:-3])}, variables, x, metric_names, metrics, trace
     FROM results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names;
 PRAGMA user_version = {VERSION}
 """

@@ -12,12 +12,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bench.columns import KEY
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.storage import committed
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
-from bench.storage.rows import COLUMNS, KEY
+from bench.storage.rows import COLUMNS
 from bench.storage.schema import ONE, VERSION, found, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer

@@ -10,15 +10,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.columns import FRAME, STORED, VECTORS
 from bench.errors import BenchError
 from bench.storage.reading import READ
-from bench.storage.rows import KINDS, TEXTS, VECTORS
-from bench.trial import FRAME_COLUMNS
+from bench.storage.rows import TEXTS
 
-COLUMNS = (*FRAME_COLUMNS, "environment")
-WHOLE = ("nfev", "outside_box", "environment")  # of whole numbers, unless some are missing
-NUMBERS = tuple(name for name, kind in KINDS.items() if kind is float) + WHOLE
-PREFIXES = {"x": "x_", "metrics": ""}
+COLUMNS = (*(column.name for column in FRAME), "environment")
+NUMBERS = {each.name: each.kind is int for each in STORED if each.kind in (int, float) and each.name != "seed"}
+"""Whether the numbers of a column are whole, unless some are missing."""
+
 UNKNOWN = -1
 """Stands for the seed of an imported trial, as floats would lose digits of the others."""
 
@@ -35,7 +35,7 @@ class Tidy:
         self._integers: dict[str, Array] = {name: np.empty(0, np.int64) for name in ("trial", "seed")}
         self._codes: dict[str, Array] = {name: np.empty(0, np.int32) for name in ("cell", *TEXTS)}
         self._known: dict[str, dict[Any, int]] = {name: {} for name in self._codes}  # number of each value
-        self._vectors: dict[str, dict[str, Array]] = {name: {} for name in VECTORS}
+        self._vectors: dict[str, dict[str, Array]] = {column.name: {} for column in VECTORS}
         self._names: dict[str, set[tuple[str, str]]] = {}  # of variables and metrics, by problem
         self._rows = self._room = 0
 
@@ -84,7 +84,7 @@ class Tidy:
         distinct = {*columns["names"]}
         for number in distinct - {None}:
             chosen = [place for place, names_number in enumerate(columns["names"]) if names_number == number]
-            for name, listed in zip(VECTORS, names[number], strict=True):
+            for name, listed in zip(self._vectors, names[number], strict=True):
                 packed = columns[name] if len(distinct) == 1 else [columns[name][place] for place in chosen]
                 try:
                     self._put(name, json.loads(listed), packed, here.start, chosen)
@@ -125,12 +125,12 @@ class Tidy:
             series[name] = self._integers.pop(name)[order]
         if (unknown := series["seed"] == UNKNOWN).any():
             series["seed"] = pd.arrays.IntegerArray(series["seed"], unknown)
-        for name in NUMBERS:
-            series[name] = _numbers(self._numbers.pop(name)[order], whole=name in WHOLE)
+        for name, whole in NUMBERS.items():
+            series[name] = _numbers(self._numbers.pop(name)[order], whole=whole)
         shown = [lists for problem in problems for lists in sorted(self._names.get(problem, ()))]
-        for place, (column, prefix) in enumerate(PREFIXES.items()):
+        for place, column in enumerate(VECTORS):
             for name in dict.fromkeys(listed for lists in shown for listed in json.loads(lists[place])):
-                series[f"{prefix}{name}"] = self._vectors[column].pop(name)[order]
+                series[f"{column.prefix}{name}"] = self._vectors[column.name].pop(name)[order]
         return pd.DataFrame(series, copy=False)  # a copy would gather columns of a type, and double them for a while
 
     def _order(self, problems: Sequence[str], optimizers: Sequence[str]) -> Array:

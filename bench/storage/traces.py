@@ -9,31 +9,10 @@ from itertools import groupby, pairwise
 from operator import itemgetter
 from typing import Any
 
-import numpy as np
-
-from bench.objective import Trace
+from bench.objective import IMPROVEMENT, Trace
 
 Key = tuple[str, str, int]
 """Problem label, optimizer label and number of a trial."""
-
-ITEM = 16  # bytes of an improvement: its evaluation as int64, its value as float64
-
-
-def pack(trace: Trace) -> bytes:
-    """Return a trace as bytes: m little-endian int64 evaluation counts, then m float64 best-so-far values."""
-    return trace.evaluations.astype("<i8").tobytes() + trace.values.astype("<f8").tobytes()
-
-
-def unpack(packed: bytes | memoryview) -> Trace:
-    """Return the trace that :func:`pack` packed; its arrays share the memory of the bytes.
-
-    Raises:
-        ValueError: when the number of bytes fits no trace.
-    """
-    if len(packed) % ITEM:
-        raise ValueError(f"{len(packed)} bytes are no trace")
-    half = len(packed) // 2
-    return Trace(np.frombuffer(packed[:half], dtype="<i8"), np.frombuffer(packed[half:], dtype="<f8"))
 
 
 @dataclass
@@ -46,14 +25,14 @@ class CellTraces:
 
     def __iter__(self) -> Iterator[Trace]:
         whole = memoryview(self.packed)
-        return (unpack(whole[start:end]) for start, end in pairwise(self.ends))
+        return (Trace.unpacked(whole[start:end]) for start, end in pairwise(self.ends))
 
     def find(self, trial: int) -> Trace | None:
         """Return the trace of a trial, None where it has none."""
         place = bisect_left(self.trials, trial)
         if place == len(self.trials) or self.trials[place] != trial:
             return None
-        return unpack(memoryview(self.packed)[self.ends[place] : self.ends[place + 1]])
+        return Trace.unpacked(memoryview(self.packed)[self.ends[place] : self.ends[place + 1]])
 
 
 class Traces(Mapping[Key, Trace]):
@@ -77,7 +56,7 @@ class Traces(Mapping[Key, Trace]):
             cell, packed = CellTraces(), []
             for row in cell_rows:
                 if (trace := row["trace"]) is not None:
-                    if not isinstance(trace, bytes) or len(trace) % ITEM:
+                    if not isinstance(trace, bytes) or len(trace) % IMPROVEMENT:
                         raise ValueError(f"the trace of trial {row['trial']} is damaged")
                     cell.trials.append(row["trial"])
                     cell.ends.append(cell.ends[-1] + len(trace))

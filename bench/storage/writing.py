@@ -9,18 +9,19 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from bench.columns import Row
 from bench.errors import BenchError
 from bench.storage import committed
 from bench.storage.committed import Committed
 from bench.storage.reading import record_digest
-from bench.storage.rows import KEY, MEASURED, VECTORS, binding, digest, stored, typed
+from bench.storage.rows import NAMES, VALUES, binding, digest, typed
 from bench.storage.schema import ONE, found
 from bench.trial import Trial
 
-_INTO = ("cell", "trial", "digest", "names", *MEASURED)
+_INTO = ("cell", "trial", "digest", "names", *VALUES)
 _INSERT = f"INSERT INTO results ({', '.join(_INTO)}) VALUES ({', '.join('?' * len(_INTO))})"
 _TWICE = "SQLITE_CONSTRAINT_PRIMARYKEY", "SQLITE_CONSTRAINT_UNIQUE"  # of a row that is there already
-_NUMBERED = {"cells": ("problem", "optimizer"), "names": (*VECTORS.values(),)}
+_NUMBERED = {"cells": ("problem", "optimizer"), "names": NAMES}
 """The tables of texts that rows refer to by number, and their columns."""
 
 
@@ -41,13 +42,13 @@ class Writer:
         self._read()
         self._note()
 
-    def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
-        """Commit one trial's row, of the columns of :func:`bench.trial.as_row`; missing ones are stored as NULL.
+    def add(self, trial: Trial, row: Row, environment: int | None = None) -> None:
+        """Commit one trial's row, as :func:`bench.trial.finished` returns it; missing columns are stored as NULL.
 
         It replaces a failed row of the same trial, but never a finished one.
         """
         with self.transaction():
-            self.put(stored(trial, row) | {"environment": environment})
+            self.put(row | trial.columns | {"environment": environment})
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
@@ -84,7 +85,7 @@ class Writer:
             ValueError: for a column that the store does not have.
         """
         values = typed(row)
-        texts = [None if row.get(name) is None else str(row[name]) for name in (*KEY[:2], *VECTORS.values())]
+        texts = [None if row.get(name) is None else str(row[name]) for name in ("problem", "optimizer", *NAMES)]
         cell = self._number("cells", *texts[:2])
         names = self._number("names", *texts[2:]) if texts[2] is not None else None
         bound = binding(*(text if text is None else text.encode() for text in texts))

@@ -20,7 +20,7 @@ def make_run(optimizer: str, options: dict[str, Any], problem: str, budget: int,
     """Run a configuration once; return its best value, evaluations, seconds, and the trace as two lists."""
     result = solve.make_run(_problem(problem), loading.load_optimizer(optimizer, **options), budget=budget, seed=seed)
     trace = {"at": result.trace.evaluations.tolist(), "values": result.trace.values.tolist()}
-    return {"fun": result.fun, "evaluations": result.nfev, "seconds": result.time, **trace}
+    return {"fun": result.fun, "nfev": result.nfev, "wall_s": result.wall_s, **trace}
 
 
 @cache

@@ -82,8 +82,8 @@ class Run:
     """One run of a configuration: its best value and its trace, or the ``error`` that it ended with."""
 
     fun: float = np.inf
-    evaluations: int = 0
-    seconds: float = 0.0
+    nfev: int = 0
+    wall_s: float = 0.0
     trace: Trace = NO_TRACE
     error: str = ""
 
@@ -239,8 +239,8 @@ class _Search:
         stopped = False
         for step, (problem, futures) in enumerate(runs.items()):
             outcomes = [_outcome(future) for future in futures]
-            spent += sum(run.evaluations for run in outcomes)
-            seconds += sum(run.seconds for run in outcomes)
+            spent += sum(run.nfev for run in outcomes)
+            seconds += sum(run.wall_s for run in outcomes)
             errors = [run.error for run in outcomes if run.error]
             failed += len(errors)
             if blamed := next((error for error in errors if PROBLEM_FAILED in error), ""):
@@ -315,7 +315,7 @@ def _outcome(future: Future[Any]) -> Run:
     try:
         answer = future.result()
         trace = Trace(np.array(answer["at"], dtype=np.int64), np.array(answer["values"], dtype=np.float64))
-        run = Run(float(answer["fun"]), int(answer["evaluations"]), float(answer["seconds"]), trace)
+        run = Run(float(answer["fun"]), int(answer["nfev"]), float(answer["wall_s"]), trace)
         return run if np.isfinite(run.fun) else replace(run, error="it found no finite value")
     except (RemoteError, DiedError, LostError, *limits) as error:
         return Run(error=printable(describe_error(error), 500))

@@ -19,7 +19,7 @@ def test_evaluates_batches_and_single_points():
     f = objective()
     assert f([1.0, 2.0, 0.0]) == 5.0
     assert f(np.eye(3)).tolist() == [1.0, 1.0, 1.0]
-    assert (f.evaluations, f.remaining) == (4, 6)
+    assert (f.nfev, f.remaining) == (4, 6)
 
 
 def test_never_evaluates_a_row_past_the_budget():
@@ -32,8 +32,8 @@ def test_never_evaluates_a_row_past_the_budget():
     with pytest.raises(BudgetExhausted):
         f([0.1])
     assert seen == [5, 2]
-    assert f.evaluations == 7
-    assert f.best_value == 0.25  # the two rows that the budget still held count
+    assert f.nfev == 7
+    assert f.fun == 0.25  # the two rows that the budget still held count
 
 
 def test_trace_holds_improvements_only_and_in_order():
@@ -58,19 +58,19 @@ def test_the_best_point_is_a_copy():
 def test_outside_the_box_is_counted_and_worth_nothing(bad):
     f = objective()
     assert f([bad, 0.0, 0.0]) == np.inf
-    assert (f.evaluations, f.outside_box) == (1, 1)
+    assert (f.nfev, f.outside_box) == (1, 1)
 
 
 def test_nan_counts_as_infinite():
     f = objective(FunctionProblem(lambda x: np.where(x[:, 0] > 0.5, np.nan, x[:, 0]), [0], [1]))
     assert f(np.array([[0.9], [0.2]])).tolist() == [np.inf, 0.2]
-    assert f.best_value == 0.2
+    assert f.fun == 0.2
 
 
 def test_an_infinite_start_still_leaves_a_point():
     f = objective(FunctionProblem(lambda x: np.full(len(x), np.inf), [0], [1]))
     f(np.array([[0.3], [0.4]]))
-    assert f.best_value == np.inf
+    assert f.fun == np.inf
     assert f.best_point.tolist() == [0.3]
 
 
@@ -95,7 +95,7 @@ def test_clocks_the_problem_alone(monkeypatch):
     f([0.5])
     take(16.0)  # the optimizer's own work
     f(f.initial(3))
-    assert f.seconds == 4.0
+    assert f.objective_s == 4.0
     assert now == 28.0
 
 
@@ -158,7 +158,7 @@ def test_points_that_change_during_the_call_win_nothing(shape):
 
     f = objective(FunctionProblem(meanwhile, [-5, -5], [5, 5]))
     assert np.all(f(x) == 4.0)
-    assert (f.best_value, f.best_point.tolist(), f.outside_box) == (4.0, [2.0, 2.0], 0)
+    assert (f.fun, f.best_point.tolist(), f.outside_box) == (4.0, [2.0, 2.0], 0)
 
 
 def test_a_thread_that_moves_a_point_all_the_time_wins_nothing():
@@ -268,11 +268,11 @@ def test_threads_do_not_exceed_the_budget_together():
             each.start()
         for each in threads:
             each.join()
-    assert f.evaluations == len(seen) == budget
+    assert f.nfev == len(seen) == budget
     assert len(refusals) == 8
     best = np.minimum.accumulate(seen)
     assert f.trace.at(np.arange(1, budget + 1)).tolist() == best.tolist()
-    assert f.best_point.tolist() == [f.best_value] == [best[-1]]
+    assert f.best_point.tolist() == [f.fun] == [best[-1]]
 
 
 @pytest.mark.parametrize("point", [[0.5], [9.0]], ids=["inside", "outside"])
@@ -281,7 +281,7 @@ def test_minus_infinity_is_refused_and_not_counted(point, single):
     f = objective(FunctionProblem(lambda x: np.full(len(x), -np.inf), [0], [1]))
     with pytest.raises(ValueError, match="returned -inf"):
         f(np.array(point) if single else np.array([point, point]))
-    assert (f.evaluations, f.outside_box, f.best_point, f.best_value) == (0, 0, None, np.inf)
+    assert (f.nfev, f.outside_box, f.best_point, f.fun) == (0, 0, None, np.inf)
     assert not len(f.trace.values)
 
 
@@ -299,7 +299,7 @@ def test_a_failed_evaluation_is_not_counted_and_the_next_one_works(x):
         f(x)
     fails = False
     f(x)
-    assert (f.evaluations, f.best_value) == (np.size(x), 0.5)
+    assert (f.nfev, f.fun) == (np.size(x), 0.5)
 
 
 class InterruptedAtError(BaseException):

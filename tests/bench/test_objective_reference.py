@@ -16,8 +16,8 @@ class Reference:
 
     def __init__(self, problem, budget, on_refusal):
         self.problem, self.budget, self.on_refusal = problem, budget, on_refusal
-        self.evaluations = self.outside_box = self.refusals = 0
-        self.best_value, self.best_point = np.inf, None
+        self.nfev = self.outside_box = self.refusals = 0
+        self.fun, self.best_point = np.inf, None
         self.trace = []
 
     def __call__(self, x):
@@ -26,7 +26,7 @@ class Reference:
         d = len(self.problem.lower)
         if rows is None or points.shape[-1] != d:
             raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
-        allowed = rows[: self.budget - self.evaluations]
+        allowed = rows[: self.budget - self.nfev]
         worth = self.evaluate(allowed) if allowed else []
         if len(allowed) < len(rows):
             self.refusals += 1
@@ -43,13 +43,13 @@ class Reference:
         worth = []
         for row, value in zip(rows, values.tolist(), strict=True):
             inside = all(a <= c <= b for a, c, b in zip(self.problem.lower, row, self.problem.upper, strict=True))
-            self.evaluations += 1
+            self.nfev += 1
             self.outside_box += not inside
             worth.append(value if inside and not np.isnan(value) else np.inf)
-            if worth[-1] < self.best_value:
-                self.trace.append((self.evaluations, worth[-1]))
-            if worth[-1] < self.best_value or self.best_point is None:
-                self.best_value, self.best_point = worth[-1], row.copy()
+            if worth[-1] < self.fun:
+                self.trace.append((self.nfev, worth[-1]))
+            if worth[-1] < self.fun or self.best_point is None:
+                self.fun, self.best_point = worth[-1], row.copy()
         return worth
 
     def floats(self, given, what):
@@ -151,9 +151,9 @@ def test_equals_the_literal_reference_to_the_last_bit(data):
         before = np.array(x).tobytes()
         assert outcome(fast, x) == outcome(plain, x)
         assert np.array(x).tobytes() == before
-        assert (fast.evaluations, fast.outside_box) == (plain.evaluations, plain.outside_box)
-        assert fast.remaining == budget - plain.evaluations
-        assert (type(fast.best_value), repr(fast.best_value)) == (float, repr(plain.best_value))
+        assert (fast.nfev, fast.outside_box) == (plain.nfev, plain.outside_box)
+        assert fast.remaining == budget - plain.nfev
+        assert (type(fast.fun), repr(fast.fun)) == (float, repr(plain.fun))
         assert (fast.best_point is None) == (plain.best_point is None)
         if fast.best_point is not None:
             assert (fast.best_point.shape, fast.best_point.tobytes()) == ((d,), plain.best_point.tobytes())

@@ -182,7 +182,7 @@ def test_repair_evaluates_no_infeasible_point_and_box_does(cls, options):
 def test_goa_draws_nothing_after_the_start_but_its_dummy_variable(variant):
     def bests(d):
         return {
-            GOA(agents=6, variant=variant).minimize(objective, np.random.default_rng(seed)) or objective.best_value
+            GOA(agents=6, variant=variant).minimize(objective, np.random.default_rng(seed)) or objective.fun
             for seed in range(4)
             for objective in [Objective(Recorded(d=d), 60, np.random.default_rng(1))]
         }

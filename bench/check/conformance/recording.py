@@ -167,7 +167,7 @@ class _ObjectiveProxy:
 
     def __call__(self, x: ArrayLike) -> Any:
         values = self._objective(x)
-        self._progress.report(self._objective.evaluations)
+        self._progress.report(self._objective.nfev)
         return values
 
 

@@ -16,20 +16,21 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
+from bench.columns import FEATURES, RESERVED, STORED
 from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.runs import Reader, Reading, Run, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.objective import Trace
-from bench.trial import FEATURES, FRAME_COLUMNS, PRECISION
 
 COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
 KEYS = ["problem", "optimizer", "trial"]
 NONE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
-_COUNTS = ("seed", "nfev", "outside_box")
-_TIMES = ("wall_s", "cpu_s", "objective_s")
-_TEXTS = ("stop", "error")
+_COUNTS, _NUMBERS, _TEXTS = (
+    tuple(column.name for column in STORED if column.kind is kind and column.frame and not column.required)
+    for kind in (int, float, str)
+)
 
 
 def is_index(source: Source, file: PurePosixPath) -> bool:
@@ -123,24 +124,24 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
     table["trial"] = _counts(table, "trial", trials, all_given=True)
     counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
-    reserved = {*FRAME_COLUMNS, *FEATURES, PRECISION, "line"}
+    reserved = {*RESERVED, *(column.name for column in FEATURES), "line"}
     measured: dict[str, list[float]] = {
         name: _numbers(table, name, trials).tolist()
         for name in map(str, table)
-        if name not in reserved or name in (*_TIMES, "fun")
+        if name not in reserved or name in _NUMBERS
     }
     for place, row in enumerate(table.to_dict("records")):
         key = row["problem"], row["optimizer"], row["trial"]
         numbers = {name: column[place] for name, column in measured.items()}
-        columns: dict[str, Any] = {"status": row["status"], "fun": _known(numbers["fun"])}
-        columns |= {name: counts[name][place] for name in _COUNTS if name in counts}
-        columns |= {name: _known(numbers.get(name, np.nan)) for name in _TIMES}
+        columns: dict[str, Any] = {"status": row["status"]}
+        columns |= {name: counts[name][place] for name in counts}
+        columns |= {name: _known(numbers.get(name, np.nan)) for name in _NUMBERS}
         columns |= {name: row.get(name) or None for name in _TEXTS}
         if row["status"] == "ok":
             columns["x"] = {
                 n[2:]: number for n, number in numbers.items() if n.startswith("x_") and not np.isnan(number)
             }
-            metrics = set(measured) - {*_TIMES, "fun"}
+            metrics = set(measured) - {*_NUMBERS}
             columns["metrics"] = {
                 n: number for n, number in numbers.items() if n in metrics and n[:2] != "x_" and not np.isnan(number)
             }

@@ -10,13 +10,13 @@ from itertools import chain
 import numpy as np
 import pandas as pd
 
+from bench.columns import FRAME
 from bench.errors import require
 from bench.formats.trials import Writer, readme
 from bench.objective import Trace
 from bench.storage.results import Results
 
-TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
-COUNTS = ("trial", "seed", "nfev", "outside_box")
+TEXTS, COUNTS = (tuple(column.name for column in FRAME if column.kind is kind) for kind in (str, int))
 WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {
     "csv": lambda frame: frame.to_csv(index=False, lineterminator="\n"),
     "parquet": lambda frame: frame.to_parquet(engine="pyarrow", index=False),

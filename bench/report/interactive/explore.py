@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from bench import analysis
 from bench.analysis.anytime import quartiles
 from bench.analysis.cells import NEAR, ReferenceValue
+from bench.columns import FEATURES, RESERVED
 from bench.objective import Trace
 from bench.plots import style
 from bench.report.findings import Findings
@@ -25,7 +26,6 @@ from bench.report.interactive.coding import coded, packed, short, signal
 from bench.report.interactive.command import optimizer_words, problem_words
 from bench.report.target_words import target_words
 from bench.study import Entry
-from bench.trial import FEATURES, FRAME_COLUMNS, PRECISION
 from bench.typing import Floats
 
 MOST_RUNS = 12_000
@@ -236,7 +236,7 @@ class _Explored:
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
         frame = self.findings.trials.whole
-        usual = (*FRAME_COLUMNS, *FEATURES, PRECISION)
+        usual = (*RESERVED, *(column.name for column in FEATURES))
         names = [name for name in map(str, frame) if name not in usual and not name.startswith("x_")]
         return [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, Study, run
+from bench import BenchError, Study, columns, run
 from bench.board import write_board
 from bench.board.ranks import mean_ranks
 from bench.formats.archive import pack
@@ -49,7 +49,7 @@ def packed(path, scores, record=RECORD, **study):
         for problem in PROBLEMS:
             for label, values in scores.items():
                 for trial, fun in enumerate(values):
-                    writer.add(Trial(problem, label, trial, 7), row(fun), number)
+                    writer.add(Trial(problem, label, trial, 7), columns.packed(row(fun)), number)
     folder.write_environments()
     file = pack(folder.path, path).path
     shutil.rmtree(folder.path)
@@ -121,7 +121,7 @@ def test_an_optimizer_without_trials_on_a_problem_has_no_rank(tmp_path):
             ("bbob-f02-d2-i1", "scatter"),
             ("bbob-f01-d2-i1", "early"),
         ):
-            writer.add(Trial(problem, label, 0, 7), row(1.0), number)
+            writer.add(Trial(problem, label, 0, 7), columns.packed(row(1.0)), number)
     folder.write_environments()
     board = write_board([pack(folder.path, tmp_path / "part.zip").path], tmp_path / "board")
     table = pd.read_csv(tmp_path / "board" / "board.csv")

@@ -389,7 +389,7 @@ class Spying(Walker):
 @dataclass(frozen=True)
 class Boasting(Walker):
     def minimize(self, objective, rng):
-        super().minimize(objective, rng) if objective.best_value else None
+        super().minimize(objective, rng) if objective.fun else None
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import yaml
 
 from bench import Study, Trace
 from bench.cli.gate import CODES
+from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.study import Entry
 
@@ -29,7 +30,7 @@ def write(place, name, problems=("sphere-2", "sphere-3"), optimizers=("mine",), 
                 "stop": "budget", "outside_box": 0, "x": {"x1": fun}, "metrics": {},
                 "trace": Trace(np.array([1, 30]), np.array([fun + 1, fun])),
             }  # fmt: skip
-            writer.add(trial, row)
+            writer.add(trial, packed(row))
 
 
 @pytest.fixture(scope="module")

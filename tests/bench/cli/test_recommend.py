@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench import Study, Trace, load_problem
+from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.study import Entry
 
@@ -59,7 +60,7 @@ def write(place, name, functions, good, **changes):
                 "stop": "budget", "outside_box": 0, "x": {"x1": 0.0, "x2": 0.0}, "metrics": {},
                 "trace": Trace(np.array([1, 60]), values),
             }  # fmt: skip
-            writer.add(trial, row)
+            writer.add(trial, packed(row))
 
 
 def kinds(function, optimizer):

@@ -14,7 +14,7 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Results, load_results, run
 from bench.objective import Objective
-from bench.storage.rows import MEASURED
+from bench.storage.rows import VALUES
 from bench.storage.store import Store
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, forks and limits of POSIX")
@@ -231,7 +231,7 @@ def test_nothing_is_unpickled_from_a_store(small_study, tmp_path):
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     mark = tmp_path / "unpickled"
     bomb = pickle.dumps(Bomb(str(mark)))
-    for column in MEASURED:
+    for column in VALUES:
         with sqlite3.connect(tmp_path / "out" / "trials.sqlite") as connection:
             kept = connection.execute(f"SELECT {column} FROM results LIMIT 1").fetchone()[0]
             connection.execute(f"UPDATE results SET {column} = ? WHERE {column} = ?", (bomb, kept))

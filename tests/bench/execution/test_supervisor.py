@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from bench.columns import named
 from bench.execution import supervisor as module
 from bench.execution.answers import Box
 from bench.execution.job import Task
@@ -8,7 +9,8 @@ from bench.execution.supervisor import Supervisor
 from bench.execution.trial_process import as_answer
 from bench.objective import Trace
 from bench.sandbox.process import DiedError, LostError, RemoteError, TimeExceededError
-from bench.trial import Result, Trial
+from bench.trial import Trial
+from tests.bench.made import result
 
 
 class Job:
@@ -46,8 +48,7 @@ class Job:
         x = np.array([0.5, 0.25])
         fun = float((x * x).sum())
         trace = Trace(np.array([1]), np.array([fun]))
-        found = Result(x, fun, 7, trace, 0.0, 0.0, 0.0, "done", 0, {}, trial.seed)
-        return as_answer(found) | {"metrics": {"radius": 0.5}}
+        return as_answer(result(x, fun, trace=trace, nfev=7, stop="done")) | {"metrics": {"radius": 0.5}}
 
 
 @pytest.fixture
@@ -65,7 +66,7 @@ def row(monkeypatch, small_study):
 
 def test_a_trial_s_row_has_the_metrics_of_its_best_point(row):
     found = row("a")
-    assert (found["status"], found["metrics"], Job.made) == ("ok", {"radius": 0.5}, 1)
+    assert (found["status"], named(found, "metrics"), Job.made) == ("ok", {"radius": 0.5}, 1)
 
 
 def test_what_fails_after_the_search_says_so(row):

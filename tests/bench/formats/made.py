@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Trace
+from bench.columns import packed
 from bench.formats.exporting import export
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
@@ -67,7 +68,7 @@ def make(folder, problems=None, optimizers=("a", "b"), trials=4, row=None):
         for trial in study.plan():
             values = search(rng, int(rng.integers(1, BUDGET - 3)))
             given = row(trial, values) if row else None
-            writer.add(trial, given or record(values, problems[trial.problem]))
+            writer.add(trial, packed(given or record(values, problems[trial.problem])))
     return Results(folder)
 
 

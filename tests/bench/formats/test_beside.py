@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from bench import BenchError, Results, analysis, load_problem, load_results
 from bench.cli.app import app
+from bench.columns import packed
 from bench.execution.verify import verify
 from bench.formats.importing import import_results
 from bench.report import write_report
@@ -18,7 +19,6 @@ from bench.report.methods import methods
 from bench.report.sections import verdict
 from bench.report.sections.beside import section
 from bench.storage.folder import Folder
-from bench.storage.rows import packed
 from bench.study import Entry, Study
 from bench.trial import Trial
 from tests.bench.formats.made import exported, make, record
@@ -132,7 +132,7 @@ class TestUnited:
         problem, optimizer = (Entry(label, label) for label in ("box-f01-d2-i1", "any"))
         folder.claim(Study("one", (problem,), (optimizer,), trials=1, budget=120))
         with folder.store.writer() as writer:
-            writer.add(Trial("box-f01-d2-i1", "any", 0, large), record([3.0, 1.0], 2))
+            writer.add(Trial("box-f01-d2-i1", "any", 0, large), packed(record([3.0, 1.0], 2)))
         seeds = load_results(folder.path, archive)["seed"]
         assert seeds.dtype == "Int64"
         assert seeds.dropna().tolist() == [large]

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from bench import Trace
+from bench.columns import packed
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Card, Figure, Section, Table
 from bench.storage.folder import Folder
@@ -236,9 +237,9 @@ def make():
                 matches = {(trial.problem, trial.optimizer), trial.key}
                 value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
                 if matches & {*fail, *raised}:
-                    writer.add(trial, RAISED if matches & set(raised) else FAILED)
+                    writer.add(trial, packed(RAISED if matches & set(raised) else FAILED))
                 elif not matches & set(skip):
-                    writer.add(trial, finished(value, rng) | (changes or {}).get(trial.optimizer, {}))
+                    writer.add(trial, packed(finished(value, rng) | (changes or {}).get(trial.optimizer, {})))
         return folder
 
     return write_study

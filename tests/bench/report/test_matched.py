@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace
+from bench.columns import packed
 from bench.report.findings import Findings
 from bench.report.matched import differing
 from bench.report.sections import matched
@@ -44,7 +45,7 @@ def made(tmp_path):
                     "stop": "tolfun", "outside_box": 0, "x": {f"x{i}": 0.0 for i in range(dimension)}, "metrics": {},
                     "trace": Trace(np.array([1]), np.array([value])),
                 }  # fmt: skip
-                writer.add(trial, row, number)
+                writer.add(trial, packed(row), number)
         return Findings(Results(folder.path))
 
     return make

@@ -63,19 +63,19 @@ def test_what_the_optimizer_sees(handling, shown):
     assert began(handling)(POINTS).tolist() == shown
     one = began(handling)
     assert [one(point) for point in POINTS] == shown
-    assert (one.evaluations, one.outside_box) == (5, 1)
+    assert (one.nfev, one.outside_box) == (5, 1)
 
 
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
 def test_only_feasible_points_are_recorded(handling):
     f = began(handling, quadrant())
     f(POINTS[[2, 1]])
-    assert (f.best_value, f.trace.values.tolist()) == (np.inf, [])
+    assert (f.fun, f.trace.values.tolist()) == (np.inf, [])
     f(POINTS[[2, 0, 1]])
     f(POINTS[3])
     assert f.trace.evaluations.tolist() == [4, 6]  # the first feasible point is the first entry
     assert f.trace.values.tolist() == [3.0, 0.5]
-    assert (f.best_value, f.best_point.tolist()) == (0.5, [0.5, 0.0])
+    assert (f.fun, f.best_point.tolist()) == (0.5, [0.5, 0.0])
 
 
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
@@ -85,13 +85,13 @@ def test_without_a_feasible_point_the_least_violating_one_in_the_box_is_the_best
     f(POINTS[[2]])
     f(POINTS[[4, 1, 2]])
     f(POINTS[2])
-    assert (f.best_value, f.best_point.tolist()) == (np.inf, [-1.0, 1.0])
+    assert (f.fun, f.best_point.tolist()) == (np.inf, [-1.0, 1.0])
 
 
 def test_a_repaired_point_is_recorded_in_place_of_the_point():
     f = began("repair")
     f(np.array([[-2.0, -1.0], [-1.0, -0.5]]))
-    assert (f.best_value, f.best_point.tolist()) == (1.5, [1.0, 0.5])
+    assert (f.fun, f.best_point.tolist()) == (1.5, [1.0, 0.5])
     assert scored(quadrant(Mirrored), "repair").evaluate(f.best_point[None]).tolist() == [1.5]
 
 

@@ -37,7 +37,7 @@ class TestNoise:
         assert (seen != true).all()
         assert np.abs(seen - true).max() < 6
         assert f.trace.values.tolist() == [true[0]]
-        assert (f.best_value, f.best_point.tolist()) == (true[0], POINTS[0].tolist())
+        assert (f.fun, f.best_point.tolist()) == (true[0], POINTS[0].tolist())
 
     def test_the_best_point_is_the_one_with_the_lowest_true_value_however_it_looked(self):
         f = began(noisy(fun=lambda x, rng: -(x**2).sum(axis=1)))
@@ -60,7 +60,7 @@ class TestNoise:
     def test_a_function_of_one_point_may_be_noisy(self):
         f = began(noisy(fun=lambda x, rng: rng.random(), noiseless=lambda x: x[0], vectorized=False))
         assert 0 <= f(POINTS[1]) < 1
-        assert f.best_value == 2.6
+        assert f.fun == 2.6
 
     def test_infinite_noise_below_is_refused(self):
         f = began(noisy(fun=lambda x, rng: np.full(len(x), -np.inf)))
@@ -70,7 +70,7 @@ class TestNoise:
     def test_noise_that_is_no_number_is_shown_as_infinite(self):
         f = began(noisy(fun=lambda x, rng: np.full(len(x), np.nan)))
         assert f(POINTS).tolist() == [np.inf] * 3
-        assert f.best_value == (POINTS[0] ** 2).sum()
+        assert f.fun == (POINTS[0] ** 2).sum()
 
     def test_constraints_hold_for_a_noisy_problem(self):
         f = objective(scored(noisy(violations=lambda x: -x[:, :1]), "lexicographic"), 10, np.random.default_rng(0))
@@ -216,7 +216,7 @@ class TestPointsThatFail:
         f = objective(problem, 10, np.random.default_rng(0))
         assert np.isinf(f(POINTS)).tolist() == [False, True, False]
         assert f(POINTS[1]) == np.inf
-        assert (f.evaluations, f.raised, np.isfinite(f.best_value)) == (4, None, True)
+        assert (f.nfev, f.raised, np.isfinite(f.fun)) == (4, None, True)
 
     def test_else_it_is_raised_and_noted(self):
         f = objective(scored(mixed(fun=self.fun), "death"), 10, np.random.default_rng(0))

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from bench import BenchError, Results
+from bench.columns import packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
 from bench.storage.repair import repair
@@ -43,7 +44,7 @@ def add_missing(folder):
         with folder.store.writer() as writer:
             number = writer.environment(RECORD)
             for trial, row in missing:
-                writer.add(trial, row, number)
+                writer.add(trial, packed(row), number)
 
 
 def traces(results):

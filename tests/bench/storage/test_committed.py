@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_results, run
+from bench.columns import packed
 from bench.storage.committed import FILE, Committed, read
 from bench.storage.folder import Folder
 from bench.storage.repair import ASIDE, repair
@@ -27,7 +28,7 @@ def killed(filled, tmp_path_factory):
         with folder.store.writer() as writer:
             number = writer.environment(RECORD)
             for trial, row in some:
-                writer.add(trial, row, number)
+                writer.add(trial, packed(row), number)
             if last:
                 shutil.copytree(folder.path, place / "killed", ignore=shutil.ignore_patterns("*-shm"))
     return Folder(place / "killed")
@@ -117,7 +118,7 @@ def test_an_older_copy_of_the_store_is_noticed_though_it_has_as_many_rows(spoilt
     trial, _ = next(each for each in rows() if each[1]["status"] == "failed")
     _, row = next(each for each in rows() if each[1]["status"] == "ok")
     with spoilt.store.writer() as writer:
-        writer.add(trial, row)
+        writer.add(trial, packed(row))
     spoilt.store.path.write_bytes(older)
     assert spoilt.store.check().sentence == "the last 1 commits are lost; 'bench run' makes them again"
     assert "; 120 sound trials are kept" in repair(spoilt, TRIALS)
@@ -161,7 +162,7 @@ def test_a_store_that_is_taken_away_while_it_is_written_ends_the_writing(how, sp
         if how == "replaced":
             spoilt.store.path.touch()
         with pytest.raises(BenchError, match="was removed or replaced while it was written"):
-            writer.add(trial, row)
+            writer.add(trial, packed(row))
 
 
 DELETES = """

@@ -5,6 +5,7 @@ import os
 import pytest
 
 from bench import BenchError, Study, load_results, run
+from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.trial import Trial
 
@@ -96,8 +97,8 @@ def test_two_writers_of_one_trial_end_in_one_sentence_and_lose_nothing(tmp_path)
     (tmp_path / "study.toml").touch()
     store = Folder(tmp_path).store
     with store.writer() as first, store.writer() as second:
-        first.add(trial, row)
+        first.add(trial, packed(row))
         with pytest.raises(BenchError, match=r"another run writes to the store .* run the same command again"):
-            second.add(trial, row)
+            second.add(trial, packed(row))
     assert store.find(*trial.key)["fun"] == 1.0
     assert store.check().sound

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from bench import Results, load_results
+from bench.columns import named, packed
 from bench.storage.repair import repair
-from bench.storage.rows import FORMAT, named, packed, typed
+from bench.storage.rows import FORMAT, typed
 from tests.bench.storage.changes import SCATTER, change
 from tests.bench.storage.filled import OPTIMIZERS, TRIALS, assert_repaired
 

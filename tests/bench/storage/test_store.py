@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from bench import BenchError, load_results
+from bench.columns import named, packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.storage.rows import disagreement, named, stored
+from bench.storage.rows import disagreement
 from bench.storage.schema import SCHEMA
 from bench.storage.store import Keys, Store
 from bench.trial import Trial
@@ -41,7 +42,7 @@ def store(tmp_path):
 def fill(store, *numbers, row=None):
     with store.writer() as writer:
         for number in numbers:
-            writer.add(trial(number), row or finished())
+            writer.add(trial(number), packed(row or finished()))
 
 
 def outside(path, query):
@@ -67,14 +68,14 @@ def test_every_digit_of_a_row_comes_back(store):
     values = [0.1 + 0.2, 5e-324, 1.7976931348623157e308, math.inf]
     with store.writer() as writer:
         for number, value in enumerate(values):
-            writer.add(trial(number), finished(value))
+            writer.add(trial(number), packed(finished(value)))
     rows = list(store.rows())
     assert [row["fun"].hex() for row in rows] == [value.hex() for value in values]
     assert [named(row, "x")["x1"].hex() for row in rows] == [value.hex() for value in values]
     trace = store.traces()["sphere-2", "scatter", 0]
     assert trace.evaluations.tolist() == [1, 5, 40]
     assert [value.hex() for value in trace.values] == [value.hex() for value in TRACE.values]
-    assert store.find("sphere-2", "scatter", 3) == stored(trial(3), finished(values[3])) | {
+    assert store.find("sphere-2", "scatter", 3) == packed(finished(values[3])) | trial(3).columns | {
         "environment": None, "error": None
     }  # fmt: skip
 
@@ -83,7 +84,7 @@ def test_rows_by_a_condition_and_in_the_order_of_cells(store):
     with store.writer() as writer:
         for number in (3, 1):
             for optimizer in ("scatter", "early"):
-                writer.add(trial(number, optimizer=optimizer), finished(float(number)))
+                writer.add(trial(number, optimizer=optimizer), packed(finished(float(number))))
         writer.add(trial(2), LOST)
     assert [(row["optimizer"], row["trial"]) for row in store.rows()] == [
         ("scatter", 1), ("scatter", 2), ("scatter", 3), ("early", 1), ("early", 3)
@@ -110,7 +111,7 @@ def test_a_lost_trial_is_replaced_and_a_finished_one_never(store):
     fill(store, 0, row=LOST)
     fill(store, 0, row=finished(0.5))
     with pytest.raises(BenchError, match="another run writes to the store"), store.writer() as writer:
-        writer.add(trial(0), finished(0.7))
+        writer.add(trial(0), packed(finished(0.7)))
     assert [row["fun"] for row in store.rows()] == [0.5]
 
 
@@ -118,12 +119,12 @@ def test_what_is_put_at_once_is_committed_whole_or_not_at_all(store):
     fill(store, 0)
     with store.writer() as writer:
         with pytest.raises(BenchError), writer.transaction():  # noqa: PT012 - all of it is what is undone
-            writer.put(stored(trial(1), finished()))
-            writer.put(stored(trial(0, problem="sphere-3"), finished()))
+            writer.put(packed(finished()) | trial(1).columns)
+            writer.put(packed(finished()) | trial(0, problem="sphere-3").columns)
             raise BenchError("as merge does where trials differ")
         assert writer.find("sphere-2", "scatter", 1) is None
         # The cell of sphere-3 was rolled back too: what is added to it now must not hang in the air.
-        writer.add(trial(7, problem="sphere-3"), finished())
+        writer.add(trial(7, problem="sphere-3"), packed(finished()))
     assert [(row["problem"], row["trial"]) for row in store.rows()] == [("sphere-2", 0), ("sphere-3", 7)]
 
 
@@ -132,7 +133,7 @@ def test_a_row_that_is_refused_leaves_the_writer_usable(store):
     with store.writer() as writer:
         with pytest.raises(sqlite3.Error):
             writer.add(trial(1, problem="sphere-3"), LOST | {"seed": 1, "status": None})
-        writer.add(trial(1, problem="sphere-3"), finished())
+        writer.add(trial(1, problem="sphere-3"), packed(finished()))
     assert len(list(store.rows())) == 2
 
 
@@ -142,8 +143,8 @@ def test_the_same_environment_has_one_number(store):
         assert one != two
         assert writer.environment({"host": "a"}) == one
         writer.change(two, {"host": "c"})
-        writer.add(trial(0), finished(), two)
-        writer.add(trial(1), finished())
+        writer.add(trial(0), packed(finished()), two)
+        writer.add(trial(1), packed(finished()))
     assert store.environments() == {one: {"host": "a"}, two: {"host": "c"}}
     assert store.made() == {two: 1}
 
@@ -152,7 +153,7 @@ def test_removed_rows_are_gone_with_their_traces_and_can_be_made_again(store):
     with store.writer() as writer:
         for number in range(2):
             for optimizer in ("scatter", "early"):
-                writer.add(trial(number, optimizer=optimizer), finished())
+                writer.add(trial(number, optimizer=optimizer), packed(finished()))
         writer.add(trial(2), LOST)
         assert writer.remove(["sphere-2"], ["scatter", "early"], failed_only=True) == 1
         assert writer.remove(["sphere-2", "sphere-3"], ["scatter", "nobody"]) == 2
@@ -166,7 +167,7 @@ def test_texts_of_any_kind_are_data(store):
     label = "'; DROP TABLE results; --\u2028ä\U0001f600"
     row = finished(metrics={'"]}': 1.0, "NaN": math.nan}, error="\x00\x1b[31m'\"")
     with store.writer() as writer:
-        writer.add(trial(0, problem=label, optimizer=label), row)
+        writer.add(trial(0, problem=label, optimizer=label), packed(row))
     assert store.find(label, label, 0)["error"] == row["error"]
     (read,) = store.rows()
     assert read["problem"] == label
@@ -232,7 +233,7 @@ def test_a_schema_that_changes_has_another_version():
 
 
 def test_trials_that_were_made_twice_are_compared_without_their_times():
-    one = stored(trial(0), finished())
+    one = packed(finished()) | trial(0).columns
     assert disagreement(one, one | {"wall_s": 9.0, "environment": 4}) == ""
     assert disagreement(one, one | {"fun": math.nextafter(0.1, 1)}) == "fun"
     assert disagreement(one, one | {"trace": b""}) == "trace"
@@ -335,7 +336,7 @@ def study_of_store(tmp_path):
     with folder.store.writer() as writer:
         number = writer.environment({"host": "here", "started": "2026-01-01T00:00:00+00:00"})
         for each in range(100):
-            writer.add(trial(each), finished(), number)
+            writer.add(trial(each), packed(finished()), number)
     return study, folder
 
 

@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
+from bench.columns import packed
 from bench.storage.reading import READ
-from bench.storage.rows import VECTORS, packed
+from bench.storage.rows import NAMES
 from bench.storage.tidy import COLUMNS, Tidy
 
 PROBLEMS, OPTIMIZERS = ["a", "b", "c"], ["o", "p"]
@@ -37,7 +38,7 @@ def tidy(rows, size):
     read = []
     for row in rows:
         kept = packed({name: value for name, value in row.items() if value is not None})
-        lists = tuple(kept.get(each) for each in VECTORS.values())
+        lists = tuple(kept.get(each) for each in NAMES)
         if None not in lists:
             kept["names"] = names.setdefault(lists, len(names) + 1)
         texts = {name: value.encode() for name, value in kept.items() if isinstance(value, str)}
@@ -52,7 +53,7 @@ def plain(rows):
     """Return the frame made row by row, by pandas alone."""
     every = sorted(rows, key=lambda row: (PROBLEMS.index(row["problem"]), row["optimizer"], row["trial"]))
     records = [
-        {"study": "s"} | {name: row[name] for name in COLUMNS[1:]}
+        {"study": "s"} | {name: row.get(name) for name in COLUMNS[1:]}
         | {f"x_{name}": value for name, value in (row["x"] or {}).items()} | (row["metrics"] or {})
         for row in every
     ]  # fmt: skip

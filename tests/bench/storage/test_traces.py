@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import Trace
-from bench.storage.traces import Traces, pack, unpack
+from bench.storage.traces import Traces
 
 ONE = Trace(np.array([1, 5, 40]), np.array([3.0, 1.5, -2.0]))
 NONE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
@@ -17,8 +17,8 @@ def row(problem, optimizer, trial, trace):
 def test_traces_are_found_by_key_and_failed_trials_have_none():
     other = Trace(np.array([2]), np.array([7.0]))
     rows = [
-        row("p", "a", 0, pack(ONE)), row("p", "a", 3, None),
-        row("p", "a", 7, pack(NONE)), row("p", "b", 1, pack(other)),
+        row("p", "a", 0, ONE.packed()), row("p", "a", 3, None),
+        row("p", "a", 7, NONE.packed()), row("p", "b", 1, other.packed()),
     ]  # fmt: skip
     traces = Traces.read(rows)
     assert [*traces] == [("p", "a", 0), ("p", "a", 7), ("p", "b", 1)]
@@ -31,10 +31,10 @@ def test_traces_are_found_by_key_and_failed_trials_have_none():
         assert traces.get(missing) is None
 
 
-@pytest.mark.parametrize("damaged", [pack(ONE)[:-8], "text", 5])
+@pytest.mark.parametrize("damaged", [ONE.packed()[:-8], "text", 5])
 def test_a_damaged_trace_is_refused(damaged):
     with pytest.raises(ValueError, match="trial 4 is damaged"):
         Traces.read([row("p", "a", 4, damaged)])
     if isinstance(damaged, bytes):
         with pytest.raises(ValueError, match="40 bytes are no trace"):
-            unpack(damaged)
+            Trace.unpacked(damaged)

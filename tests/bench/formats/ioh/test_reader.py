@@ -136,7 +136,7 @@ def test_another_suite_keeps_its_name_and_its_values(tmp_path):
         ({"function_id": 1e999}, "has a value of another kind .cannot convert float infinity to integer"),
         (
             {"runs": [RUNS[0] | {"evals": 10**30}, RUNS[1]]},
-            "evaluations 10{30}, which must be from 0 to 10{15}",
+            "nfev 10{30}, which must be from 0 to 10{15}",
         ),
         ({"log": LOG.replace("4 7.25", "4 abc")}, "line 7, is no row of evaluations and values: '4 abc'"),
         ({"log": LOG.replace("raw_y", "other")}, "line 1, has no column 'raw_y'"),

@@ -69,7 +69,7 @@ def test_our_export_comes_back_with_failures_and_times(tmp_path):
         ("7,2.25", "7,-1e999", "line 4, has the value -inf"),
         ("7,2.25", "7,nan", "line 4, has no value"),
         ("5,1e-3", f"{10**15 - 1}1,1e-3", "line 6, has '9999999999999991' as evaluations, which is no whole number"),
-        ("q,1,", f"q,{10**6},", "has the number of the trial 1000000, which must be from 0 to 999999"),
+        ("q,1,", f"q,{10**6},", "has trial 1000000, which must be from 0 to 999999"),
         ("7,2.25", "7,two", "has a value that is no number: could not convert string to float: 'two'"),
         ("de,p", "de, ", "has a name that is empty"),
         ("5,1e-3\n", "5,1e-3", "is cut short: its last line has no end"),

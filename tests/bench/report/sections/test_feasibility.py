@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Results, Study
+from bench.columns import packed
 from bench.objective import Trace
 from bench.report.findings import Findings
 from bench.report.methods import methods
@@ -31,7 +32,7 @@ def written(path, noted=True):
             writer.environment({"data": {"ring-2": study.problem("ring-2").fingerprint()}})
         for trial in study.plan():
             lost = trial.key == ("ring-2", "scatter", 0)
-            writer.add(trial, finished(10.0, rng) | (NONE if lost else {}))
+            writer.add(trial, packed(finished(10.0, rng) | (NONE if lost else {})))
     return Findings(Results(path))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace, load_problem
+from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.study import Entry
 from problems.backlash.published.recordings import table_7_3
@@ -40,7 +41,7 @@ def make(folder, entries, found, *, trials=4, optimizers=("cma-es",), failed=())
                 "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": rpm},
                 "trace": Trace(np.array([1]), np.array([1.0])),
             }  # fmt: skip
-            writer.add(trial, {"status": "failed", "error": "x"} if trial.problem in failed else row)
+            writer.add(trial, packed({"status": "failed", "error": "x"} if trial.problem in failed else row))
     return Results(folder)
 
 

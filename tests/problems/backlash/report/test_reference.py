@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace, load_problem
+from bench.columns import packed
 from bench.report.conditions import repairing
 from bench.report.write import save_table
 from bench.storage.folder import Folder
@@ -44,7 +45,7 @@ def make(folder, found, *, datasets=(3, 12), optimizers=(CMA, GWO), unit="rpm"):
                 "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": 30.0},
                 "trace": Trace(np.array([1]), np.array([value])),
             }  # fmt: skip
-            writer.add(trial, {"status": "failed", "error": "x"} if value == FAILED else row)
+            writer.add(trial, packed({"status": "failed", "error": "x"} if value == FAILED else row))
     return Results(folder)
 
 

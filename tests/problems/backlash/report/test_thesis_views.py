@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import Results, Trace, load_problem
+from bench.columns import packed
 from bench.plots import style
 from bench.report import Figure, Table
 from bench.report.write import save_figure
@@ -80,7 +81,7 @@ def write(folder, study, row):
     place.claim(study)
     with place.store.writer() as writer:
         for trial in study.plan():
-            writer.add(trial, row(trial))
+            writer.add(trial, packed(row(trial)))
     return Results(folder)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace
+from bench.columns import packed
 from bench.report import Table
 from bench.storage.folder import Folder
 from bench.study import Entry
@@ -20,11 +21,11 @@ def shown(folder, found):
     with place.store.writer() as writer:
         for trial in study.plan():
             rpm = 60 * (found[trial.problem] + 0.02 * trial.number - 0.01)
-            writer.add(trial, {
+            writer.add(trial, packed({
                 "status": "ok", "fun": 1.0, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5,
                 "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": rpm},
                 "trace": Trace(np.array([1]), np.array([1.0])),
-            })  # fmt: skip
+            }))  # fmt: skip
     return next((each for each in sections(Results(folder)) if each.title == TITLE), None)
 
 

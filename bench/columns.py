@@ -1,0 +1,148 @@
+"""The columns of a trial: their names, types, units, bounds and meanings, in one table.
+
+From :data:`COLUMNS` follow the fields of a :class:`bench.trial.Result`, what is checked of an answer, the tables of a
+store, the tidy frame, imports, exports and the reference page. A further column is a line here.
+"""
+
+import json
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from math import inf
+from typing import Any
+
+from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
+
+Row = dict[str, Any]
+"""A trial's columns by name as a store keeps them; those that are missing are unknown."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a trial.
+
+    Attributes:
+        name: in Python, SQL and frames.
+        kind: its type, int, float, str or bytes.
+        meaning: a phrase for people.
+        unit: of a number, "" without one.
+        least: the smallest number that it may be.
+        most: the largest one.
+        within: what else it does not exceed: "budget", or another column.
+        names: of bytes that hold float64 numbers, the column in which a store has their names, as a JSON list.
+        prefix: before such a name in the frame.
+        required: whether every row has it.
+        table: of a store, whose row it numbers.
+        frame: whether the tidy frame has it.
+        stored: whether a store has it; other columns are computed when a frame is read.
+        repeats: whether it is the same whenever the trial is made.
+    """
+
+    name: str
+    kind: type
+    meaning: str
+    unit: str = ""
+    least: float = -inf
+    most: float = inf
+    within: str = ""
+    names: str = ""
+    prefix: str = ""
+    required: bool = False
+    table: str = ""
+    frame: bool = True
+    stored: bool = True
+    repeats: bool = True
+
+
+def _column(meaning: str, **about: Any) -> Any:
+    return field(metadata={"meaning": meaning} | about)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """The columns that a search fills in, each a single value."""
+
+    fun: float = _column("lowest objective value found, +inf where no point counts")
+    nfev: int = _column("evaluations made", least=1, most=LARGEST_BUDGET, within="budget")
+    wall_s: float = _column("wall time of the whole search", unit="s", least=0, repeats=False)
+    cpu_s: float = _column("processor time of the whole search", unit="s", least=0, repeats=False)
+    objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", least=0, repeats=False)
+    stop: str = _column("`budget`, or the reason that the optimizer declared, or `undeclared` without one")
+    outside_box: int = _column("evaluations outside the box", least=0, within="nfev")
+
+
+MEASURED = tuple(Column(each.name, each.type, **each.metadata) for each in fields(Measured))  # type: ignore[arg-type]
+
+COLUMNS = (
+    Column("study", str, "name of the study", stored=False),
+    Column("problem", str, "label of the problem"),
+    Column("optimizer", str, "label of the optimizer"),
+    Column("trial", int, "number of the trial in its cell, from 0", least=0, most=MOST_TRIALS - 1),
+    Column(
+        "environment", int, "number of the record of the run that made the trial", table="environments", frame=False,
+        repeats=False,
+    ),
+    Column("seed", int, "seed that repeats the trial", least=0, most=LARGEST_SEED),
+    Column("status", str, "`ok`, `failed` or `timeout`", required=True),
+    *MEASURED,
+    Column(
+        "error", str, "why the trial was lost; begins with `ProblemError: ` where the problem's own code raised"
+    ),
+    Column("x", bytes, "best point, by variable", names="variables", prefix="x_"),
+    Column("metrics", bytes, "domain metrics of the best point, by name", names="metric_names"),
+    Column(
+        "trace", bytes, "improvements: m int64 counts of evaluations, then m float64 best-so-far values", frame=False
+    ),
+)  # fmt: skip
+"""All columns, in the order of stores and frames."""
+
+PRECISION = Column("precision", float, "`fun` less the known optimum, after `fun`, of problems of suites", stored=False)
+
+FEATURES = tuple(
+    Column(name, kind, f"{meaning}, as far as the problem says so where the frame is read", stored=False)
+    for name, kind, meaning in (
+        ("suite", str, "suite of the problem"), ("function", str, "function of the suite"),
+        ("dimension", int, "number of search variables"), ("instance", int, "instance of the function"),
+        ("group", str, "group of functions"),
+    )
+)  # fmt: skip
+"""The columns of a frame that say of which kind a problem is."""
+
+KEY = ("problem", "optimizer", "trial")
+STORED = tuple(column for column in COLUMNS if column.stored and column.name not in KEY)
+"""The columns of a store's row beside its key."""
+
+VECTORS = tuple(column for column in COLUMNS if column.names)
+"""The columns that hold little-endian 8-byte floats by name; any number of columns of a frame."""
+
+FRAME = tuple(column for column in COLUMNS if column.frame and not column.names)
+"""The columns that every frame has."""
+
+RESERVED = frozenset(column.name for column in (*FRAME, PRECISION))
+"""What no metric may be called."""
+
+
+def packed(row: Mapping[str, Any]) -> Row:
+    """Return a row as a store keeps it, of one whose point and metrics are by name and whose trace is a trace.
+
+    Raises:
+        struct.error: for a value of the point or the metrics that is no number.
+    """
+    packed_row = dict(row)
+    if any(column.name in row for column in VECTORS):
+        for column in VECTORS:
+            values = row.get(column.name) or {}
+            packed_row[column.name] = struct.pack(f"<{len(values)}d", *values.values())
+            packed_row[column.names] = json.dumps([*values])
+    if row.get("trace") is not None:
+        packed_row["trace"] = row["trace"].packed()
+    return packed_row
+
+
+def named(row: Mapping[str, Any], name: str) -> Any:
+    """Return a value of a row for people: a point and metrics by name, other values as they are."""
+    names = next((column.names for column in VECTORS if column.name == name), "")
+    if not names or row.get(name) is None:
+        return row.get(name)
+    values = struct.unpack(f"<{len(row[name]) // 8}d", row[name])
+    return dict(zip(json.loads(row[names]), values, strict=True))
