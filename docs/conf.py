@@ -33,7 +33,7 @@ version = release = version_of("backlash-bench")
 extensions = [
     "myst_parser", "sphinx_copybutton", "sphinx_design", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
     "extensions.api", "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results",
-    "extensions.pictures", "extensions.performance", "extensions.atlas",
+    "extensions.pictures", "extensions.performance", "extensions.columns", "extensions.atlas",
 ]  # fmt: skip
 exclude_patterns = ["_build", "_generated"]
 smartquotes_action = "qe"  # quotes and ellipses; two hyphens stay an option

@@ -10,6 +10,7 @@ import pytest
 
 from bench import Study, run, write_report
 from bench.check.verdict import Verdict
+from bench.columns import COLUMNS
 from bench.execution.verify import verify
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -55,7 +56,7 @@ def test_every_table_and_column_of_the_store_is_described(folder):
     store = sqlite3.connect(folder / "trials.sqlite")
     for (table,) in store.execute("SELECT name FROM sqlite_master WHERE type IN ('table', 'view')").fetchall():
         columns = {column[1] for column in store.execute(f"PRAGMA table_info({table})")}
-        assert {table} | columns <= DOCUMENTED
+        assert {table} | columns <= DOCUMENTED | {column.name for column in COLUMNS}
     store.close()
 
 

@@ -346,12 +346,12 @@ class Results:
 def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     """Return the tidy frame of a study's folder, one row a trial, in the study's order; or all rows of several folders.
 
-    Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
-    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. After ``fun``
-    comes ``precision``, which is ``fun`` less the known optimum, where a problem is of a suite whose optima are known.
-    A failed trial's metrics are missing values, and so is what imported results do not say. Damaged trials are left
-    out, with a warning that names them. The last columns are ``suite``, ``function``, ``dimension``, ``instance`` and
-    ``group`` of the problem, missing where it has no such feature or cannot be loaded; a metric of such a name stays.
+    Its columns are those of :data:`bench.columns.FRAME`, such as ``problem``, ``optimizer``, ``status``, ``fun`` and
+    ``nfev``, one ``x_<variable>`` per variable and one per domain metric. After ``fun`` comes ``precision``, which is
+    ``fun`` less the known optimum, where a problem is of a suite whose optima are known; the features of the problem
+    come last (:data:`bench.columns.FEATURES`), missing where it has none or cannot be loaded; a metric of such a name
+    stays. A failed trial's metrics are missing values, and so is what imported results do not say. Damaged trials are
+    left out, with a warning that names them.
 
     Raises:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).

@@ -1,6 +1,5 @@
 """A row comes back to the last bit, and one that was changed is noticed, whoever changed what of it."""
 
-import struct
 from marshal import dumps
 
 import numpy as np
@@ -8,7 +7,6 @@ import pandas as pd
 import pytest
 
 from bench import Results, load_results
-from bench.columns import named, packed
 from bench.storage.repair import repair
 from bench.storage.rows import FORMAT, typed
 from tests.bench.storage.changes import SCATTER, change
@@ -26,20 +24,6 @@ def test_the_bytes_that_are_hashed_are_the_same_in_every_version_of_python():
     row = (7, None, 2**62, b"ok", 0.1, -1, 2**31)
     expected = "2807000000 6907000000 4e 6c050000000000000000000000 0400 73020000006f6b 679a9999999999b93f 69ffffffff"
     assert dumps(row, FORMAT) == bytes.fromhex(f"{expected} 6c03000000000000000200")
-
-
-def test_every_bit_of_a_point_and_of_its_metrics_is_kept():
-    values = [0.1, -0.0, 5e-324, float("inf"), float("nan"), 1e308]
-    row = packed({"x": dict(zip("abcdef", values, strict=True)), "metrics": {"größe": 1 / 3}})
-    assert row["x"] == np.array(values, "<f8").tobytes()
-    assert struct.pack("<6d", *named(row, "x").values()) == row["x"]
-    assert named(row, "metrics") == {"größe": 1 / 3}
-
-
-@pytest.mark.parametrize("value", ["wide", None])
-def test_a_metric_that_is_no_number_is_refused(value):
-    with pytest.raises(struct.error):
-        packed({"metrics": {"radius": value}})
 
 
 def test_a_column_that_the_store_does_not_have_is_refused():

@@ -1,0 +1,58 @@
+"""One table says what a trial's columns are; results, stores and frames have no others."""
+
+import sqlite3
+import struct
+
+import numpy as np
+import pytest
+
+from bench import FunctionProblem, load_optimizer
+from bench.columns import COLUMNS, MEASURED, STORED, named, packed
+from bench.storage.rows import VALUES
+from bench.storage.schema import SCHEMA
+from bench.storage.tidy import COLUMNS as FRAME_COLUMNS
+from bench.trial import as_row, search
+
+
+def test_names_are_unique_and_meanings_are_phrases():
+    assert len({column.name for column in COLUMNS}) == len(COLUMNS)
+    for column in COLUMNS:
+        assert column.meaning, column.name
+        assert not column.meaning.endswith(".")
+
+
+def test_a_result_has_every_measured_column_with_its_type():
+    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-1.0], [1.0], variables=("a",))
+    found = search(problem, load_optimizer("random-search"), 10, 1)
+    for column in MEASURED:
+        assert type(getattr(found, column.name)) is column.kind
+    assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {"environment", "seed", "error"}
+
+
+def test_the_store_has_the_stored_columns_with_their_types():
+    kinds = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
+    connection = sqlite3.connect(":memory:")
+    connection.executescript(SCHEMA)
+    made = {name: kind for _, name, kind, *_ in connection.execute("PRAGMA table_info(results)")}
+    assert {column.name: kinds[column.kind] for column in STORED}.items() <= made.items()
+    assert [name for name in made if name in VALUES] == [*VALUES]
+    connection.close()
+
+
+def test_the_frame_has_every_column_but_bytes():
+    bytes_of = {column.name for column in COLUMNS if column.kind is bytes}
+    assert {column.name for column in COLUMNS} - bytes_of == {*FRAME_COLUMNS}
+
+
+def test_every_bit_of_a_point_and_of_its_metrics_is_kept():
+    values = [0.1, -0.0, 5e-324, float("inf"), float("nan"), 1e308]
+    row = packed({"x": dict(zip("abcdef", values, strict=True)), "metrics": {"größe": 1 / 3}})
+    assert row["x"] == np.array(values, "<f8").tobytes()
+    assert np.array([*named(row, "x").values()]).tobytes() == row["x"]
+    assert named(row, "metrics") == {"größe": 1 / 3}
+
+
+@pytest.mark.parametrize("value", ["wide", None])
+def test_a_metric_that_is_no_number_is_refused(value):
+    with pytest.raises(struct.error):
+        packed({"metrics": {"radius": value}})
