@@ -97,7 +97,7 @@ class Quick:
 
     def __init__(self, problem, budget, rng):
         self.lower, self.upper, self.dimension, self.budget = problem.lower, problem.upper, problem.dimension, budget
-        self.problem, self.rng, self.best_value = problem, rng, np.inf
+        self.problem, self.rng, self.fun = problem, rng, np.inf
 
     def initial(self, n):
         return self.lower + (self.upper - self.lower) * self.rng.random((n, self.dimension))
@@ -107,7 +107,7 @@ class Quick:
 
     def __call__(self, x):
         values = self.problem.evaluate(x)
-        self.best_value = min(self.best_value, values.min())
+        self.fun = min(self.fun, values.min())
         return values
 
 
@@ -119,5 +119,5 @@ def final_bests(cls, name, runs=200, **options):
         start, search = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(2))
         objective = Quick(PROBLEMS[name], AGENTS * GENERATIONS, start)
         cls(agents=AGENTS, **options).minimize(objective, search)
-        bests[seed] = objective.best_value
+        bests[seed] = objective.fun
     return bests

@@ -21,8 +21,8 @@ from bench.sandbox.server import STILL_ASKING, note
 from bench.seeds import global_states
 from bench.typing import Floats
 
-OFFERED = {"lower", "upper", "integer", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
-"""Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
+OFFERED = {"lower", "upper", "integer", "dimension", "budget", "remaining", "nfev", "repair", "initial", "stop"}
+"""Attributes that the contract offers, and ``nfev``, which is ``budget`` minus ``remaining``."""
 
 _PAUSE = 0.5  # seconds between notes
 

@@ -21,7 +21,7 @@ FAULTS = [
         "nothing of the problem",
     ),
     (faulty.Spying, "contract", "it reads or sets _problem of the objective", ".initial(n)"),
-    (faulty.Boasting, "contract", "it reads or sets best_value of the objective", ".initial(n)"),
+    (faulty.Boasting, "contract", "it reads or sets fun of the objective", ".initial(n)"),
     (faulty.Stretching, "contract", "it reads or sets upper of the objective", ".initial(n)"),
     (faulty.Chatty, "silence", "such as 'generation ", "print and log nothing"),
     (faulty.Loud, "silence", "such as 'iterating'", "print and log nothing"),

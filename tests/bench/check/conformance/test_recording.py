@@ -41,7 +41,7 @@ def test_a_sound_run_uses_its_budget_and_nothing_else():
         (faulty.Deterministic(), "drew", False),
         (faulty.Legacy(), "touched", ("numpy.random",)),
         (faulty.Spying(), "reached", {"_problem"}),
-        (faulty.Boasting(), "reached", {"best_value"}),
+        (faulty.Boasting(), "reached", {"fun"}),
         (faulty.Careful(), "reached", set()),
     ],
 )
