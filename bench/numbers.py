@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, TypeGuard
 
 from bench.errors import BenchError
 
@@ -21,7 +21,7 @@ MOST_JOBS = 1000
 """Trials made at a time on one machine; each has a process and a thread of its own."""
 
 
-def is_whole(value: object) -> bool:
+def is_whole(value: object) -> TypeGuard[int]:
     """Return whether the value is a whole number; True and False are not."""
     return isinstance(value, Integral) and not isinstance(value, bool)
 

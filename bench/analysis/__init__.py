@@ -23,7 +23,7 @@ Example:
     >>> frame = in_study_order(results.frame, results.study)
     >>> pairs = pairwise_tests(frame)
     >>> ranking(summarise(frame), pairs)
-    >>> hits = hitting_times(frame, results.traces, targets(results.traces), results.study.budget)
+    >>> hits = hitting_times(frame, results.traces, targets(results.traces), results.study.budget.number)
     >>> expected_running_time(hits)
 """
 

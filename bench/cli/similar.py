@@ -52,7 +52,7 @@ def command(
     from bench.plots.similarity import similarity_map
     from bench.plugins import loading, selection
     from bench.report.wording import count, p_text
-    from bench.study.budget import checked, described, evaluations
+    from bench.study.budget import Budget
 
     require_whole("the trials", trials, 10)
     require_seed("the seed", seed)
@@ -64,8 +64,8 @@ def command(
     loaded = {name: loading.load_optimizer(name, **pairs(option)) for name in names}
     chosen = [name for pattern in problem or () for name in selection.matching(pattern)]
     problems = {name: partial(recorder, loading.load_problem(name)) for name in chosen} or common_problems()
-    spent = checked(budget, "--budget")
-    budgets = {label: evaluations(spent, make().dimension) for label, make in problems.items()}
+    spent = Budget.read(budget, "--budget")
+    budgets = {label: spent.evaluations(make().dimension) for label, make in problems.items()}
     least = min(budgets.values())
     require_whole("the budget of evaluations", least, 50)
     for name, loaded_optimizer in loaded.items():
@@ -94,7 +94,7 @@ def command(
         print_line(f"alike, as far as {trials // 2} trials can show: {', '.join(group)}", console=console)
     if result.clusters.is_unique:
         print_line("Every optimizer differs from every other one.", console=console)
-    conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {described(spent)}"
+    conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {spent.words}"
     print_line(f"{conditions}; distance: mean Kolmogorov-Smirnov distance of what trials do, 0 to 1", console=console)
     print_line(f"the map leaves out {result.stress:.0%} of the squared distances", console=console)
     with style.context(), replacing(plot) as temporary:

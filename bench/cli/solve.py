@@ -47,11 +47,11 @@ def command(
     """Run one optimizer once on one problem and print its best point."""
     from bench.columns import named
     from bench.scoring.constraints import DEFAULT
-    from bench.study.budget import checked
+    from bench.study.budget import Budget
 
     make = _row_apart if untrusted else _row
     row = make(
-        (problem, pairs(problem_option)), (optimizer, pairs(option)), checked(budget, "--budget"), seed=seed,
+        (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,
         constraints=constraints or DEFAULT, on_error=on_error,
     )  # fmt: skip
     if row["status"] != "ok":
@@ -72,12 +72,11 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
     """Return the row of a run in this process, and whether the problem is ``noisy``."""
     from bench.execution.solve import solve
     from bench.plugins import loading
-    from bench.study.budget import evaluations
     from bench.trial import as_row
 
     loaded = loading.load_problem(problem[0], **problem[1])
     chosen = loading.load_optimizer(optimizer[0], **optimizer[1])
-    spent = evaluations(budget, loaded.dimension)
+    spent = budget.evaluations(loaded.dimension)
     chosen.check_budget(spent, optimizer[0])
     try:
         found = solve(loaded, chosen, budget=spent, **settings)

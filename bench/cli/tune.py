@@ -60,7 +60,7 @@ def command(
     """
     from bench.plugins import loading
     from bench.report.wording import count
-    from bench.study.budget import checked, evaluations
+    from bench.study.budget import Budget
     from bench.tuning import study as studies
     from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
     from bench.tuning.tune import tune as tune_all
@@ -78,10 +78,10 @@ def command(
     names = list(dict.fromkeys(match for pattern in optimizers for match in loading.matching(pattern)))
     training, testing = studies.split(train, test or (), leave_out, seed)
     problems = studies.load(training)
-    spent = checked(budget, "--budget")
+    spent = Budget.read(budget, "--budget")
     setting = Setting(objective, configurations, trials, spent, seed, tuple(training), pairs(set_), timeout)
     _refuse_others(output, setting)
-    least = min(evaluations(setting.budget, problem.dimension) for problem in problems.values())
+    least = min(setting.budget.evaluations(problem.dimension) for problem in problems.values())
     axes = spaces(names, setting.fixed, least, condition or ())
     studies.untuned(output.stem, testing, names, setting)
     console = Console()

@@ -9,7 +9,6 @@ from tempfile import TemporaryDirectory
 from bench.execution.plan import Plan
 from bench.execution.runner import run
 from bench.storage.folder import Folder
-from bench.study.budget import shortened
 
 PROBLEMS = 3
 SHARE = 20  # of the budget that a short trial has, as 1 / SHARE
@@ -26,7 +25,7 @@ def calibrated_seconds(plan: Plan, jobs: int, untrusted: bool = False) -> float 
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
-    budget = shortened(study.budget, SHARE, LEAST)
+    budget = study.budget.shortened(SHARE, LEAST)
     short = replace(study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, tuning=None)
     with TemporaryDirectory() as place:
         made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)

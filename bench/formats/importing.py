@@ -121,9 +121,9 @@ def _study_of(name: str, runs: Iterable[Run]) -> Study:
         optimizers[run.optimizer] = None
         spent[run.dimension] = max(run.nfev, spent.get(run.dimension, 1))
         trials = max(trials, (run.number or 0) + 1)
-    budget: Budget = max(spent.values())
+    budget = Budget.read(max(spent.values()))
     if len(spent) > 1 and None not in spent:
-        budget = {str(dimension): most for dimension, most in sorted(spent.items(), key=lambda item: item[0] or 0)}
+        budget = Budget.read({str(size): most for size, most in sorted(spent.items(), key=lambda item: item[0] or 0)})
     clean = re.sub(r"[^A-Za-z0-9._-]+", "-", re.sub(r"\.(tgz|tar(\.\w+)?|zip|csv)$", "", name)).strip("._-")[:100]
     return Study(
         clean or "imported",

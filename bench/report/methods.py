@@ -35,7 +35,6 @@ from bench.report.winner import winner_rule
 from bench.report.wording import count, listing, options
 from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
-from bench.study.budget import described
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
 
@@ -99,7 +98,7 @@ def facts(findings: Findings) -> dict[str, Any]:
         "rope": final.rope if len(final.equivalence) else None,
         "landscapes": len(findings.landscapes.table),
         "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,
-        "budgets": {label: described(budget) for label, budget in results.budgets.items()},
+        "budgets": {label: budget.words for label, budget in results.budgets.items()},
         "common": trials.common_words,
         "confined": len({problem for (problem, _), by in trials.shifts.items() if by}),  # optimum out of reach
         "best2009": anytime.best_times.dropna()["problem"].nunique(),
@@ -160,7 +159,6 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "tested": {name: _tested(stated["checks"], name) for name in ("centre bias", "structural bias")},
         "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],
         "count": count,
-        "described": described,
         "listing": listing,
         "alpha": ALPHA,
         "near": NEAR,

@@ -13,7 +13,7 @@ from bench.analysis.selection import LEAST_FUNCTIONS, NEIGHBOURS, selection_gain
 from bench.report.findings import Findings
 from bench.report.landscapes import sample
 from bench.report.wording import count
-from bench.study.budget import Budget, evaluations
+from bench.study.budget import Budget
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Choice:
         if self.asked is None:
             return spent
         wanted = {
-            problem: evaluations(self.asked, trials.dimensions.get(problem, 1))
+            problem: self.asked.evaluations(trials.dimensions.get(problem, 1))
             for problem in spent
-            if problem in trials.dimensions or isinstance(self.asked, int)
+            if problem in trials.dimensions or self.asked.number
         }
         return {problem: most for problem, most in wanted.items() if most <= spent[problem]}
 

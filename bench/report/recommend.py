@@ -21,7 +21,7 @@ from bench.report.portfolio import Choice, gap_sentence, selection_sentence
 from bench.report.wording import count, listing
 from bench.storage.results import Results
 from bench.study import Study
-from bench.study.budget import checked, described, evaluations
+from bench.study.budget import Budget
 
 TRIALS = 15  # of the study that tests an advice
 
@@ -61,24 +61,24 @@ def recommend(
     Args:
         problem: its name, or ``"file.py:Class"``.
         folders: of studies that can be compared.
-        budget: the evaluations to spend (:func:`bench.study.budget.checked`), those of the sample among them.
+        budget: the evaluations to spend (:meth:`bench.study.budget.Budget.read`), those of the sample among them.
         options: of the problem.
         name: of the study.
 
     Raises:
         BenchError: where a folder, the problem or the budget cannot be used, or the folders have no trials to compare.
     """
-    asked = checked(budget, "--budget")
+    asked = Budget.read(budget, "--budget")
     loaded = load_problem(problem, **options or {})
-    spent, cost = evaluations(asked, loaded.dimension), sample(loaded.dimension)
+    spent, cost = asked.evaluations(loaded.dimension), sample(loaded.dimension)
     findings = Findings(Results(*folders))
     choice = Choice(findings, asked)
-    notes = _budget_notes(choice, described(asked))
+    notes = _budget_notes(choice, asked.words)
     if len(findings.trials.optimizers) < 2:
         raise BenchError("the folders hold one optimizer, so there is nothing to choose; give others with --from")
     if not (choice.scores["score"] > 0).any():
         raise BenchError(
-            f"no trial of the folders reached any target within {described(asked)}, so there is nothing to choose by; "
+            f"no trial of the folders reached any target within {asked.words}, so there is nothing to choose by; "
             "give a larger --budget, or others with --from"
         )
     notes.append(gap_sentence(best_gap(Halves.of(choice.scores, choice.blocks))))

@@ -387,18 +387,15 @@ class _Source:
         whole, budgets = self.study.budget, dict.fromkeys(self.shown.values(), self.study.budget)
         if not self.study.imported:
             return budgets
-        spent: dict[str, Counter[str]] = {}
+        spent: dict[str, Counter[int | None]] = {}
         ended = set[str]()
         for problem, optimizer, most, declared in self.folder.store.spent():
-            of_optimizer, dimension = spent.setdefault(optimizer, Counter()), str(dimension_in(problem))
+            of_optimizer, dimension = spent.setdefault(optimizer, Counter()), dimension_in(problem)
             of_optimizer[dimension] = max(most, of_optimizer[dimension], 1)
             ended |= {optimizer} if declared else set()
         for optimizer, most_in in spent.items():
             if optimizer in self.shown and optimizer not in ended:
-                by_dimension = (
-                    {size: most_in[size] or most for size, most in whole.items()} if isinstance(whole, dict) else {}
-                )
-                budgets[self.shown[optimizer]] = by_dimension or max(most_in.values())
+                budgets[self.shown[optimizer]] = whole.spent(most_in)
         return budgets
 
     def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> None:

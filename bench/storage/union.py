@@ -11,7 +11,7 @@ from bench.families import dimension_in, function_of
 from bench.helpers.text import joined
 from bench.plugins import selection
 from bench.study import Entry, Study
-from bench.study.budget import Budget, described
+from bench.study.budget import Budget
 from bench.study.study import LONGEST_NAME, LONGEST_TITLE
 
 
@@ -93,7 +93,7 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
         sentences.append(f"Trials of an optimizer on a problem differ: at most {joined(phrases)}.")
     if len({str(study.budget) for study in studies}) > 1:
         phrases = [
-            f"{'at most ' if study.imported else ''}{described(_within(study.budget, shared))} in {name}"
+            f"{'at most ' if study.imported else ''}{study.budget.within(map(dimension_in, shared)).words} in {name}"
             for study, name in zip(studies, names, strict=True)
         ]
         sentences.append(
@@ -149,27 +149,16 @@ def _largest(studies: Sequence[Study], problems: Iterable[str], stored: Callable
     budgets = [study.budget for study in studies]
     if all(budget == budgets[0] for budget in budgets):
         return budgets[0]
-    numbers = [budget for budget in budgets if isinstance(budget, int)]
-    if len(numbers) == len(budgets):
-        return max(numbers)
+    if all(budget.number for budget in budgets):
+        return max(budgets, key=lambda budget: budget.number or 0)
     dimensions = {label: dimension_in(label) or stored(label) for label in problems}
     if unknown := [label for label, dimension in dimensions.items() if not dimension]:
         raise BenchError(
             f"budgets depend on the dimension, and that of problem {unknown[0]!r} is not known: no folder holds a "
             "finished trial on it"
         )
-    return {
-        str(dimension): max(study.evaluations(dimension) for study in studies)
-        for dimension in sorted({dimension for dimension in dimensions.values() if dimension})
-    }
-
-
-def _within(budget: Budget, labels: Iterable[str]) -> Budget:
-    """Return a budget by dimension without the dimensions that none of the labels has."""
-    if not isinstance(budget, dict):
-        return budget
-    dimensions = {str(dimension_in(label)) for label in labels}
-    return {dimension: most for dimension, most in budget.items() if dimension in dimensions} or budget
+    sizes = sorted({dimension for dimension in dimensions.values() if dimension})
+    return Budget.read({str(size): max(study.evaluations(size) for study in studies) for size in sizes})
 
 
 def _parts(labels: Sequence[str], shared: Iterable[str]) -> str:

@@ -3,84 +3,140 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import Any
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 
 from bench.errors import BenchError
 from bench.helpers.text import joined
 from bench.numbers import LARGEST_BUDGET, is_whole, require_whole
-
-Budget = int | str | dict[str, int]
-"""As a study holds it: evaluations, the text of a multiple of d, or evaluations by the dimension as a text."""
+from bench.study.values import Value
 
 _MULTIPLE = re.compile(r"\s*([0-9][0-9_]*(?:\.[0-9]+)?(?:[eE]\+?[0-9]+)?)\s*\*\s*d\s*", re.ASCII)
 
 
-def checked(value: Any, what: str) -> Budget:
-    """Return a budget as a study holds it.
+class Budget(Value, ABC):
+    """The evaluations that a trial may spend."""
 
-    Args:
-        value: a whole number from 1 to 1e15; a text of one, or of a multiple of the dimension such as ``"1e4 * d"``; or
-            a table of evaluations by dimension, such as ``{"10": 200_000, "20": 1_000_000}``.
-        what: the subject of a sentence about it, such as ``"the budget"``.
+    @staticmethod
+    def read(value: object, what: str = "the budget") -> Budget:
+        """Return the budget of a plain value.
 
-    Raises:
-        BenchError: for anything else.
-    """
-    if isinstance(value, Mapping):
-        for dimension, number in value.items():
-            if not re.fullmatch(r"[1-9][0-9]{0,8}", str(dimension)):
-                raise BenchError(f"{what} has a table of evaluations by dimension, but {dimension!r} is no dimension")
-            require_whole(f"{what} at d = {dimension}", number, 1, LARGEST_BUDGET)
-        if not value:
-            raise BenchError(f"{what} is an empty table; give evaluations by dimension, such as {{10 = 200_000}}")
-        return {str(dimension): int(number) for dimension, number in value.items()}
-    if isinstance(value, str):
-        if re.fullmatch(r"[0-9][0-9_]{0,30}", value.strip(), re.ASCII):
-            value = int(value)
-        elif 0 < _multiple(value) <= LARGEST_BUDGET:
-            return value.strip()
-    if is_whole(value) and 1 <= value <= LARGEST_BUDGET:
-        return int(value)
-    raise BenchError(
-        f"{what} must be a whole number from 1 to {LARGEST_BUDGET:g} or a multiple of the dimension such as '1e4 * d', "
-        f"not {value!r}"
-    )
+        Args:
+            value: a whole number from 1 to 1e15; a text of one, or of a multiple of the dimension such as
+                ``"1e4 * d"``; or a table of evaluations by dimension, such as ``{"10": 200_000, "20": 1_000_000}``.
+            what: the subject of a sentence about it.
+
+        Raises:
+            BenchError: for anything else.
+        """
+        if isinstance(value, Budget):
+            return value
+        if isinstance(value, Mapping):
+            for dimension, number in value.items():
+                if not re.fullmatch(r"[1-9][0-9]{0,8}", str(dimension)):
+                    raise BenchError(
+                        f"{what} has a table of evaluations by dimension, but {dimension!r} is no dimension"
+                    )
+                require_whole(f"{what} at d = {dimension}", number, 1, LARGEST_BUDGET)
+            if not value:
+                raise BenchError(f"{what} is an empty table; give evaluations by dimension, such as {{10 = 200_000}}")
+            return _Table({str(dimension): int(number) for dimension, number in value.items()})
+        text = value.strip() if isinstance(value, str) else ""
+        if _MULTIPLE.fullmatch(text) and 0 < (multiple := _Multiple(text)).factor <= LARGEST_BUDGET:
+            return multiple
+        number = int(text) if re.fullmatch(r"[0-9](_?[0-9]){0,30}", text, re.ASCII) else value
+        if is_whole(number) and 1 <= number <= LARGEST_BUDGET:
+            return _Same(int(number))
+        raise BenchError(
+            f"{what} must be a whole number from 1 to {LARGEST_BUDGET:g} or a multiple of the dimension such as "
+            f"'1e4 * d', not {value!r}"
+        )
+
+    @property
+    def number(self) -> int | None:
+        """The evaluations in every dimension; None where they depend on it."""
+        return self.plain if isinstance(self.plain, int) else None
+
+    @abstractmethod
+    def evaluations(self, dimension: int) -> int:
+        """Return the evaluations on a problem of this dimension; raises BenchError where a table lacks it."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """The budget in words, such as ``"10,000 d evaluations"``."""
+
+    @abstractmethod
+    def shortened(self, share: int, least: int) -> Budget:
+        """Return 1 / ``share`` of the evaluations, but not below ``least`` where the budget has as many."""
+
+    def within(self, dimensions: Iterable[int | None]) -> Budget:  # noqa: ARG002 - of a table
+        """Return the budget without dimensions other than these, where it is a table that has one of them."""
+        return self
+
+    def spent(self, most: Mapping[int | None, int]) -> Budget:
+        """Return the budget of runs that spent at most these evaluations by dimension, of a kind with this one."""
+        return _Same(max(most.values()))
 
 
-def evaluations(budget: Budget, dimension: int) -> int:
-    """Return the evaluations of a trial on a problem of this dimension; raises BenchError where a table lacks it."""
-    if isinstance(budget, int):
-        return budget
-    if isinstance(budget, str):
-        return max(1, round(_multiple(budget) * dimension))
-    if str(dimension) not in budget:
-        dimensions = ", ".join(budget)
-        raise BenchError(f"the budget has no evaluations for problems of dimension {dimension}; it has {dimensions}")
-    return budget[str(dimension)]
+class _Same(Budget):
+    """As many evaluations in every dimension."""
+
+    plain: int
+
+    def evaluations(self, dimension: int) -> int:  # noqa: ARG002 - the same in all
+        return self.plain
+
+    @property
+    def words(self) -> str:
+        return f"{self.plain:,} evaluation{'' if self.plain == 1 else 's'}"
+
+    def shortened(self, share: int, least: int) -> Budget:
+        return _Same(max(min(self.plain, least), self.plain // share))
 
 
-def described(budget: Budget) -> str:
-    """Return a budget in words, such as ``"10,000 d evaluations"``."""
-    if isinstance(budget, int):
-        return f"{budget:,} evaluation{'' if budget == 1 else 's'}"
-    if isinstance(budget, str):
-        return f"{_multiple(budget):,.10g} d evaluations"
-    parts = [f"{number:,} evaluations at d = {dimension}" for dimension, number in budget.items()]
-    return joined(parts)
+class _Multiple(Budget):
+    """A multiple of the dimension, as its text."""
+
+    plain: str
+
+    @property
+    def factor(self) -> float:
+        return float(self.plain.partition("*")[0].replace("_", ""))
+
+    def evaluations(self, dimension: int) -> int:
+        return max(1, round(self.factor * dimension))
+
+    @property
+    def words(self) -> str:
+        return f"{self.factor:,.10g} d evaluations"
+
+    def shortened(self, share: int, least: int) -> Budget:
+        factor = max(min(self.factor, least), self.factor / share)
+        return _Multiple(f"{factor:g} * d")
 
 
-def shortened(budget: Budget, share: int, least: int) -> Budget:
-    """Return a budget of 1 / ``share`` of the evaluations, but not below ``least`` where the budget has as many."""
-    if isinstance(budget, int):
-        return max(min(budget, least), budget // share)
-    if isinstance(budget, str):
-        factor = _multiple(budget)
-        return f"{max(min(factor, least), factor / share):g} * d"
-    return {dimension: max(min(number, least), number // share) for dimension, number in budget.items()}
+class _Table(Budget):
+    """A number of evaluations by dimension, which is a text."""
 
+    plain: dict[str, int]
 
-def _multiple(text: str) -> float:
-    """Return the evaluations a dimension of a text such as ``"1e4 * d"``, 0 for another text."""
-    match = _MULTIPLE.fullmatch(text)
-    return float(match[1].replace("_", "")) if match else 0.0
+    def evaluations(self, dimension: int) -> int:
+        if str(dimension) not in self.plain:
+            known = ", ".join(self.plain)
+            raise BenchError(f"the budget has no evaluations for problems of dimension {dimension}; it has {known}")
+        return self.plain[str(dimension)]
+
+    @property
+    def words(self) -> str:
+        return joined([f"{number:,} evaluations at d = {dimension}" for dimension, number in self.plain.items()])
+
+    def shortened(self, share: int, least: int) -> Budget:
+        return _Table({d: max(min(number, least), number // share) for d, number in self.plain.items()})
+
+    def within(self, dimensions: Iterable[int | None]) -> Budget:
+        kept = set(map(str, dimensions))
+        return _Table({d: number for d, number in self.plain.items() if d in kept} or self.plain)
+
+    def spent(self, most: Mapping[int | None, int]) -> Budget:
+        return _Table(self.plain | {str(d): number for d, number in most.items() if str(d) in self.plain})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,17 +11,14 @@ from bench.study.values import Value
 from bench.typing import Floats
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Rope(Value):
     """The difference of two medians up to which they count as equal.
 
     Attributes:
-        number: in the unit of the objective, or a percentage of the smaller size of the two medians.
-        relative: whether it is a percentage.
+        plain: a number in the unit of the objective, or the text of a percentage of the smaller size of the medians.
     """
 
-    number: float
-    relative: bool
+    plain: float | str
 
     @classmethod
     def read(cls, value: object, what: str) -> Rope:
@@ -45,21 +41,21 @@ class Rope(Value):
                 f"{what} must be a positive width in the unit of the objective, such as 0.5, or a percentage of the "
                 f"values below 100, such as '1%', not {value!r}"
             )
-        return cls(number, relative)
+        return cls(f"{number:.12g}%" if relative else number)
 
     @property
-    def plain(self) -> float | str:
-        """The number, or the text of the percentage."""
-        return f"{self.number:.12g}%" if self.relative else self.number
+    def relative(self) -> bool:
+        """Whether the rope is a percentage."""
+        return isinstance(self.plain, str)
 
     @property
     def words(self) -> str:
         """The rope in words, such as ``"0.5"`` or ``"1%"``."""
-        return str(self.plain) if self.relative else f"{self.number:g}"
+        return self.plain if isinstance(self.plain, str) else f"{self.plain:g}"
 
     def widths(self, first: Floats, second: Floats) -> Floats:
         """Return the rope in the unit of the objective beside medians, (n,) each; 0 beside infinite ones."""
-        if not self.relative:
-            return np.full(len(first), self.number)
-        size = np.minimum(np.abs(first), np.abs(second))
-        return np.asarray(self.number / 100 * np.where(np.isfinite(size), size, 0.0))
+        if not isinstance(self.plain, str):
+            return np.full(len(first), self.plain)
+        size, share = np.minimum(np.abs(first), np.abs(second)), float(self.plain.removesuffix("%")) / 100
+        return np.asarray(share * np.where(np.isfinite(size), size, 0.0))

@@ -27,7 +27,6 @@ from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
 from bench.study import blocks as resembling
-from bench.study import budget as budgets
 from bench.study import entries, tuned
 from bench.study import targets as target_kinds
 from bench.study.blocks import Blocks
@@ -100,7 +99,7 @@ class Study:
     problems: tuple[Entry, ...]
     optimizers: tuple[Entry, ...]
     trials: Checked[int] = Checked(partial(_whole, least=1, most=MOST_TRIALS))
-    budget: Checked[Budget] = Checked(budgets.checked, 10_000)
+    budget: Checked[Budget] = Checked(Budget.read, Budget.read(10_000))
     seed: Checked[int] = Checked(partial(_whole, least=0, most=LARGEST_SEED), 0)
     title: str = ""
     constraints: Checked[str] = Checked(handlings.checked, handlings.DEFAULT)
@@ -193,12 +192,12 @@ class Study:
 
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
-        return budgets.evaluations(self.budget, dimension)
+        return self.budget.evaluations(dimension)
 
     @property
     def budget_words(self) -> str:
         """The budget of a trial in words, such as ``"10,000 d evaluations"``."""
-        return budgets.described(self.budget)
+        return self.budget.words
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
         """Return a copy with more optimizers and problems, by name or pattern.
@@ -345,7 +344,7 @@ class Study:
         studies do not name them. Neither are controls, which change no other trial and may be added to a folder. Looks
         are, where there are any: they decide which trials are made, and must be declared before the first one.
         """
-        content = dataclasses.asdict(self) | {"trials": None, "title": None}
+        content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
         left_out = ("constraints", "on_error", "targets", "rope", "blocks", "tuning", "looks", "controls")
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:

@@ -16,7 +16,6 @@ from typing import Any
 from bench.errors import BenchError, nearest
 from bench.numbers import is_finite
 from bench.study.budget import Budget
-from bench.study.budget import checked as checked_budget
 
 AUTOMATIC = "null"
 """The text of a value that the optimizer chooses by itself, as :func:`bench.helpers.text.option` writes None."""
@@ -117,7 +116,9 @@ class Tuning:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as a table of a study file."""
-        return dataclasses.asdict(self) | {"optimizers": [dataclasses.asdict(tuned) for tuned in self.optimizers]}
+        return dataclasses.asdict(self) | {
+            "budget": self.budget.plain, "optimizers": [dataclasses.asdict(tuned) for tuned in self.optimizers]
+        }  # fmt: skip
 
     def require_apart(self, problems: Iterable[str], where: str) -> None:
         """Raise BenchError where a problem of these names was trained on."""
@@ -146,7 +147,7 @@ def checked(value: Any, what: str) -> Tuning:
             raise BenchError(
                 f"{what}: the lists of {record.name!r} have different lengths; restore what 'bench tune' wrote"
             )
-    return Tuning(**table | {"budget": checked_budget(table["budget"], f"{what}, 'budget'")}, optimizers=tuned)
+    return Tuning(**table | {"budget": Budget.read(table["budget"], f"{what}, 'budget'")}, optimizers=tuned)
 
 
 def _is_readable(tuned: Tuned) -> bool:

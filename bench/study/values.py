@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Generic, TypeVar, cast
 
 T = TypeVar("T")
 
 
-class Value(ABC):
-    """A frozen value of a study. It equals, and is shown as, the plain value that a study's file has for it."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Value:
+    """A value of a study. It equals, and is shown as, the plain value that a study's file has for it.
 
-    @property
-    @abstractmethod
-    def plain(self) -> object:
-        """The value as a study's file has it: a number, a text, a list or a table."""
+    Attributes:
+        plain: the value as a study's file has it: a number, a text, a list or a table.
+    """
+
+    plain: object
 
     def __eq__(self, other: object) -> bool:
         return bool(self.plain == (other.plain if isinstance(other, Value) else other))

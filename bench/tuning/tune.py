@@ -39,7 +39,7 @@ from bench.sandbox.process import (
     TimeExceededError,
 )
 from bench.seeds import trial_seed
-from bench.study.budget import Budget, evaluations
+from bench.study.budget import Budget
 from bench.study.tuned import Tuned
 from bench.tuning.run import make_run, ready
 from bench.tuning.space import Axis, space
@@ -164,14 +164,14 @@ class _Search:
         problems: Mapping[str, Problem], pool: Pool,
     ) -> None:  # fmt: skip
         self.optuna, self.name, self.axes, self.setting, self.pool = optuna, name, axes, setting, pool
-        self.budgets = {label: evaluations(setting.budget, problem.dimension) for label, problem in problems.items()}
+        self.budgets = {label: setting.budget.evaluations(problem.dimension) for label, problem in problems.items()}
         self.optima = {
             label: float(problem.optimum) for label, problem in problems.items() if problem.optimum is not None
         }
         pruner = optuna.pruners.WilcoxonPruner()
         self.study = optuna.create_study(storage=storage, study_name=name, load_if_exists=True, pruner=pruner)
         same = {
-            "objective": setting.objective, "number of runs": setting.runs, "budget": setting.budget,
+            "objective": setting.objective, "number of runs": setting.runs, "budget": setting.budget.plain,
             "seed": setting.seed, "training set": list(setting.train),
             "fixed parameter": {key: option(value) for key, value in setting.fixed.items()},
             "space": [str(axis) for axis in axes],

@@ -129,9 +129,7 @@ class Findings:
         frame = analysis.in_study_order(results.frame, study)
         return analysis.integrity(
             frame.assign(pool=frame["problem"].astype(object).map(pool)),
-            study_budget=study.budget
-            if isinstance(study.budget, int) and trials.allowed == trials.budgets
-            else budgets,
+            study_budget=(study.budget.number if trials.allowed == trials.budgets else None) or budgets,
             planned_trials={
                 (entry.label, label): trials.decisions.stopped.get(
                     (entry.label, label), results.planned_on(label, [entry.label])

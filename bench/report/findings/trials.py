@@ -17,7 +17,6 @@ from bench.report.replication import Replication, replications
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
 from bench.study.blocks import block
-from bench.study.budget import evaluations
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
@@ -212,8 +211,8 @@ class Trials:
     def budgets(self) -> dict[str, int]:
         """The evaluations that a trial on each problem was allowed."""
         study = self.results.study
-        if isinstance(study.budget, int):
-            return dict.fromkeys(self.problems, study.budget)
+        if study.budget.number:
+            return dict.fromkeys(self.problems, study.budget.number)
         by_dimension = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
         return {label: by_dimension.get(label, max(by_dimension.values(), default=1)) for label in self.problems}
 
@@ -224,8 +223,8 @@ class Trials:
         if all(budget == self.results.study.budget for budget in budgets.values()):
             return self.budgets
         return {
-            (label, optimizer): evaluations(budget, self.dimensions.get(label, 0))
-            if label in self.dimensions or isinstance(budget, int)
+            (label, optimizer): budget.evaluations(self.dimensions.get(label, 0))
+            if label in self.dimensions or budget.number
             else self.budgets[label]
             for label in self.problems
             for optimizer, budget in budgets.items()

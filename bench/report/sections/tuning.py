@@ -14,7 +14,6 @@ from bench.plots.tuning import sensitivity
 from bench.report.findings import Final, Findings, Trials
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.wording import MISSING, cell_text, count, listing, p_text, seconds
-from bench.study.budget import described
 from bench.study.tuned import AUTOMATIC, Tuned, Tuning
 
 TITLE = "What tuning gained"
@@ -53,7 +52,7 @@ def _what(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> str:
     return (
         f"{listing([one.name for one in tuned])} {'was' if len(tuned) == 1 else 'were'} tuned by {tuning.method}: "
         f"{count(tuning.trials, 'configuration')}{' each' if len(tuned) > 1 else ''}, the defaults first, with "
-        f"{count(tuning.runs, 'run')} of {described(tuning.budget)} on each of "
+        f"{count(tuning.runs, 'run')} of {tuning.budget.words} on each of "
         f"{count(len(tuning.train), 'training problem')}{apart}. The score is {score}, the mean over the training "
         f"problems; lower is better.{' No problem of this report was tuned on.' if tested else ''}"
     )
@@ -136,7 +135,7 @@ def _warnings(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> list[st
     study = findings.results.study
     if study.budget != tuning.budget:
         warnings.append(
-            f"The trials here had {study.budget_words}, the tuning {described(tuning.budget)}; the best "
+            f"The trials here had {study.budget_words}, the tuning {tuning.budget.words}; the best "
             "parameters depend on the budget."
         )
     names = {entry.name for entry in study.problems}

@@ -159,7 +159,7 @@ def sentences(means: pd.DataFrame, here: pd.DataFrame, printed: pd.DataFrame) ->
 
 def other_conditions(study: Study) -> str:
     """Return a sentence on the study's trials and budget where they are not the published ones, else ""."""
-    if (study.trials, study.budget) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
+    if (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
         return ""
     return (
         f" This run has {count(study.trials, 'trial')} of {study.budget_words}, the thesis {PUBLISHED_TRIALS} of "
@@ -195,7 +195,7 @@ def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
 def conditions(study: Study) -> str:
     """Return a sentence that compares the study's conditions with the published ones."""
     asked = f"{PUBLISHED_TRIALS} trials of {PUBLISHED_BUDGET:,} evaluations"
-    if (study.trials, study.budget) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
+    if (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
         return f"Both are means over {asked}."
     return (
         f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "

@@ -7,7 +7,6 @@ import pytest
 from bench import Study
 from bench.execution.calibration import LEAST, SHARE, calibrated_seconds
 from bench.execution.runner import plan
-from bench.study.budget import shortened
 from bench.study.entries import Entry
 
 
@@ -24,7 +23,7 @@ def study(budget, problems=("sphere-2", "sphere-3"), optimizers=("scatter", "ear
      ({"2": 200_000, "3": 60}, {"2": 10_000, "3": 60})],
 )  # fmt: skip
 def test_a_short_trial_has_a_part_of_a_large_budget(budget, short):
-    assert shortened(study(budget).budget, SHARE, LEAST) == short
+    assert study(budget).budget.shortened(SHARE, LEAST) == short
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from bench.report import conditions
 from bench.report.conditions import conditions_table
 from bench.report.findings import Findings
 from bench.report.sections import methods, verdict
+from bench.study.budget import Budget
 from bench.study.tuned import Tuning
 
 
@@ -42,7 +43,7 @@ def test_the_thesis_s_study_differs_in_handling_and_start():
 
 def test_a_study_that_was_tuned_points_to_its_tuning():
     own = study({"name": "gwo", "label": "gwo-tuned", "agents": 9})
-    record = Tuning("aocc", 1, 1, 100, 0, ["sphere"], "", "optuna", ()).sealed()
+    record = Tuning("aocc", 1, 1, Budget.read(100), 0, ["sphere"], "", "optuna", ()).sealed()
     edited, trained = replace(record, seed=1), replace(record, train=[own.problems[0].name]).sealed()
     unknown = ((each, "on these problems is not recorded") for each in (None, edited, trained))
     for tuning, words in ((record, "on other problems, is stated below"), *unknown):

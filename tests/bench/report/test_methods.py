@@ -31,6 +31,7 @@ from bench.report.target_words import target_words
 from bench.report.winner import winner_rule
 from bench.storage.results import ProblemFacts
 from bench.study import Entry, Study
+from bench.study.budget import Budget
 from bench.study.rope import Rope
 from bench.study.tuned import Tuned, Tuning
 
@@ -75,7 +76,7 @@ def full(**changes):
         "levels": Levels(0.01, 0.035, 0.005), "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1,
         "targets": 3, "early": {"cma-es": 3, "gwo": 0},
         "checks": {"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
-        "dominance": 2, "landscapes": 3, "rope": Rope(1.0, True), "common": "at 400 evaluations", "confined": 2,
+        "dominance": 2, "landscapes": 3, "rope": Rope("1%"), "common": "at 400 evaluations", "confined": 2,
     } | changes  # fmt: skip
 
 
@@ -83,7 +84,7 @@ def methods(given):
     return write(given["study"], given["descriptions"], given)
 
 
-TUNING = Tuning("aocc", 20, 3, "100 * d", 0, ["s", "t"], "", "optuna 5, TPESampler and WilcoxonPruner", (
+TUNING = Tuning("aocc", 20, 3, Budget.read("100 * d"), 0, ["s", "t"], "", "optuna 5, TPESampler and WilcoxonPruner", (
     Tuned("gwo", "gwo", "gwo-tuned", {}, {}, [0.5], [2], 0, 9_000, 1.0, {"agents": 1.0}),
 )).sealed()  # fmt: skip
 

@@ -1,7 +1,7 @@
 import pytest
 
 from bench.errors import BenchError
-from bench.study.budget import checked, described, evaluations
+from bench.study.budget import Budget
 
 
 @pytest.mark.parametrize(
@@ -18,23 +18,34 @@ from bench.study.budget import checked, described, evaluations
     ],
 )  # fmt: skip
 def test_a_budget_is_a_number_a_multiple_of_d_or_a_table(given, held, at_10, words):
-    assert checked(given, "the budget") == held
-    assert evaluations(held, 10) == at_10
-    assert described(held) == words
-    assert checked(held, "the budget") == held
+    budget = Budget.read(given, "the budget")
+    assert (budget.plain, budget.evaluations(10), budget.words) == (held, at_10, words)
+    assert Budget.read(held, "the budget") == budget == held
+    assert budget.number == (held if isinstance(held, int) else None)
 
 
 @pytest.mark.parametrize(
     "given",
     [0, -5, 2.5, True, None, "", "d", "1e4", "1e4 d", "d * 1e4", "1e4 * d * d", "0 * d", "-1 * d", "1e99 * d",
      "nan * d", "__import__('os')", [1], {}, {"ten": 5}, {"0": 5}, {"10": 0}, {"10": "1e4"},
-     10**30, "1" + "0" * 30, "9" * 5000, {"10": 10**30}],
+     10**30, "1__0", "5_", "1" + "0" * 30, "9" * 5000, {"10": 10**30}],
 )  # fmt: skip
 def test_anything_else_is_refused_in_a_sentence(given):
     with pytest.raises(BenchError, match=r"^the budget"):
-        checked(given, "the budget")
+        Budget.read(given, "the budget")
 
 
 def test_a_table_must_have_the_dimension():
     with pytest.raises(BenchError, match=r"problems of dimension 5; it has 10, 20"):
-        evaluations({"10": 1, "20": 2}, 5)
+        Budget.read({"10": 1, "20": 2}).evaluations(5)
+
+
+def test_what_runs_spent_is_by_dimension_where_the_budget_is():
+    assert Budget.read({"2": 50, "3": 70}).spent({2: 40, 5: 60}) == {"2": 40, "3": 70}
+    assert Budget.read(50).spent({2: 40, 5: 60}) == 60
+
+
+def test_a_table_keeps_the_dimensions_asked_for_unless_it_has_none_of_them():
+    assert Budget.read({"2": 50, "3": 70}).within([3, None]) == {"3": 70}
+    assert Budget.read({"2": 50, "3": 70}).within([5]) == {"2": 50, "3": 70}
+    assert Budget.read("5 * d").within([3]) == "5 * d"

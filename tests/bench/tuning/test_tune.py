@@ -9,9 +9,10 @@ from filelock import FileLock
 from bench import BenchError, solve
 from bench.plugins import loading
 from bench.seeds import trial_seed
+from bench.study.budget import Budget
 from bench.tuning.tune import Run, Setting, _outcome, score, spaces, tune
 
-SETTING = Setting("regret", 8, 2, 60, 3, ("sphere-2", "sphere-3"), {})
+SETTING = Setting("regret", 8, 2, Budget.read(60), 3, ("sphere-2", "sphere-3"), {})
 
 
 def tuned(folder, setting=SETTING, optimizers=("scatter",), n_jobs=1):
@@ -144,7 +145,7 @@ def test_the_area_is_that_of_the_definition():
 def test_a_worse_configuration_is_stopped_early(tmp_path):
     known = [f"bbob-f01-d2-i{instance}" for instance in range(1, 7)]
     fixed = {"handling": "box", "variant": "code"}
-    setting = replace(SETTING, trials=12, runs=1, budget=300, train=tuple(known), fixed=fixed)
+    setting = replace(SETTING, trials=12, runs=1, budget=Budget.read(300), train=tuple(known), fixed=fixed)
     problems = {name: loading.load_problem(name) for name in known}
     (best,) = tune(spaces(["gwo"], fixed, 300, ["agents"]), problems, setting, tmp_path / "t.journal", 1)
     stopped = [number for number, all_of in zip(best.record.problems, best.record.whole, strict=True) if not all_of]

@@ -88,6 +88,8 @@ def test_the_code_of_today_repeats_its_means(means, level):
     study = Study.load("thesis")
     problem = study.problem(f"signature-{level:02}")
     for name, runs in (("gwo", 40), ("alo", 20), ("da", 20), ("goa", 12)):
-        fresh = [solve(problem, study.optimizer(name), budget=study.budget, seed=10**9 + i).fun for i in range(runs)]
+        fresh = [
+            solve(problem, study.optimizer(name), budget=study.budget.number, seed=10**9 + i).fun for i in range(runs)
+        ]
         scatter = np.std(fresh, ddof=1) * np.sqrt(1 / runs + 1 / 30)
         assert abs(np.mean(fresh) - means.loc[level, name]) < 4 * scatter, name

@@ -9,6 +9,7 @@ from bench import Results
 from bench.report.findings import Findings
 from bench.report.sections import tuning
 from bench.storage.folder import Folder
+from bench.study.budget import Budget
 from bench.study.tuned import Tuned, Tuning
 
 SEVEN = ("p", "q", "r", "s", "t", "u", "v")
@@ -18,7 +19,9 @@ OWN = Tuned(
     values={"agents": ["null", 9, 7, 20], "kind": ["x", "y", "x", "y"]}, scores=[0.5, 0.4, 0.3, 0.45],
     problems=[6, 6, 2, 6], importance={"agents": 0.9, "kind": 0.1},
 )  # fmt: skip
-TUNED = Tuning("aocc", 4, 2, 100, 1, ["f-i1", "g-i1"], "", "optuna 5, TPESampler and WilcoxonPruner", (OWN,))
+TUNED = Tuning(
+    "aocc", 4, 2, Budget.read(100), 1, ["f-i1", "g-i1"], "", "optuna 5, TPESampler and WilcoxonPruner", (OWN,)
+)
 SEALED = TUNED.sealed()
 
 
@@ -100,7 +103,7 @@ def test_failed_cells_leave_a_sentence(section):
 
 
 def test_it_warns_of_untuned_optimizers_other_budgets_and_common_functions(section):
-    record = replace(TUNED, budget=7, train=["any-i1"]).sealed()  # "any" is the name of all
+    record = replace(TUNED, budget=Budget.read(7), train=["any-i1"]).sealed()  # "any" is the name of all
     _, untuned, budget, common = section(record, optimizers=("a", "b", "c")).warnings
     assert untuned.startswith("c was not tuned.")
     assert "had 100 evaluations, the tuning 7 evaluations" in budget
