@@ -79,13 +79,12 @@ class DiedError(RuntimeError):
 
     def __init__(self, code: int, end_of_output: str = "") -> None:
         super().__init__(code, end_of_output)
-        self.code = code  # after a signal, minus the signal's number
+        self.code = code  # after a signal, minus the signal's number; a sandbox's is 128 and the number
         self.end_of_output = end_of_output  # the last lines printed; after a crash, the kind and place of the crash
 
     def __str__(self) -> str:
-        number = -self.code
-        is_signal = self.code < 0 and number in set(signal.Signals)
-        return f"signal {signal.Signals(number).name}" if is_signal else f"exit code {self.code}"
+        number = -self.code if self.code < 0 else self.code - 128
+        return f"signal {signal.Signals(number).name}" if number in set(signal.Signals) else f"exit code {self.code}"
 
 
 class RemoteError(RuntimeError):
@@ -151,11 +150,6 @@ class Process:
     def closed(self) -> bool:
         """Whether the process, or the one it was forked from, was closed, or ended after an error."""
         return self._closed or (self._original is not None and self._original.closed)
-
-    @property
-    def alive(self) -> bool:
-        """Whether the process has neither been closed nor ended by itself."""
-        return not self._closed and self._look() is not None
 
     @property
     def printed(self) -> int:

@@ -240,16 +240,12 @@ def _adopt_orphans() -> None:
 
 
 def _stand_for(inside: int, original: int, *files: int) -> None:
-    """Wait for the first process of other namespaces, and end as it does; it ends with this one."""
+    """Wait for the first process of other namespaces, and end with its code; it ends with this one."""
     _end_with_original(original)  # once more, as other namespaces may undo it
     for file in files:
         os.close(file)
     code = os.waitstatus_to_exitcode(os.waitpid(inside, 0)[1])
-    if code < 0:
-        with suppress(OSError):  # that of SIGKILL cannot be set, and need not be
-            signal.signal(-code, signal.SIG_DFL)
-        os.kill(os.getpid(), -code)
-    os._exit(code)
+    os._exit(code if code >= 0 else 128 - code)
 
 
 def _end_with_original(original: int) -> None:

@@ -87,7 +87,7 @@ def test_a_call_returns_what_the_function_does_as_json(calls, shared):
     assert shared.call(calls.echo, 1, "two", None, (0.1, float("inf")), seconds=LONG) == [
         1, "two", None, [0.1, float("inf")]
     ]  # fmt: skip
-    assert shared.alive
+    assert not shared.closed
 
 
 def test_any_thread_may_call(calls, shared):
@@ -168,7 +168,7 @@ def test_a_fork_that_comes_back_from_its_call_answers_nobody(calls, shared):
 def test_what_is_no_message_ends_its_sender(calls, process, payload):
     with pytest.raises(RemoteError, match="it sent what answers no call"):
         process.call(calls.send, payload, seconds=LONG)
-    assert not process.alive
+    assert process.closed
 
 
 @pytest.mark.parametrize("ahead", [-1, 1, 2**40])
@@ -176,14 +176,14 @@ def test_an_answer_to_another_call_ends_its_sender(calls, process, ahead):
     process.call(calls.echo, seconds=LONG)
     with pytest.raises(RemoteError, match="it sent what answers no call"):
         process.call(calls.send, of_call(5), ahead, seconds=LONG)
-    assert not process.alive
+    assert process.closed
 
 
 def test_a_second_answer_is_not_the_next_call_s(calls, process):
     assert process.call(calls.send, of_call(5), seconds=LONG) == 5  # to be judged by whoever asked
     with pytest.raises(RemoteError, match="it sent what answers no call"):  # "honest", the call's own answer
         process.call(calls.echo, "mine", seconds=LONG)
-    assert not process.alive
+    assert process.closed
 
 
 def test_an_answer_is_never_unpickled(calls, process, tmp_path):
@@ -199,13 +199,13 @@ def test_one_that_announces_too_long_a_message_is_ended(calls, process, length):
     with pytest.raises(DiedError) as caught:
         process.call(calls.send_head, length, seconds=LONG)
     assert caught.value.code == UNANSWERABLE
-    assert not process.alive
+    assert process.closed
 
 
 def test_one_that_announces_a_message_and_does_not_send_it_is_ended_in_time(calls, process):
     with pytest.raises(TimeExceededError):
         process.call(calls.send_head, 1 << 26, seconds=0.5)
-    assert not process.alive
+    assert process.closed
 
 
 def open_files():
@@ -259,7 +259,7 @@ def test_one_that_prints_more_than_allowed_is_ended(calls, process):
     assert process.call(calls.print_much, 1, seconds=LONG, printed=10_000_000) == "done"
     with pytest.raises(PrintedTooMuchError):
         process.call(calls.print_much, 1, seconds=LONG, printed=1_000_000)
-    assert not process.alive
+    assert process.closed
 
 
 # Its end
@@ -268,14 +268,14 @@ def test_one_that_prints_more_than_allowed_is_ended(calls, process):
 def test_one_that_hangs_is_ended_after_its_time(calls, process):
     with pytest.raises(TimeExceededError, match=r"^0\.7 s$"):
         process.call(calls.sleep, 10 * LONG, seconds=0.7)
-    assert not process.alive
+    assert process.closed
 
 
 def test_notes_prolong_no_time_limit(calls, clocked, tmp_path):
     with pytest.raises(TimeExceededError, match=r"^9 s$"):
         clocked.call(calls.work, str(tmp_path / "never"), seconds=9.0)
     assert 9 <= Clocked.received <= 10
-    assert not clocked.alive
+    assert clocked.closed
 
 
 class Paused(Process):
@@ -371,7 +371,7 @@ def test_an_exit_gives_its_code_and_last_output(calls, process):
         process.call(calls.leave, 3, b"\x1b[31mno licence\x00\xff\n", seconds=LONG)
     assert (caught.value.code, str(caught.value)) == (3, "exit code 3")
     assert caught.value.end_of_output == "�[31mno licence��"
-    assert not process.alive
+    assert process.closed
     with pytest.raises(LostError):
         process.call(calls.echo, seconds=LONG)
 
@@ -388,7 +388,7 @@ def test_the_end_of_output_is_that_of_the_call(calls, process):
 def test_one_that_closes_its_channel_is_ended(calls, process):
     with pytest.raises(DiedError):
         process.call(calls.lose_channel, seconds=LONG)
-    assert not process.alive
+    assert process.closed
 
 
 @pytest.mark.parametrize("own_session", [False, True])
@@ -408,7 +408,7 @@ def test_an_end_is_noticed_though_a_fork_keeps_the_channel_open(calls, process, 
 def test_one_that_takes_too_much_memory_is_ended(calls, process, function):
     with pytest.raises(MemoryExceededError, match=r"it held .* MB of memory, where 300 MB are allowed"):
         process.call(getattr(calls, function), 600, seconds=LONG, memory=300_000_000)
-    assert not process.alive
+    assert process.closed
 
 
 def test_one_beside_it_that_takes_too_much_memory_is_ended(calls, process):
@@ -417,8 +417,8 @@ def test_one_beside_it_that_takes_too_much_memory_is_ended(calls, process):
         process.start(calls.sleep, LONG)
         with pytest.raises(MemoryExceededError):
             process.finish(seconds=LONG, memory=300_000_000, beside=[beside])
-        assert not beside.alive
-        assert process.alive
+        assert beside.closed
+        assert not process.closed
 
 
 @LINUX
