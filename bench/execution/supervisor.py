@@ -6,7 +6,7 @@ import json
 import signal
 import threading
 from collections.abc import Iterable
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -226,11 +226,8 @@ class Supervisor:
 
 def make_one(task: Task, trial: Trial) -> Row:
     """Have a single trial of a checked task made, in processes that end with it; return its row."""
-    supervisor = Supervisor(task)
-    try:
+    with closing(Supervisor(task)) as supervisor:
         return supervisor.make(trial)
-    finally:
-        supervisor.close()
 
 
 def _why_it_ended(error: DiedError) -> str:

@@ -23,6 +23,7 @@ from bench import seeds
 from bench.sandbox.tree import children
 
 _GRACE = 0.1  # seconds for threads and processes to end after their trial
+_SIGNALS = [number for number in signal.Signals if number <= 17]  # up to SIGCHLD on Linux; later ones stop processes
 _TIMERS = [getattr(signal, name) for name in ("ITIMER_REAL", "ITIMER_VIRTUAL", "ITIMER_PROF") if hasattr(signal, name)]
 
 
@@ -76,7 +77,7 @@ def _state() -> tuple[Any, ...]:
         sys.getrecursionlimit(), list(sys.path), len(sys.modules),
         dict(getattr(os.environ, "_data", os.environ)), _folder(), np.geterr(), np.geterrcall(), list(warnings.filters),
         sys.stdin, sys.stdout, sys.stderr, *(_identity(number) for number in range(3)),
-        *map(signal.getsignal, signal.Signals), *map(signal.getitimer, _TIMERS),
+        *map(signal.getsignal, _SIGNALS), *map(signal.getitimer, _TIMERS),
         1.0 + _HALF_ULP, 1.0 + 1.5 * _HALF_ULP, _SMALLEST / 2 * 4,  # by the processor's arithmetic modes
     )  # fmt: skip
 
