@@ -1,6 +1,6 @@
 """Run the implementations of an atlas, and look for parameters that change nothing.
 
-Every run is made in a process of :mod:`bench.sandbox`, as those of :mod:`bench.check.runs`.
+Every run is made by :mod:`bench.execution.safe_runs`.
 """
 
 from __future__ import annotations
@@ -17,18 +17,15 @@ import numpy as np
 
 from bench.analysis.similarity import LEAST, STAGES, TRAITS, behaviour
 from bench.atlas.table import Implementation, Method
-from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
-from bench.check.verdict import LONGEST
 from bench.errors import BenchError
-from bench.execution.solve import make_run
+from bench.execution.safe_runs import LONGEST, Begin, found, in_order, safe_run, safe_runs
 from bench.helpers.console import OnStep
 from bench.helpers.text import printable
 from bench.optimizer import CONDITIONS, Optimizer
 from bench.plugins.loading import load_optimizer
 from bench.sandbox.messages import describe_error
-from bench.sandbox.pool import Pool
 from bench.seeds import trial_seed
 from bench.typing import Floats
 
@@ -45,6 +42,10 @@ MEASURES = ("start", "next", "course", "final")
 """What is tested of a trial: log10 of the median value of its first generation and of the two after it; the mean over
 eighths of the budget of log10 of the best value so far; and the final best value. A method with a first generation of G
 evaluations has G of them in ``start`` and the 2 G after these in ``next``."""
+
+
+SIZES = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "seconds": 1}
+"""The numbers of a run's record, by name."""
 
 
 @dataclass(frozen=True)
@@ -109,16 +110,16 @@ def survey(
         n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         on_progress: called with the current implementation, the runs done and all runs.
     """
-    with Pool(n_jobs, ready) as pool:
+    with safe_runs(n_jobs, ready) as begin:
         begun = [
-            _begin(pool, entry, method, trials, budget, seed) for method in methods for entry in method.implementations
+            _begin(begin, entry, method, trials, budget, seed) for method in methods for entry in method.implementations
         ]
         total, done = sum(len(runs) for _, runs, _ in begun), count()
         return [_collect(*calls, lambda key: on_progress(key, next(done), total)) for calls in begun]
 
 
 def _begin(
-    pool: Pool, implementation: Implementation, method: Method, trials: int, budget: int, seed: int
+    begin: Begin, implementation: Implementation, method: Method, trials: int, budget: int, seed: int
 ) -> tuple[Surveyed, list[Future[Any]], dict[str, Future[Any]]]:
     """Begin the calls of an implementation and return what is known of it before they end.
 
@@ -138,7 +139,7 @@ def _begin(
         for trial in range(trials)
     ]
     firsts = [tasks[PROBLEMS.index(problem) * trials] for problem in PROBES]
-    call = partial(submit, pool, implementation.key, seconds=TIMEOUT)
+    call = partial(begin, implementation.key, seconds=TIMEOUT)
     runs = [call(run, implementation.name, implementation.options, task) for task in [*tasks, firsts[0]]]
     probes = {
         name: call(probe, implementation.name, implementation.options, name, values, firsts)
@@ -155,14 +156,14 @@ def _collect(
         return surveyed
     rows = []
     try:
-        for row in answers(runs):
+        for row in in_order(runs, _checked):
             on_made(surveyed.implementation.key)
             rows.append(row)
-        points, numbers = _columns(rows)
     except BenchError as error:
         for probed in probes.values():
             probed.cancel()
         return replace(surveyed, failed=str(error))
+    points, numbers = _columns(rows)
     *trials, again = points
     repeatable = again == trials[PROBLEMS.index(PROBES[0]) * len(trials) // len(PROBLEMS)]
     tried = {name: _without_effect(probed) for name, probed in probes.items()}
@@ -178,27 +179,25 @@ def _collect(
     )
 
 
-def _columns(rows: Sequence[Any]) -> tuple[list[str], dict[str, Floats]]:
-    """Return the hashes of all runs, and (problems, trials, numbers) of all but the last one, by name.
-
-    Raises:
-        BenchError: where a process gave what is no record of a run.
-    """
-    sizes = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "seconds": 1}
+def _columns(rows: Sequence[dict[str, Any]]) -> tuple[list[str], dict[str, Floats]]:
+    """Return the hashes of all runs, and (problems, trials, numbers) of all but the last one, by name."""
     shape = len(PROBLEMS), (len(rows) - 1) // len(PROBLEMS)
-    try:
-        return [str(row["points"]) for row in rows], {
-            name: np.array([row[name] for row in rows[:-1]], dtype=np.float64).reshape(*shape, size)
-            for name, size in sizes.items()
-        }
-    except (TypeError, ValueError, KeyError) as error:
-        raise BenchError(NO_RECORD) from error
+    return [row["points"] for row in rows], {
+        name: np.array([row[name] for row in rows[:-1]], dtype=np.float64).reshape(*shape, size)
+        for name, size in SIZES.items()
+    }
+
+
+def _checked(record: dict[str, Any]) -> dict[str, Any]:
+    """Return the record of a run with arrays of its numbers; raises ValueError, TypeError or KeyError for none."""
+    sized = {name: np.asarray(record[name], dtype=np.float64).reshape(size) for name, size in SIZES.items()}
+    return sized | {"points": str(record["points"])}
 
 
 def _without_effect(probed: Future[Any]) -> str:
-    """Return what a probe answered, "" where a value ended its process."""
+    """Return the values that a probe tried, "" where one had an effect or ended its process."""
     try:
-        return printable(str(*answers([probed])), LONGEST)
+        return found(probed, lambda record: printable(str(record["tried"]), LONGEST))
     except BenchError:
         return ""
 
@@ -245,15 +244,14 @@ def ready() -> None:
 
 
 def run(name: str, options: Mapping[str, Any], task: Task) -> dict[str, Any]:
-    """Make one run in this process; return its numbers, or the error it ended with, as JSON values."""
-    try:
-        return measure(load_optimizer(name, **options), task)
-    except (Exception, SystemExit) as error:  # a plug-in may raise anything
-        return {"error": str(error) if isinstance(error, BenchError) else describe_error(error)}
+    """Make one run of an optimizer; return its numbers."""
+    return measure(load_optimizer(name, **options), task)
 
 
-def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> str:
-    """Make runs that differ in one parameter; return the values tried as text, "" where one had an effect.
+def probe(
+    name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]
+) -> dict[str, str]:
+    """Make runs that differ in one parameter; return the values ``tried`` as text, "" where one had an effect.
 
     A value that the library refuses, or fails with, shows nothing and counts as not tried.
     """
@@ -267,18 +265,18 @@ def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[An
         try:
             changed = load_optimizer(name, **{**options, parameter: value})
             if any(measure(changed, task)["points"] != points(task) for task in tasks):
-                return ""
+                return {"tried": ""}
         except (Exception, SystemExit):  # a plug-in may raise anything
             continue
         tried.append(repr(value))
-    return ", ".join(tried)
+    return {"tried": ", ".join(tried)}
 
 
 def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
     """Make one run and return its numbers; see :class:`Surveyed` and ``MEASURES``."""
     name, place = task.problem.rsplit(" ", 1)
     problem = classic(name, DIMENSION, moved=place == "moved")
-    result = make_run(problem, optimizer, budget=task.budget, seed=task.seed)
+    result = safe_run(problem, optimizer, budget=task.budget, seed=task.seed)
     points = problem.points[: task.budget]
     values = np.asarray(problem.noiseless(points), dtype=np.float64)
     numbers = behaviour(problem.share(points), values, 0.0, task.budget)
@@ -288,8 +286,8 @@ def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
     logs = [float(np.log10(max(median, LEAST))) for median in medians]
     course = float(numbers.reshape(STAGES, len(TRAITS))[:, TRAITS.index("best")].mean())
     return {
-        "measures": [*logs, course, float(result.fun)],
-        "behaviour": numbers.tolist(),
+        "measures": np.array([*logs, course, float(result.fun)]),
+        "behaviour": numbers,
         "clamped": float(on_bound(problem.share(result.x)).mean()),
         "evaluations": len(points),
         "points": hashlib.sha256(points.tobytes()).hexdigest(),

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from bench.analysis.similarity import behaviour
 from bench.check.problems import FUNCTIONS, RecordingProblem, classic
-from bench.errors import BenchError, ProblemError
+from bench.execution.safe_runs import safe_run
 from bench.helpers.console import OnStep
 from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.seeds import trial_seed
-from bench.trial import search
 from bench.typing import Floats
 
 DIMENSION = 5
@@ -50,12 +48,11 @@ def behaviours(
         BenchError: where an optimizer fails.
     """
     runs: dict[tuple[str, str], list[tuple[Floats, Floats]]] = {}
-    with threadpool_limits(limits=1):
-        for number, (name, optimizer) in enumerate(optimizers.items()):
-            for place, (label, make) in enumerate(problems.items()):
-                on_progress(f"{name} on {label}", number * len(problems) + place, len(optimizers) * len(problems))
-                seeds = (trial_seed(seed, label, name, trial) for trial in range(trials))
-                runs[name, label] = [_run(name, optimizer, make(), budgets[label], run_seed) for run_seed in seeds]
+    for number, (name, optimizer) in enumerate(optimizers.items()):
+        for place, (label, make) in enumerate(problems.items()):
+            on_progress(f"{name} on {label}", number * len(problems) + place, len(optimizers) * len(problems))
+            seeds = (trial_seed(seed, label, name, trial) for trial in range(trials))
+            runs[name, label] = [_run(name, optimizer, make(), budgets[label], run_seed) for run_seed in seeds]
     zeros = {}
     for label, make in problems.items():
         optimum = make().optimum
@@ -72,11 +69,6 @@ def behaviours(
 
 def _run(name: str, optimizer: Optimizer, problem: RecordingProblem, budget: int, seed: int) -> tuple[Floats, Floats]:
     """Return the points of one trial, as shares of the box, and their values."""
-    try:
-        search(problem, optimizer, budget, seed)
-    except ProblemError as error:
-        raise BenchError(f"{problem.name} failed: {error}") from error
-    except Exception as error:  # a plug-in may raise anything
-        raise BenchError(f"{name} failed on {problem.name}: {type(error).__name__}: {error}") from error
+    safe_run(problem, optimizer, budget=budget, seed=seed, name=name)
     points = problem.points[:budget]
     return problem.share(points), np.asarray(problem.noiseless(points), dtype=np.float64)

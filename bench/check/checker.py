@@ -8,10 +8,11 @@ from typing import Any
 
 from bench.check.conformance.recording import LOST, explain_lost_process
 from bench.check.conformance.rules import APART, RULES, Rule, failed, find_rule, judge
-from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, make_subject, pack, unpack
+from bench.check.conformance.subject import START_SECONDS, Subject, make_subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, sandbox
+from bench.execution.safe_runs import PRINTED
 from bench.helpers.text import printable
 from bench.optimizer import Optimizer
 from bench.sandbox.bubblewrap import Sandbox

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
@@ -11,21 +10,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
-from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.conformance.subject import Subject, make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, TIMEOUT
+from bench.execution.safe_runs import Begin, in_order, safe_run, safe_runs
 from bench.objective import scanner
 from bench.optimizer import Optimizer
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
-from bench.sandbox.pool import Pool
-from bench.sandbox.server import end_if_stuck
 from bench.seeds import trial_seed
-from bench.trial import search
 from bench.typing import Floats
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
@@ -105,58 +100,45 @@ def make_runs(
     ]
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     limits: dict[str, Any] = {"seconds": TIMEOUT, "memory": MEMORY} if sandbox else {}
-    with Pool(n_jobs, ready, sandbox) as pool:
-        begun = [_begin(pool, number, optimizer, tasks, limits) for number, optimizer in enumerate(optimizers)]
+    with safe_runs(n_jobs, ready, sandbox) as begin:
+        begun = [_begin(begin, number, optimizer, tasks, limits) for number, optimizer in enumerate(optimizers)]
         for futures in begun:
             yield futures if isinstance(futures, BenchError) else _collect(tasks, futures)
 
 
 def _begin(
-    pool: Pool, group: int, optimizer: Optimizer | Subject, tasks: list[CheckRun], limits: dict[str, Any]
+    begin: Begin, group: int, optimizer: Optimizer | Subject, tasks: list[CheckRun], limits: dict[str, Any]
 ) -> list[Future[Any]] | BenchError:
     try:
         packed = pack(optimizer if isinstance(optimizer, Subject) else make_subject(optimizer, {}, 0))
     except Exception as error:  # pickling runs a plug-in's code
         return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
-    return [submit(pool, group, make_run, packed, task, **limits) for task in tasks]
+    return [begin(group, make_run, packed, task, **limits) for task in tasks]
 
 
 def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchError:
     """Wait for the runs of one optimizer; with the first that fails the others are given up."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
-        for task, answer in zip(tasks, answers(begun), strict=True):
-            made[task.kind].setdefault(task.name, []).append(_summary(answer, task.dimension))
+        for task, summary in zip(tasks, in_order(begun, _summary), strict=True):
+            made[task.kind].setdefault(task.name, []).append(summary)
     except BenchError as error:
         return error
     return Runs(**made)
 
 
 def ready() -> None:
-    """Load this module and numba, and limit BLAS to one thread, once for all forks.
-
-    Importing numba, for the scan of points, takes about a second; finding the libraries of BLAS, milliseconds.
-    """
+    """Load this module and numba, for the scan of points, once for all forks: numba alone takes about a second."""
     scanner(FUNCTION_BUDGET, 1)
-    threadpool_limits(limits=1)
 
 
 def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
-    """Make one run; return the fields of its summary, or the error it ended with, as JSON values."""
-    try:
-        made = summarise(unpack(packed).fresh(), task)
-    except BenchError as error:
-        return {"error": str(error)}
-    first = base64.b64encode(made.first.tobytes()).decode()  # thousands of numbers, which would take longer as digits
-    return vars(made) | {"x": made.x.tolist(), "first": first}
-
-
-def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
-    """Make one run; its seed depends on its problem and number alone, so that other runs do not change it.
+    """Make one run; return the fields of its summary. Its seed depends on its problem and number alone.
 
     Raises:
         BenchError: when the optimizer fails.
     """
+    optimizer = unpack(packed).fresh()
     if task.kind == "noise":
         label = f"noise {task.name}"
         problem = noise(BOXES[task.name], task.dimension, trial_seed(task.seed, label, "values", task.run))
@@ -166,21 +148,16 @@ def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
         problem = classic(task.name, task.dimension, moved=task.kind == "moved")
         seed = trial_seed(task.seed, label, "centre bias", task.run)
     generation = optimizer.minimum_budget
-    try:
-        result = search(problem, optimizer, max(task.budget, GENERATIONS * generation), seed, end_if_stuck)
-    except BenchError:
-        raise
-    except (Exception, SystemExit) as error:  # a plug-in may raise anything
-        raise BenchError(f"the optimizer failed on {problem.name}: {describe_error(error)}") from error
+    result = safe_run(problem, optimizer, budget=max(task.budget, GENERATIONS * generation), seed=seed)
     points = problem.points
     shares = problem.share(points)
-    return RunSummary(
-        best=result.fun,
-        x=problem.share(result.x),
-        first=shares[:generation],
-        clamped=float(on_bound(shares).mean()),
-        course=hashlib.sha256(points.tobytes()).hexdigest(),
-    )
+    return {
+        "best": result.fun,
+        "x": problem.share(result.x),
+        "first": shares[:generation],
+        "clamped": float(on_bound(shares).mean()),
+        "course": hashlib.sha256(points.tobytes()).hexdigest(),
+    }
 
 
 def on_bound(x: Floats) -> NDArray[np.bool_]:
@@ -188,14 +165,11 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
     return np.asarray((x == 0) | (x == 1))
 
 
-def _summary(answer: Any, dimension: int) -> RunSummary:
-    """Return the summary in a process's answer; raises BenchError for what is no summary."""
-    try:
-        x = np.asarray(answer["x"], dtype=np.float64)
-        first = np.frombuffer(base64.b64decode(answer["first"]), dtype=np.float64).reshape(-1, dimension)
-        made = RunSummary(float(answer["best"]), x, first, float(answer["clamped"]), str(answer["course"]))
-        if x.shape != (dimension,):
-            raise ValueError
-    except (TypeError, ValueError, KeyError) as error:
-        raise BenchError(NO_RECORD) from error
+def _summary(record: dict[str, Any]) -> RunSummary:
+    """Return the summary in a record; raises ValueError, TypeError or KeyError for what is none."""
+    made = RunSummary(
+        float(record["best"]), record["x"], record["first"], float(record["clamped"]), str(record["course"])
+    )
+    if (made.first.ndim, made.x.shape) != (2, made.first.shape[1:]):
+        raise ValueError("no points of one dimension")
     return made

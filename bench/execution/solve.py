@@ -35,6 +35,8 @@ def solve(
 ) -> Result:
     """Run one optimizer once on one problem.
 
+    Where the problem's ``describe`` fails, the result has no metrics, and a warning gives the reason.
+
     Example:
         >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
 
@@ -56,7 +58,14 @@ def solve(
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_seed("the seed", seed)
     problem = scored(problem, handlings.checked(constraints), on_error)
-    return make_run(problem, optimizer, budget=budget, seed=seed)
+    with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
+        found = search(problem, optimizer, budget, seed, end_if_stuck)
+        try:
+            metrics = numbers(problem.describe(found.x.copy()))
+        except Exception as error:  # what was found is not lost by it
+            warnings.warn(f"{problem.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
+            metrics = {}
+    return replace(found, metrics=metrics)
 
 
 def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed: int, **settings: Any) -> Row:
@@ -76,19 +85,3 @@ def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed:
     study = Study.from_dict({"name": "solve", "trials": 1} | lists | settings, "of this command")
     trial = Trial(study.problems[0].label, study.optimizers[0].label, 0, seed)
     return make_one(check(Task.of(study, untrusted=True)).task, trial)
-
-
-def make_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int) -> Result:
-    """Make one run as a trial is made, on any problem.
-
-    Where the problem's ``describe`` fails, the result has no metrics, and a warning gives the reason. A process of
-    :mod:`bench.sandbox` ends where the optimizer keeps asking for values after the end of its budget.
-    """
-    with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        found = search(problem, optimizer, budget, seed, end_if_stuck)
-        try:
-            metrics = numbers(problem.describe(found.x.copy()))
-        except Exception as error:  # what was found is not lost by it
-            warnings.warn(f"{problem.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
-            metrics = {}
-    return replace(found, metrics=metrics)

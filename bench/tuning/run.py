@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from bench.execution import solve
+from bench.execution.safe_runs import safe_run
 from bench.plugins import loading
 from bench.problem import Problem
 from bench.scoring import scored
@@ -17,9 +17,9 @@ def ready() -> None:
 
 
 def make_run(optimizer: str, options: dict[str, Any], problem: str, budget: int, seed: int) -> dict[str, Any]:
-    """Run a configuration once; return its best value, evaluations, seconds, and the trace as two lists."""
-    result = solve.make_run(_problem(problem), loading.load_optimizer(optimizer, **options), budget=budget, seed=seed)
-    trace = {"at": result.trace.evaluations.tolist(), "values": result.trace.values.tolist()}
+    """Run a configuration once; return its best value, evaluations, seconds, and the trace as two arrays."""
+    result = safe_run(_problem(problem), loading.load_optimizer(optimizer, **options), budget=budget, seed=seed)
+    trace = {"at": result.trace.evaluations, "values": result.trace.values}
     return {"fun": result.fun, "nfev": result.nfev, "wall_s": result.wall_s, **trace}
 
 

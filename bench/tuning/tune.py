@@ -22,22 +22,13 @@ from filelock import FileLock, Timeout
 from bench.analysis.cells import NO_TRACE
 from bench.analysis.target_sets import aocc
 from bench.errors import PROBLEM_FAILED, BenchError, require
+from bench.execution.safe_runs import Begin, found, safe_runs
 from bench.helpers.console import OnStep
-from bench.helpers.text import option, printable
+from bench.helpers.text import option
 from bench.objective import Trace
 from bench.optimizer import CONDITIONS
 from bench.plugins import loading
 from bench.problem import Problem
-from bench.sandbox.messages import describe_error
-from bench.sandbox.pool import Pool
-from bench.sandbox.process import (
-    DiedError,
-    LostError,
-    MemoryExceededError,
-    PrintedTooMuchError,
-    RemoteError,
-    TimeExceededError,
-)
 from bench.seeds import trial_seed
 from bench.study.budget import Budget
 from bench.study.tuned import Tuned
@@ -48,7 +39,6 @@ OBJECTIVES = {"aocc": "1 - AOCC", "regret": "log10 of the median regret"}
 """What is minimised, the mean over the training problems, by its name on the command line."""
 
 LEAST, MOST = 1e-8, 1e100  # regrets: COCO's smallest precision, and that of a failed run
-PRINTED = 10_000_000  # bytes that a run may print
 
 
 @dataclass(frozen=True)
@@ -143,10 +133,10 @@ def tune(
     """
     optuna = require("optuna", "optuna", "tuning needs")
     bests = []
-    with _alone(journal), _quiet(optuna), Pool(n_jobs, ready) as pool:
+    with _alone(journal), _quiet(optuna), safe_runs(n_jobs, ready) as begin:
         storage = _storage(optuna, journal)
         for place, (name, own_axes) in enumerate(axes.items()):
-            search = _Search(optuna, storage, name, own_axes, setting, problems, pool)
+            search = _Search(optuna, storage, name, own_axes, setting, problems, begin)
             for number in range(search.done, setting.trials):
                 on_progress(
                     f"{name}: configuration {number + 1}", place * setting.trials + number, len(axes) * setting.trials
@@ -161,9 +151,9 @@ class _Search:
 
     def __init__(
         self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting,
-        problems: Mapping[str, Problem], pool: Pool,
+        problems: Mapping[str, Problem], begin: Begin,
     ) -> None:  # fmt: skip
-        self.optuna, self.name, self.axes, self.setting, self.pool = optuna, name, axes, setting, pool
+        self.optuna, self.name, self.axes, self.setting, self.begin = optuna, name, axes, setting, begin
         self.budgets = {label: setting.budget.evaluations(problem.dimension) for label, problem in problems.items()}
         self.optima = {
             label: float(problem.optimum) for label, problem in problems.items() if problem.optimum is not None
@@ -223,13 +213,12 @@ class _Search:
         """Have a configuration run on all training problems, as far as it is not stopped before."""
         setting = self.setting
         configuration = {**setting.fixed, **options}
-        limits: dict[str, Any] = {"printed": PRINTED, "seconds": setting.timeout}
         begun: dict[str, list[Future[Any]]] = {}
         for problem, budget in self.budgets.items():
             for run in range(setting.runs):
                 seed = trial_seed(setting.seed, problem, self.name, run)
                 call = self.name, make_run, self.name, configuration, problem, budget, seed
-                begun.setdefault(problem, []).append(self.pool.submit(*call, **limits))
+                begun.setdefault(problem, []).append(self.begin(*call, seconds=setting.timeout))
         return begun
 
     def _judge(self, trial: Any, runs: Mapping[str, list[Future[Any]]]) -> None:
@@ -309,18 +298,19 @@ def method(optuna: Any) -> str:
     return f"optuna {optuna.__version__}, TPESampler and WilcoxonPruner"
 
 
+def _run(record: dict[str, Any]) -> Run:
+    """Return the run of a record; raises ValueError, TypeError or KeyError for what is none."""
+    trace = Trace(record["at"].astype(np.int64), record["values"])
+    run = Run(float(record["fun"]), int(record["nfev"]), float(record["wall_s"]), trace)
+    return run if np.isfinite(run.fun) else replace(run, error="it found no finite value")
+
+
 def _outcome(future: Future[Any]) -> Run:
     """Return what a run found, or why it failed."""
-    limits = (TimeExceededError, MemoryExceededError, PrintedTooMuchError)
     try:
-        answer = future.result()
-        trace = Trace(np.array(answer["at"], dtype=np.int64), np.array(answer["values"], dtype=np.float64))
-        run = Run(float(answer["fun"]), int(answer["nfev"]), float(answer["wall_s"]), trace)
-        return run if np.isfinite(run.fun) else replace(run, error="it found no finite value")
-    except (RemoteError, DiedError, LostError, *limits) as error:
-        return Run(error=printable(describe_error(error), 500))
-    except (TypeError, ValueError, KeyError):
-        return Run(error="its process gave an answer that is no result of a run")
+        return found(future, _run)
+    except BenchError as error:
+        return Run(error=str(error))
 
 
 def _storage(optuna: Any, journal: Path) -> Any:

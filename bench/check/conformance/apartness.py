@@ -15,9 +15,10 @@ from bench.check.conformance.recording import (
     explain_lost_process,
     seeded_global_states,
 )
-from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, ordinary_budget, pack, unpack
+from bench.check.conformance.subject import START_SECONDS, Subject, ordinary_budget, pack, unpack
 from bench.check.problems import bowl
 from bench.execution import apart
+from bench.execution.safe_runs import PRINTED
 from bench.objective import BudgetExhausted, Objective, integer_flags
 from bench.sandbox.process import Process
 from bench.seeds import streams

@@ -19,8 +19,9 @@ from typing import IO
 import cloudpickle
 
 from bench.check.conformance.recording import LOST, ViolationError, expect_same, explain_lost_process
-from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, pack, parameters, unpack
+from bench.check.conformance.subject import START_SECONDS, Subject, pack, parameters, unpack
 from bench.check.problems import bowl
+from bench.execution.safe_runs import PRINTED
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process
 

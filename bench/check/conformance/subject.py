@@ -26,9 +26,6 @@ from bench.trial import search
 START_SECONDS = 120.0
 """Seconds that a process may take to import the optimizer, to compile it and to make a few first runs."""
 
-PRINTED = 100_000_000
-"""Bytes that a process may print in one call: the file that takes them must not fill the disk."""
-
 
 @dataclasses.dataclass(frozen=True)
 class Subject:

@@ -43,4 +43,4 @@ class InThisProcess:
 @pytest.fixture
 def in_this_process(monkeypatch):
     """Make the runs that show biases without other processes, which take a second to start."""
-    monkeypatch.setattr("bench.check.runs.Pool", InThisProcess)
+    monkeypatch.setattr("bench.execution.safe_runs.Pool", InThisProcess)
