@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import types
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -65,13 +66,17 @@ class Optimizer(ABC):
             be letters, fonts and formulas only.
         code: whose implementation runs, such as ``"the cma package"``.
         unmapped: one sentence for each feature of another library's algorithm that its adapter cannot reproduce.
-        fingerprint: a hash of the code where no package version identifies it, as for a user's own file.
+        libraries: the distributions whose versions decide its trials, beside the package that holds the class, such as
+            ``("cma",)`` for a wrapper of pycma.
+        fingerprint: hashes, by name, of what else decides its trials, such as a program that it runs; the harness sets
+            it for an optimizer in a file.
     """
 
     bibtex: ClassVar[str] = ""
     code: ClassVar[str] = ""
     unmapped: ClassVar[tuple[str, ...]] = ()
-    fingerprint: ClassVar[str] = ""
+    libraries: ClassVar[tuple[str, ...]] = ()
+    fingerprint: ClassVar[Mapping[str, str]] = {}
 
     def __post_init__(self) -> None:
         """Check every parameter; raises BenchError naming the first that does not fit."""

@@ -77,6 +77,7 @@ class CMAES(BoxedCMA):
     """
 
     code: ClassVar[str] = "pycma (N. Hansen's cma), run by this package"
+    libraries: ClassVar[tuple[str, ...]] = ("cma",)
     bibtex: ClassVar[str] = works("hansen2001", "hansen2019")
 
     active: bool = True

@@ -190,9 +190,12 @@ class Command:
         except (TypeError, ValueError) as error:
             raise BenchError(f"the options of {name!r} must be texts, numbers, lists or tables of these") from error
         files = [Path(word) for word in (program, *words[1:]) if Path(word).is_file()]
-        digest = hashlib.sha256(b"".join(hashlib.sha256(file.read_bytes()).digest() for file in files))
+        hashes: dict[str, str] = {}
+        for file in files:
+            shown = file.name if file.name not in hashes else str(file)
+            hashes[shown] = hashlib.sha256(file.read_bytes()).hexdigest()[:16]
         places = [str(Path(word).absolute()) if Path(word).is_file() else word for word in words[1:]]
-        attributes = {"words": (str(Path(program).absolute()), *places), "fingerprint": digest.hexdigest()[:16]}
+        attributes = {"words": (str(Path(program).absolute()), *places), "fingerprint": hashes}
         made = derive(Program, name, {key: (Any, value) for key, value in options.items()}, self.load, **attributes)
         return build(made, name, options)
 

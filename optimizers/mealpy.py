@@ -7,7 +7,6 @@ import re
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from itertools import count
 from typing import Any, ClassVar, Literal
 
@@ -19,7 +18,7 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.typing import Floats
 from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table
+from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table, wraps
 
 LEAST_EPOCHS = 2
 """The shortest schedule: some formulas divide by the number of epochs less 1."""
@@ -146,7 +145,7 @@ class Mealpy(Family):
         unmapped = tuple(sentence for sentence, members in TABLE["remarks"].items() if member in members)
         return derive(
             MealpyOptimizer, f"mealpy:{member}", parameters, self.load, __doc__=describe(solver), unmapped=unmapped,
-            code=f"mealpy {version('mealpy')}", bibtex=works(*TABLE["works"].get(member, ()), "vanthieu2023"),
+            **wraps("mealpy"), bibtex=works(*TABLE["works"].get(member, ()), "vanthieu2023"),
             solver=solver, own=tuple(accepted),
         )  # fmt: skip
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -14,7 +13,7 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.typing import Floats
 from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Adapter, Family, table
+from optimizers.common.family import AGENTS, Adapter, Family, table, wraps
 
 TABLE = table("minion")
 
@@ -110,7 +109,7 @@ class Minion(Family):
         return derive(
             MinionOptimizer, f"minion:{member}",
             {AGENTS.get(name, name): declared(name, default) for name, default in defaults.items()}, self.load,
-            __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())), code=f"minionpy {version('minionpy')}",
+            __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())), **wraps("minionpy"),
             bibtex=works(*entry["works"], "muzakka2025"), member=member, own=tuple(defaults),
             from_point=entry.get("from_point", False),
         )  # fmt: skip

@@ -9,7 +9,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
-from importlib.metadata import version
 from io import StringIO
 from typing import Any, ClassVar, Literal, Union, get_args, get_origin
 
@@ -20,7 +19,7 @@ from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Adapter, Family, global_random_state, table
+from optimizers.common.family import AGENTS, Adapter, Family, global_random_state, table, wraps
 
 TABLE = table("nevergrad")
 SCALARS = (bool, int, float, str, types.NoneType)
@@ -195,7 +194,7 @@ class Nevergrad(Family):
             self.load,
             member=member,
             own=tuple(scalars),
-            code=f"nevergrad {version('nevergrad')}",
+            **wraps("nevergrad", "cma"),  # which many of its methods run in part
             bibtex=works(*TABLE["works"].get(type(maker).__name__, ()), "rapin2018", "bennet2021"),
             unmapped=(
                 *TABLE["unmapped"],

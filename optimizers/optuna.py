@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Adapter, Family
+from optimizers.common.family import AGENTS, Adapter, Family, wraps
 
 
 class Member(NamedTuple):
@@ -144,14 +143,13 @@ class Optuna(Family):
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a sampler."""
         facts = MEMBERS[member]
-        packages = ["optuna", *(["cmaes"] if member == "CmaEsSampler" else [])]
         return derive(
             OptunaOptimizer,
             f"optuna:{member}",
             {AGENTS.get(name, name): declared for name, declared in facts.parameters.items()},
             self.load,
             member=member,
-            code=" and ".join(f"{package} {version(package)}" for package in packages),
+            **wraps("optuna", *(["cmaes"] if member == "CmaEsSampler" else [])),
             bibtex=works(*facts.works, "akiba2019"),
             unmapped=("the parameters that are objects or functions keep optuna's values",),
             __doc__=facts.about,

@@ -7,7 +7,6 @@ import warnings
 from copy import deepcopy
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import version
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -18,7 +17,7 @@ from bench.optimizer import Optimizer, parameter
 from bench.typing import Floats
 from optimizers.cma_es import SILENT, UNLIMITED
 from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table
+from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table, wraps
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 
@@ -105,8 +104,8 @@ class Pymoo(Family):
         return derive(
             PymooOptimizer, f"pymoo:{member}", {AGENTS.get(name, name): declared(solver, name) for name in names},
             self.load, __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())),
-            code=f"pymoo {version('pymoo')}", bibtex=works(*entry.get("works", ()), "blank2020"),
-            solver=solver, own=names,
+            **wraps("pymoo", *(["cma"] if member.endswith("CMAES") else [])),
+            bibtex=works(*entry.get("works", ()), "blank2020"), solver=solver, own=names,
         )  # fmt: skip
 
 

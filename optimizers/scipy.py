@@ -29,6 +29,7 @@ DETERMINISTIC = "deterministic: neither the seed nor the harness's start points 
 class ScipyOptimizer(Adapter):
     """A global optimizer of ``scipy.optimize``."""
 
+    libraries: ClassVar[tuple[str, ...]] = ("scipy",)
     code: ClassVar[str] = f"scipy {version('scipy')}"
     ceiling: ClassVar[float] = np.inf  # the greatest value that scipy sees
 

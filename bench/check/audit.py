@@ -70,10 +70,10 @@ def audit(
             that cannot be.
     """
     bubblewrap.find()
-    began = perf_counter()
+    began, files = perf_counter(), from_file.contents([optimizer])
     record: dict[str, Any] = {
         "audit": LAYOUT, "optimizer": optimizer, "options": options, "seed": seed, "accepted": False, "reasons": [],
-        "sha256": next((sha256(content).hexdigest() for content in from_file.contents([optimizer]).values()), None),
+        "sha256": next((sha256(file.content).hexdigest() for found in files.values() for file in found.values()), None),
         "check": [], "repetition": None, "comparison": None,
     }  # fmt: skip
     record["reasons"] = _examined(record, list(problems) or drawn(seed), baselines, trials, budget, timeout, n_jobs)

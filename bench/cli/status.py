@@ -185,8 +185,10 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
     workers = f"{_counted(record.get('jobs'), 'job')} ({record.get('backend')})"
     cores = _counted(record.get("cores"), "core")
     machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
-    noted = [*(record.get("data") or {}).items(), *(record.get("code") or {}).items()]
-    hashes = [f"{label} {value[:10]}" for label, value in noted if value]
+    noted = [*(record.get("data") or {}).items()]
+    for label, code in (record.get("code") or {}).items():  # older versions noted the hash of the file alone
+        noted += code.items() if isinstance(code, dict) else [(label, code)]
+    hashes = list(dict.fromkeys(f"{name} {value[:10]}" for name, value in noted if value))
     more = f" and {len(hashes) - HASHES} more" if len(hashes) > HASHES else ""
     return [
         f"ran {record.get('started')}{ended}: {trials} with {workers} on {machine}, {cores}",

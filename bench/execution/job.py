@@ -69,8 +69,7 @@ class Task:
             BenchError: for a file that cannot be read.
         """
         optimizers, problems = ([entry.name for entry in every] for every in (study.with_controls, study.problems))
-        files = from_file.contents(problems, "problem") | from_file.contents(optimizers)
-        return cls(study, untrusted=untrusted, files=files)
+        return cls(study, untrusted=untrusted, files=from_file.contents(optimizers, problems))
 
     def __post_init__(self) -> None:
         if self.untrusted:

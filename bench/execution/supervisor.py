@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import threading
-from collections.abc import Iterable
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,6 +18,7 @@ from bench.execution.answers import RefusedError
 from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
 from bench.plugins import from_file
+from bench.plugins.code import Code, versions
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
     FAILURES,
@@ -95,23 +95,26 @@ def check(task: Task) -> Checked:
 def _checked(first: ForkServer, task: Task) -> Checked:
     """Return what forks of a process find; raises what they raise, or whatever a strange answer leads to."""
 
-    def ask(server: ForkServer, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
+    def ask(server: ForkServer, *call: Any) -> dict[str, Any]:
         answer = server.call(*call, seconds=LOADING)
         if "error" in answer:
             raise BenchError(printable(str(answer["error"]), 4000))
-        return {label: str(answer["hashes"][label]) for label in labels if label in answer["hashes"]}, answer
+        return dict(answer)
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     study = task.study
     problems.call(trial_process.begin, study, task.files, {}, seconds=LOADING)
-    data, answer = ask(problems, [entry.label for entry in study.problems], trial_process.check_problems)
-    code: dict[str, str] = {}
+    answer = ask(problems, trial_process.check_problems)
+    data = {entry.label: str(answer["hashes"][entry.label]) for entry in study.problems}
+    code: dict[str, Code] = {}
     machine, least = dict(answer["machine"]), int(answer["least"])
     packages: dict[str, ForkServer] = {}
     for package, labels in study.packages().items():
         packages[package] = problems.branch()
-        hashes, answer = ask(packages[package], labels, trial_process.check_optimizers, labels, least)
-        code, machine = code | hashes, provenance.united(machine, dict(answer["machine"]))
+        answer = ask(packages[package], trial_process.check_optimizers, labels, least)
+        machine = provenance.united(machine, dict(answer["machine"]))
+        for label in labels:
+            code[label] = {printable(what, 300): printable(is_, 300) for what, is_ in answer["hashes"][label].items()}
 
     def describe(study: Study) -> Descriptions:
         described = {entry.label: Description() for entry in study.with_controls}
@@ -121,9 +124,10 @@ def _checked(first: ForkServer, task: Task) -> Checked:
                 described |= read(answer, labels)
         return described
 
-    files = [entry for entry in study.with_controls if from_file.split(entry.name)]
-    named = {entry.label: from_file.fingerprint(entry.name, task.files) for entry in files}
-    fingerprints = Fingerprints(data, code | named)
+    for entry in study.with_controls:
+        if from_file.split(entry.name):  # whose own process names packages alone
+            code[entry.label] = versions(code[entry.label]) | from_file.fingerprint(entry.name, task.files)
+    fingerprints = Fingerprints(data, code)
     return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data))
 
 

@@ -57,7 +57,7 @@ def check_problems() -> dict[str, Any]:
 
 
 def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
-    """Load the optimizers of one package; return the hashes of their files and the machine, as for problems."""
+    """Load the optimizers of one package; return what decides their trials and the machine, as for problems."""
     try:
         study = _study()
         hashes = study.code(labels, least)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import ast
 import hashlib
 import inspect
+import json
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
-from importlib.machinery import SourceFileLoader
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -23,10 +24,12 @@ from bench.families import derive
 from bench.helpers.text import listed
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
+from bench.plugins import code
+from bench.plugins.code import Module
 from bench.problem import Problem
 
-Files = dict[Path, bytes]
-"""The content of files of plug-ins, by the path under which a study names them."""
+Files = dict[Path, dict[str, Module]]
+"""The files of plug-ins by the path under which a study names them: each, and those of the modules that it imports."""
 
 
 def split(name: str) -> tuple[Path, str] | None:
@@ -39,9 +42,8 @@ def require_class(name: str, kind: str = "optimizer") -> None:
     """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
     if not name.endswith(".py"):
         return
-    code = _content(Path(name), kind)
     try:
-        parts = ast.parse(code).body
+        parts = ast.parse(_content(Path(name), kind)).body
     except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
         raise BenchError(f"the {kind} file {name} cannot be read as Python: {error}") from error
     kinds = (ast.ClassDef, ast.FunctionDef)
@@ -60,21 +62,21 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
             are no parameters or out of range.
     """
     path, _, attribute = name.rpartition(":")
-    return build(_optimizer(name, attribute, Path(path).resolve(), _content(Path(path), "optimizer")), name, options)
+    return build(_optimizer(name, attribute, tuple(_modules(Path(path), "optimizer").items())), name, options)
 
 
 def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that file: an instance, or what a class or a function makes of these options.
 
-    Unless the problem has a fingerprint of its own, it is that of the file.
+    Unless the problem has a fingerprint of its own, it is that of the file and the modules that it imports.
 
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
     """
     file, _, attribute = name.rpartition(":")
     path = Path(file)
-    content = _content(path, "problem")
-    module = _module(path.resolve(), content, "problem")
+    found = _modules(path, "problem")
+    module = _imported(next(iter(found.values())), "problem")
     if attribute not in vars(module):
         names = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
         raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, names)}")
@@ -87,55 +89,75 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
     if not problem.fingerprint():
-        object.__setattr__(problem, "fingerprint", partial(str, _digest(content)))  # also of a frozen dataclass
+        digest = _digest(json.dumps(code.hashes(found)).encode())
+        object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
     return problem
 
 
-def contents(names: Iterable[str], kind: str = "optimizer") -> Files:
-    """Return the files that such names name, by path; raises BenchError where one cannot be read."""
-    return {parts[0]: _content(parts[0], kind) for name in names if (parts := split(name))}
+def contents(optimizers: Iterable[str], problems: Iterable[str] = ()) -> Files:
+    """Return the files of such names, each read once; raises BenchError where one that a name names cannot be read."""
+    read: dict[Path, bytes] = {}
+
+    def once(path: Path) -> bytes:
+        place = path.resolve()
+        if place not in read:
+            read[place] = path.read_bytes()
+        return read[place]
+
+    kinds = dict.fromkeys(optimizers, "optimizer") | dict.fromkeys(problems, "problem")
+    return {parts[0]: _modules(parts[0], kind, once) for name, kind in kinds.items() if (parts := split(name))}
 
 
 def take(files: Files) -> None:
     """Have this process load these files with this content, whatever stands on its disk by then."""
     _taken.update(files)
+    for module in (module for found in files.values() for module in found.values()):
+        if module.path.suffix == ".py":
+            _finder.take(module)
+    if _finder not in sys.meta_path:
+        sys.meta_path.insert(0, _finder)
 
 
 def changed(files: Files) -> list[str]:
     """Return the paths of files whose content on the disk is another one, or that are no longer there."""
-    different = []
-    for path, content in files.items():
-        with suppress(OSError):
-            if path.read_bytes() == content:
-                continue
-        different.append(str(path))
-    return different
+    different = {}
+    for named, found in files.items():
+        for place, (path, content) in enumerate(found.values()):
+            with suppress(OSError):
+                if path.read_bytes() == content:
+                    continue
+            different[path] = str(path if place else named)  # the first is the named one
+    return list(different.values())
 
 
-def fingerprint(name: str, files: Files) -> str:
-    """Return a hash of the file of such a name, whose code is not run."""
-    return _digest(files[Path(name.rpartition(":")[0])])
+def fingerprint(name: str, files: Files) -> code.Code:
+    """Return the hashes of the file of such a name and of the modules that it imports; none of it is run."""
+    return code.hashes(files[Path(name.rpartition(":")[0])])
 
 
 def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def _content(path: Path, kind: str) -> bytes:
-    if path in _taken:
-        return _taken[path]
+def _content(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> bytes:
     try:
-        return path.read_bytes()
+        return read(path)
     except OSError as error:
         raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
+
+
+def _modules(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> dict[str, Module]:
+    """Return the modules of a plug-in's file, which is the first of them."""
+    return _taken[path] if path in _taken else code.modules(path, _content(path, kind, read), read)
 
 
 _taken: Files = {}
 
 
 @cache
-def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Optimizer]:
-    module, fingerprint = _module(path, content), _digest(content)
+def _optimizer(name: str, attribute: str, found: tuple[tuple[str, Module], ...]) -> type[Optimizer]:
+    (_, file), *_ = found
+    module, fingerprint = _imported(file), code.hashes(dict(found))
     plugin = vars(module).get(attribute)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer):
         if not is_frozen(plugin):
@@ -144,16 +166,16 @@ def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Op
     if inspect.isfunction(plugin):
         return _of_function(plugin, name, fingerprint)
     if attribute in vars(module):
-        raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
+        raise BenchError(f"{attribute!r} of {file.path} is neither an Optimizer subclass nor a function")
     names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
-    raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
+    raise BenchError(f"{file.path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
 
 
 class _ContentLoader(SourceFileLoader):
     """Compiles a file's content as it was read: the file may have changed since, and cached bytecode before."""
 
-    def __init__(self, name: str, path: Path, content: bytes) -> None:
-        super().__init__(name, str(path))
+    def __init__(self, name: str, path: str, content: bytes) -> None:
+        super().__init__(name, path)
         self._content = content
 
     def get_data(self, path: str) -> bytes:
@@ -163,11 +185,41 @@ class _ContentLoader(SourceFileLoader):
         return self.source_to_code(self._content, self.path)
 
 
+class _TakenFinder:
+    """Finds modules that plug-ins' files import where Python would, with the content that was taken.
+
+    It finds those whose file is gone by now, too.
+    """
+
+    def __init__(self) -> None:
+        self._contents: dict[str, dict[Path, bytes]] = {}  # by the last part of the module's name
+
+    def take(self, module: Module) -> None:
+        path, content = module
+        name = path.parent.name if path.stem == "__init__" else path.stem
+        self._contents.setdefault(name, {})[path] = content
+
+    def find_spec(self, name: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:  # noqa: ARG002 - as Python calls it
+        tail = name.rpartition(".")[2]
+        if tail not in self._contents:
+            return None
+        found = PathFinder.find_spec(name, path)
+        gone = (Path(place, file) for place in path or sys.path for file in (f"{tail}/__init__.py", f"{tail}.py"))
+        for file in [Path(found.origin)] if found is not None and found.origin else gone:
+            if (content := self._contents[tail].get(file.resolve())) is not None:
+                return spec_from_file_location(name, file, loader=_ContentLoader(name, str(file), content))
+        return None
+
+
+_finder = _TakenFinder()
+
+
 @cache
-def _module(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType:
-    """Import the file as a module of its own, which can import the modules beside it."""
+def _imported(file: Module, kind: str = "optimizer") -> ModuleType:
+    """Import a plug-in's file as a module of its own, which can import the modules beside it."""
+    path, content = file
     name = f"bench_file_{path.stem}_{_digest(content)}"  # an edited file is another module
-    spec = spec_from_file_location(name, path, loader=_ContentLoader(name, path, content))
+    spec = spec_from_file_location(name, path, loader=_ContentLoader(name, str(path), content))
     if spec is None or spec.loader is None:
         raise BenchError(f"the {kind} file {path} cannot be read as Python")
     module = module_from_spec(spec)
@@ -198,7 +250,7 @@ class _FunctionOptimizer(Optimizer):
         type(self).function(objective, rng, **settings(self))
 
 
-def _of_function(function: Callable[..., Any], name: str, fingerprint: str) -> type[Optimizer]:
+def _of_function(function: Callable[..., Any], name: str, fingerprint: code.Code) -> type[Optimizer]:
     """Return the optimizer class of a function; its arguments after ``objective`` and ``rng`` become parameters."""
     try:
         taken = list(inspect.signature(function).parameters.values())

@@ -19,6 +19,7 @@ from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
+from bench.plugins import code
 from bench.storage import provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.store import DamagedStoreError, Store
@@ -128,7 +129,7 @@ class Folder:
 
     def fingerprints(self) -> Fingerprints:
         """Return the fingerprints of the data and the code that trials were made with, as the store notes them."""
-        fingerprints: tuple[dict[str, str], dict[str, str]] = {}, {}
+        fingerprints: tuple[dict[str, Any], dict[str, Any]] = {}, {}
         for record in self._readable_environments():
             for key, labels in zip(("data", "code"), fingerprints, strict=True):
                 noted = record.get(key)
@@ -144,12 +145,16 @@ class Folder:
 
     def refuse_changes(self, found: Fingerprints) -> None:
         """Raise BenchError for data or code that changed since trials were made with it."""
-        for (what, kinds), before, now in zip(_CHANGED, self.fingerprints(), found, strict=True):
-            for label, fingerprint in now.items():
-                if before.get(label, fingerprint) != fingerprint:
+        before = self.fingerprints()
+        both: list[tuple[dict[str, Any], dict[str, Any]]] = [(before.data, found.data), (before.code, found.code)]
+        for (what, kinds), (noted, now) in zip(_CHANGED, both, strict=True):
+            for label in now.keys() & noted.keys():
+                first, other = noted[label], now[label]
+                if type(first) is type(other) and first != other:  # older versions noted the hash of the file alone
+                    names = f" ({listed(code.differences(first, other))})" if isinstance(first, dict) else ""
                     raise BenchError(
-                        f"the {what} {label!r} changed since {self.path} was begun, and its trials would mix two "
-                        f"{kinds}; put it back or give another --output"
+                        f"the {what} {label!r} changed since {self.path} was begun{names}, and its trials would mix "
+                        f"two {kinds}; put it back or give another --output"
                     )
 
     def noted(self, name: str) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from bench.helpers.text import html_table, listed
 from bench.numbers import LARGEST_SEED, MOST_TRIALS, require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
+from bench.plugins.code import Code, identity
 from bench.problem import Problem
 from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
@@ -52,11 +53,11 @@ class Fingerprints(NamedTuple):
 
     Attributes:
         data: the hash of every problem's data, by label; "" where the problem's name determines its data.
-        code: the hash of every optimizer's file, by label; installed optimizers have none.
+        code: what decides the trials of every optimizer, by label (:mod:`bench.plugins.code`).
     """
 
     data: dict[str, str]
-    code: dict[str, str]
+    code: dict[str, Code]
 
 
 def _whole(value: Any, what: str, *, least: int, most: int) -> int:
@@ -290,8 +291,8 @@ class Study:
         least = min(self.evaluations(dimension) for dimension in {problem.dimension for problem in problems.values()})
         return {label: problem.fingerprint() for label, problem in problems.items()}, least
 
-    def code(self, labels: Iterable[str], least: int) -> dict[str, str]:
-        """Load these optimizers; return the hashes of their files; raises as :meth:`check`.
+    def code(self, labels: Iterable[str], least: int) -> dict[str, Code]:
+        """Load these optimizers; return what decides the trials of each; raises as :meth:`check`.
 
         ``least`` is the smallest budget of any problem.
         """
@@ -299,8 +300,7 @@ class Study:
         for label in labels:
             optimizer = self.optimizer(label)
             optimizer.check_budget(least, label)
-            if optimizer.fingerprint:
-                code[label] = optimizer.fingerprint
+            code[label] = identity(optimizer)
         return code
 
     def plan(self) -> Iterator[Trial]:

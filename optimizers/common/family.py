@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -73,6 +74,11 @@ class Constructed(Adapter):
 def table(family: str) -> dict[str, Any]:
     """Return the facts about a family's library that ``optimizers/<family>.toml`` holds."""
     return tomllib.loads((Path(__file__).parents[1] / f"{family}.toml").read_text(encoding="utf-8"))
+
+
+def wraps(*libraries: str) -> dict[str, Any]:
+    """Return the class attributes ``libraries`` and ``code`` of an optimizer that runs the code of these libraries."""
+    return {"libraries": libraries, "code": " and ".join(f"{library} {version(library)}" for library in libraries)}
 
 
 class Family(ABC):

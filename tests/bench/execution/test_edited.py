@@ -47,6 +47,32 @@ def test_a_file_that_is_removed_during_the_run_costs_no_trial(study, tmp_path):
     assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(tmp_path / "mine.py")])
 
 
+def test_an_edited_helper_changes_no_trial_of_the_run_and_is_named(study, tmp_path):
+    """Each process that loads the optimizer for another family of problems imports its helper anew."""
+    (tmp_path / "mine.py").write_text("from helper_of_mine import SHARE\n" + OPTIMIZER.format(share="SHARE"))
+    helper = tmp_path / "helper_of_mine.py"
+    helper.write_text("SHARE = 0.25")
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: helper.write_text("SHARE = 0.75"))
+    assert outcome.edited == [str(helper)]
+    assert load_results(tmp_path / "out").groupby("problem")["fun"].unique().map(list).to_dict() == {
+        "other": [0.0625], "sphere-2": [12.5]
+    }  # fmt: skip
+    with pytest.raises(BenchError, match=r"code of optimizer 'mine' changed .* \(helper_of_mine.py\)"):
+        run(study.override(trials=3), tmp_path / "out")
+    helper.write_text("SHARE = 0.25  # of the box")
+    assert run(study.override(trials=3), tmp_path / "out", n_jobs=1).made == 2
+
+
+def test_a_helper_that_is_removed_during_the_run_costs_no_trial(study, tmp_path):
+    (tmp_path / "mine.py").write_text("from pkg_of_mine.inner import SHARE\n" + OPTIMIZER.format(share="SHARE"))
+    (tmp_path / "pkg_of_mine").mkdir()
+    (tmp_path / "pkg_of_mine" / "__init__.py").write_text("")
+    helper = tmp_path / "pkg_of_mine" / "inner.py"
+    helper.write_text("SHARE = 0.25")
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: helper.unlink(missing_ok=True))
+    assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(helper)])
+
+
 def test_data_that_change_before_a_process_loads_them_fail_its_trials(tmp_path):
     def record(frequency):
         t = np.arange(1000) * 0.002

@@ -172,14 +172,14 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
 def test_other_data_or_code_than_that_of_stored_trials_is_refused(small_study, tmp_path):
     run(small_study.override(trials=1), tmp_path, n_jobs=1)
     folder = Folder(tmp_path)
-    change_record(tmp_path, data={"sphere-2": "f00"}, code={"scatter": "ba7"})
+    change_record(tmp_path, data={"sphere-2": "f00"}, code={"scatter": {"mine.py": "ba7"}, "old": "ba7"})
     (tmp_path / "environment.json").unlink()
-    assert folder.fingerprints() == ({"sphere-2": "f00"}, {"scatter": "ba7"})
+    assert folder.fingerprints() == ({"sphere-2": "f00"}, {"scatter": {"mine.py": "ba7"}, "old": "ba7"})
     with pytest.raises(BenchError, match="the data of problem 'sphere-2' changed since"):
         folder.refuse_changes(Fingerprints({"sphere-2": "f01"}, {}))
-    with pytest.raises(BenchError, match="the code of optimizer 'scatter' changed since"):
-        folder.refuse_changes(Fingerprints({}, {"scatter": "f01"}))
-    folder.refuse_changes(Fingerprints({"sphere-2": "f00", "sphere-3": "new"}, {}))
+    with pytest.raises(BenchError, match=r"the code of optimizer 'scatter' changed since .* \(mine.py, helper.py\)"):
+        folder.refuse_changes(Fingerprints({}, {"scatter": {"mine.py": "f01", "helper.py": "f00"}}))
+    folder.refuse_changes(Fingerprints({"sphere-2": "f00", "sphere-3": "new"}, {"old": {"mine.py": "f00"}}))
 
 
 @pytest.mark.slow

@@ -159,12 +159,13 @@ class TestCheckouts:
 class TestRun:
     def test_it_records_the_study_and_the_command(self, small_study, monkeypatch):
         monkeypatch.setattr(sys, "argv", ["/usr/bin/bench", "run", "my study.toml", "\udcff"])
-        record = run(small_study, Fingerprints({"p": "f00"}, {"a": "ba7"}), 4, "local", timeout=9.5, shard="1/2")
+        found = Fingerprints({"p": "f00"}, {"a": {"mine.py": "ba7"}})
+        record = run(small_study, found, 4, "local", timeout=9.5, shard="1/2")
         assert shlex.split(record["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
         assert record["started"].endswith("+00:00")
         assert record["ended"] is None
         assert {key: value for key, value in record.items() if key not in ("started", "ended", "command")} == {
-            "jobs": 4, "backend": "local", "study": small_study.identity(), "data": {"p": "f00"}, "code": {"a": "ba7"},
+            "jobs": 4, "backend": "local", "study": small_study.identity(), "data": found.data, "code": found.code,
             "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3, "extends": None,
         }  # fmt: skip
 
