@@ -194,7 +194,7 @@ class Nevergrad(Family):
             self.load,
             member=member,
             own=tuple(scalars),
-            **wraps("nevergrad", "cma"),  # which many of its methods run in part
+            **wraps("nevergrad") | {"libraries": ("nevergrad", "cma")},  # many members are a CMA-ES in part
             bibtex=works(*TABLE["works"].get(type(maker).__name__, ()), "rapin2018", "bennet2021"),
             unmapped=(
                 *TABLE["unmapped"],

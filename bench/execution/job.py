@@ -266,10 +266,11 @@ def _kernels() -> Iterator[Path]:
 
 
 def _files(names: Iterable[str]) -> Iterator[Path]:
-    """Yield the files that plug-ins are named by, those of recordings included, and the modules beside them."""
+    """Yield the files that plug-ins are named by, those of recordings included, and the modules that they may import."""
     for name in names:
         named = from_file.split(name)
         path = named[0] if named else Path(name.partition(":")[2])
         if path.is_file():
             yield path.absolute()
             yield from path.absolute().parent.glob("*.py")
+            yield from (file.path for found in from_file.contents([name]).values() for file in found.values())

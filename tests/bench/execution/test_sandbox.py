@@ -246,6 +246,16 @@ def test_the_scratch_folder_is_all_that_can_be_written():
 
 
 @needed
+def test_the_package_that_a_file_imports_from_beside_it_can_be_read_there(tmp_path):
+    (tmp_path / "package_of_mine").mkdir()
+    (tmp_path / "package_of_mine" / "inner.py").write_text("WORD = 'read'")
+    (tmp_path / "mine.py").write_text("def late():\n    import package_of_mine.inner")
+    with Process(sandbox=sandbox([f"{tmp_path / 'mine.py'}:late"])) as process:
+        script = f"open({str(tmp_path / 'package_of_mine' / 'inner.py')!r}).read()"
+        assert process.call(eval, script, seconds=60.0) == "WORD = 'read'"
+
+
+@needed
 def test_numba_reads_there_what_was_compiled_outside_and_writes_beside_it(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text("from numba import njit\n@njit(cache=True)\ndef twice(x):\n    return 2 * x\n")
     monkeypatch.syspath_prepend(tmp_path)
