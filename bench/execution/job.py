@@ -266,7 +266,7 @@ def _kernels() -> Iterator[Path]:
 
 
 def _files(names: Iterable[str]) -> Iterator[Path]:
-    """Yield the files that plug-ins are named by, those of recordings included, and the modules that they may import."""
+    """Yield the files that plug-ins are named by, those of recordings included, and the modules that they import."""
     for name in names:
         named = from_file.split(name)
         path = named[0] if named else Path(name.partition(":")[2])

@@ -18,8 +18,13 @@ def mapping(file):
 
 
 @pytest.fixture
-def written(tmp_path):
-    """Return what writes files below a folder and returns the hashes of the first one and its imports."""
+def written(tmp_path, tmp_path_factory, monkeypatch):
+    """Return what writes files below a folder and returns the hashes of the first one and its imports.
+
+    Python does not find the modules of other tests, whose folders loaded files have left on the path.
+    """
+    others = str(tmp_path_factory.getbasetemp())
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if not place.startswith(others)])
 
     def write(files, folder=tmp_path):
         for name, content in files.items():
@@ -175,6 +180,5 @@ def test_a_function_and_a_derived_class_of_a_file_count_by_the_files(attribute, 
     try:
         assert code.identity(load_optimizer(f"{tmp_path / 'mine.py'}:{attribute}")) == files
     finally:
-        sys.path.remove(str(tmp_path))
         sys.modules.pop("helper_of_walk", None)
     assert {"mine.py", "helper_of_walk.py", "optimizers/gwo.py"} < files.keys()
