@@ -36,6 +36,7 @@ class Column:
         frame: whether the tidy frame has it.
         stored: whether a store has it; other columns are computed when a frame is read.
         repeats: whether it is the same whenever the trial is made.
+        since: the layout of stores that has it first, where trials of older ones lack it; 0 for all others.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Column:
     frame: bool = True
     stored: bool = True
     repeats: bool = True
+    since: int = 0
 
 
 def _column(meaning: str, **about: Any) -> Any:
@@ -64,6 +66,7 @@ class Measured:
 
     fun: float = _column("lowest objective value found, +inf where no point counts")
     nfev: int = _column("evaluations made", least=1, most=LARGEST_BUDGET, within="budget")
+    calls: int = _column("calls of the objective, each with a batch of points", least=1, within="nfev", since=4)
     wall_s: float = _column("wall time of the whole search", unit="s", least=0, repeats=False)
     cpu_s: float = _column("processor time of the whole search", unit="s", least=0, repeats=False)
     objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", least=0, repeats=False)

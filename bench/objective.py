@@ -94,7 +94,7 @@ class Objective:
         self.upper: Floats = problem.upper.copy()
         self.integer = integer_flags(problem)
         self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
-        self.outside_box = 0
+        self.calls = self.outside_box = 0
         self.objective_s = 0.0  # spent inside the problem's evaluate
         self.fun = np.inf  # the lowest value so far
         self.best_point: Floats | None = None
@@ -215,6 +215,7 @@ class Objective:
         elif self.best_point is None:
             self.best_point = rows[0].copy()
         self._nfev += n
+        self.calls += 1
         return values
 
     def _values(self, x: Floats) -> ArrayLike:

@@ -29,8 +29,8 @@ CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
 HIDDEN_THREADS = 1.1  # CPU / wall above this: it used more than one
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 TIMES = (
-    "optimizer", "trials", "evaluations_median", "wall_mean", "wall_median", "wall_q1", "wall_q3", "cpu_median",
-    "cpu_q1", "cpu_q3", "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3",
+    "optimizer", "trials", "evaluations_median", "per_call_median", "wall_mean", "wall_median", "wall_q1", "wall_q3",
+    "cpu_median", "cpu_q1", "cpu_q3", "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3",
     "wall_per_cpu", "contention", "hidden_threads",
 )  # fmt: skip
 
@@ -228,17 +228,18 @@ def summarise(frame: pd.DataFrame) -> pd.DataFrame:
 def timing(frame: pd.DataFrame) -> pd.DataFrame:
     """Return one row an optimizer over its finished trials on all problems.
 
-    Columns: evaluations_median, those of a trial; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and
-    CPU seconds a trial and of evaluations a second (speed); objective_mean, the mean wall seconds inside the problem;
-    objective_share, the median share of the wall time spent there; wall_per_cpu, the median ratio; contention and
-    hidden_threads, whether that ratio shows that trials waited for a core or used more than one. Assumes one trial a
-    core.
+    Columns: evaluations_median, those of a trial; per_call_median, those of a call of the objective, NaN where
+    these are unknown; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and CPU seconds a trial and of
+    evaluations a second (speed); objective_mean, the mean wall seconds inside the problem; objective_share, the median
+    share of the wall time spent there; wall_per_cpu, the median ratio; contention and hidden_threads, whether that
+    ratio shows that trials waited for a core or used more than one. Assumes one trial a core.
     """
     finished = frame[frame["status"] == "ok"]
     rows = []
     for optimizer in labels(frame, "optimizer"):
         of_optimizer = finished[finished["optimizer"] == optimizer]
         numbers = of_optimizer[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
+        calls = of_optimizer.get("calls", pd.Series(np.nan, of_optimizer.index)).astype(float)  # older frames lack it
         wall, cpu = numbers["wall_s"], numbers["cpu_s"]
         speed = numbers["nfev"] / wall.where(wall > 0)
         ratio = (wall / cpu.where(cpu > 0)).dropna().median()
@@ -247,6 +248,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
                 "optimizer": optimizer,
                 "trials": len(numbers),
                 "evaluations_median": numbers["nfev"].median(),
+                "per_call_median": (numbers["nfev"] / calls).median(),
                 "wall_mean": wall.mean(),
                 **_spread("wall", wall),
                 **_spread("cpu", cpu),

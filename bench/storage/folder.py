@@ -21,6 +21,7 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
 from bench.plugins import code
 from bench.storage import provenance, under_way
+from bench.storage.migrations import LOCK
 from bench.storage.reading import StoreCheck
 from bench.storage.store import DamagedStoreError, Store
 from bench.storage.under_way import UnderWay
@@ -225,7 +226,7 @@ class Folder:
         Raises:
             BenchError: when another run is writing here, or the folder cannot be written or holds other files.
         """
-        hold = FileLock(self.path / ".lock", timeout=0)
+        hold = FileLock(self.path / LOCK, timeout=0)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             if any(not item.name.startswith(".") for item in self.path.iterdir()) and not self._begun:
@@ -239,6 +240,8 @@ class Folder:
         try:
             if (holder := self.running()) and holder["host"] == provenance.host():  # whose lock was removed
                 raise self._taken(holder)
+            if self.store.exists:
+                self.store.update()
             if killed := self.killed():
                 self.note(KILLED, {"runs": killed})
             holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}

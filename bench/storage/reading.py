@@ -15,6 +15,7 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, TEXTS, VALUES, binding, digest
+from bench.storage.schema import readable
 from bench.storage.traces import Key
 
 NAMED = 3  # damaged trials that a sentence names
@@ -190,13 +191,7 @@ class Reader:
             sqlite3.OperationalError: where SQLite does not even find the table.
         """
         self._rows("0")
-        for cell in self.labels:
-            try:
-                yield from self.sound("cell = ?", cell)
-            except sqlite3.DatabaseError:
-                for number in range(trials):
-                    with suppress(sqlite3.DatabaseError):
-                        yield from self.sound("cell = ? AND trial = ?", cell, number)
+        return readable(self.sound, self.labels, trials)
 
     def environments(self, copies: Sequence[object] = ()) -> dict[int, dict[str, Any]]:
         """Return the environments' records by number, oldest first.

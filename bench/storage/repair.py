@@ -44,7 +44,7 @@ def repair(folder: Folder, trials: int) -> str:
     there = store.exists
     try:
         with replacing(store.path) as temporary:
-            with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=True) as reader:
+            with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=trials) as reader:
                 kept, _ = copy(reader.rescue(trials), _environments(folder, reader), writer, str(store.path))
             if there:
                 shutil.copy(store.path, folder.path / ASIDE)

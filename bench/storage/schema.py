@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import re
 import sqlite3
-from collections.abc import Iterator, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, suppress
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
+from bench.columns import STORED, Column
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, VALUES
+from bench.storage.rows import COLUMNS, NAMES, VALUES
 
-VERSION = 3
+VERSION = 4
+
+Read = TypeVar("Read")
 
 ONE = "problem = ? AND optimizer = ? AND trial = ?"
 """The SQL condition of one trial."""
+
+_KINDS = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
+
+
+def _definition(column: Column) -> str:
+    needs = " NOT NULL" * column.required + f" REFERENCES {column.table}" * bool(column.table)
+    return f"{column.name} {_KINDS[column.kind]}{needs}"
+
 
 # A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
 SCHEMA = f"""
@@ -25,16 +36,14 @@ CREATE TABLE cells (
     id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
 );
 CREATE TABLE names (
-    id INTEGER PRIMARY KEY, variables TEXT NOT NULL, metric_names TEXT NOT NULL, UNIQUE (variables, metric_names)
+    id INTEGER PRIMARY KEY, {", ".join(f"{name} TEXT NOT NULL" for name in NAMES)}, UNIQUE ({", ".join(NAMES)})
 );
 CREATE TABLE results (
     cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, digest BLOB, names INTEGER REFERENCES names,
-    environment INTEGER REFERENCES environments, seed INTEGER, status TEXT NOT NULL, fun REAL, nfev INTEGER,
-    wall_s REAL, cpu_s REAL, objective_s REAL, stop TEXT, outside_box INTEGER, error TEXT, x BLOB, metrics BLOB,
-    trace BLOB, PRIMARY KEY (cell, trial)
+    {", ".join(map(_definition, STORED))}, PRIMARY KEY (cell, trial)
 ) WITHOUT ROWID;
 CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(VALUES[:-3])}, variables, x, metric_names, metrics, trace
+    SELECT problem, optimizer, trial, {", ".join(NAMES)}, {", ".join(VALUES)}
     FROM results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names;
 PRAGMA user_version = {VERSION}
 """
@@ -46,14 +55,14 @@ def layout(connection: sqlite3.Connection) -> int | None:
     return None if empty else int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
-def strange(connection: sqlite3.Connection, *, rescue: bool = False) -> str:
-    """Return the name of what is not ours in a store of our layout: a table, an index, a view or a trigger; or "".
+def strange(connection: sqlite3.Connection, schema: str, *, rescue: bool = False) -> str:
+    """Return the name of what a store has and its schema has not: a table, an index, a view or a trigger; or "".
 
     A stranger's view may have no end, and triggers and generated columns compute whenever they are read or written.
     With ``rescue``, damage to our own is passed over. What is missing is found where it is read.
     """
     found = {*connection.execute(_STRUCTURE)}
-    foreign = {each for each in found if _computes(*each)} if rescue else found - _ours()
+    foreign = {each for each in found if _computes(*each)} if rescue else found - _ours(schema)
     return min((name.decode(errors="replace") for _, name, _ in foreign), default="")
 
 
@@ -61,9 +70,9 @@ _STRUCTURE = "SELECT CAST(type AS BLOB), CAST(name AS BLOB), CAST(sql AS BLOB) F
 
 
 @cache
-def _ours() -> frozenset[tuple[bytes, bytes, bytes | None]]:
+def _ours(schema: str) -> frozenset[tuple[bytes, bytes, bytes | None]]:
     with closing(sqlite3.connect(":memory:")) as connection:
-        prepare(connection, Committed())
+        create(connection, schema)
         return frozenset(connection.execute(_STRUCTURE))
 
 
@@ -73,14 +82,19 @@ def _computes(kind: bytes, name: bytes, sql: bytes | None) -> bool:
     return re.search(rb"\bAS\b", sql or b"", re.IGNORECASE) is not None
 
 
+def create(connection: sqlite3.Connection, schema: str) -> None:
+    """Make the tables of a schema."""
+    for statement in schema.split(";"):
+        connection.execute(statement)
+
+
 def prepare(connection: sqlite3.Connection, begun: Committed) -> None:
     """Make the tables of a new store, all or nothing, whose commits are counted from those ``begun`` before."""
     if layout(connection) is not None:
         return
     with connection:
         connection.execute("BEGIN IMMEDIATE")
-        for statement in SCHEMA.split(";"):
-            connection.execute(statement)
+        create(connection, SCHEMA)
         connection.execute("INSERT INTO committed VALUES (?, 0)", (begun.commits,))
 
 
@@ -91,3 +105,22 @@ def found(
     tables = "results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names"
     query = f"SELECT {', '.join(columns)} FROM {tables} WHERE {where} ORDER BY cell, trial"
     return (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))
+
+
+def readable(read: Callable[..., Iterator[Read]], cells: Iterable[object], trials: int) -> Iterator[Read]:
+    """Yield what can be read of the rows of damaged cells, some perhaps twice.
+
+    Where SQLite cannot read all rows of a cell, its first ``trials`` trials are looked up one by one.
+
+    Args:
+        read: yields what meets an SQL condition with values.
+        cells: the numbers of the cells.
+        trials: the number of trials of a cell.
+    """
+    for cell in cells:
+        try:
+            yield from read("cell = ?", cell)
+        except sqlite3.DatabaseError:
+            for number in range(trials):
+                with suppress(sqlite3.DatabaseError):
+                    yield from read("cell = ? AND trial = ?", cell, number)

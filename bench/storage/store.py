@@ -7,7 +7,7 @@ import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,11 @@ from typing import Any
 from bench.columns import KEY
 from bench.errors import BenchError
 from bench.helpers.text import printable
-from bench.storage import committed
+from bench.storage import committed, migrations
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS
-from bench.storage.schema import ONE, VERSION, found, layout, prepare, strange
+from bench.storage.schema import ONE, SCHEMA, VERSION, found, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
 
@@ -112,10 +112,11 @@ class Store:
             return reader.count(StoreCheck(), reader.rows)
 
     @contextmanager
-    def reader(self, *, rescue: bool = False) -> Iterator[Reader]:
+    def reader(self, *, rescue: int | None = None) -> Iterator[Reader]:
         """Open the store to read its rows at one moment; a missing one has none.
 
-        With ``rescue``, SQLite also opens a file that was cut short, or whose schema is damaged in some places.
+        With ``rescue``, the number of trials of a cell, SQLite also opens a file that was cut short, or whose schema is
+        damaged in some places.
 
         Raises:
             DamagedStoreError: when SQLite cannot read all rows, or with ``rescue`` not even labels and names.
@@ -215,6 +216,11 @@ class Store:
             prepare(connection, committed.read(self.path.parent))
             yield Writer(connection, self.path, noted=not anew)
 
+    def update(self) -> None:
+        """Bring a store of an older layout to this one; its folder must be locked. A damaged store stays as it is."""
+        with suppress(DamagedStoreError), self._open(locked=True):
+            pass
+
     def copy(self, file: Path) -> None:
         """Write all that the store holds at one moment into a new file, one without a log beside it.
 
@@ -232,29 +238,31 @@ class Store:
                 copy.execute("PRAGMA schema_version = 1")  # VACUUM counts it up from that of this store
 
     @contextmanager
-    def _open(self, *, rescue: bool = False) -> Iterator[sqlite3.Connection]:
-        """Yield a connection; refuse a store of another layout."""
+    def _open(self, *, rescue: int | None = None, locked: bool = False) -> Iterator[sqlite3.Connection]:
+        """Yield a connection; a store of an older layout is brought to this one, or a copy of it (``migrations``)."""
         try:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
-                if rescue:
+                if rescue is not None:
                     connection.execute("PRAGMA writable_schema = ON")
-                if (version := layout(connection)) not in (VERSION, None):
+                schemas = {VERSION: SCHEMA} | {number: step.schema for number, step in migrations.STEPS.items()}
+                if (version := layout(connection)) not in (None, *schemas):
                     raise BenchError(
                         f"the store {self.path} was written in layout {version}, and this version reads layout "
                         f"{VERSION}; export it with the version that wrote it ('bench export --format csv') and import "
                         "that, or run the study into another folder"
                     )
-                if version is not None and (name := strange(connection, rescue=rescue)):
+                if version is not None and (name := strange(connection, schemas[version], rescue=rescue is not None)):
                     raise BenchError(
                         f"the store {self.path} holds {printable(name, LONGEST)!r} in another form than 'bench run' "
                         f"writes it, so nothing of it is read; {BEYOND_REPAIR}"
                     )
-                yield connection
+                with migrations.current(connection, self.path, locked=locked, rescue=rescue) as current:
+                    yield current
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
             raise _refusal(self.path, error) from error
 
     @contextmanager
-    def _read(self, *, rescue: bool = False) -> Iterator[sqlite3.Connection]:
+    def _read(self, *, rescue: int | None = None) -> Iterator[sqlite3.Connection]:
         """Yield a connection; one to an empty store where there is none, or where a run was killed before its tables.
 
         Nothing is written.

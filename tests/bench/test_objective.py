@@ -19,7 +19,16 @@ def test_evaluates_batches_and_single_points():
     f = objective()
     assert f([1.0, 2.0, 0.0]) == 5.0
     assert f(np.eye(3)).tolist() == [1.0, 1.0, 1.0]
-    assert (f.nfev, f.remaining) == (4, 6)
+    assert (f.nfev, f.calls, f.remaining) == (4, 2, 6)
+
+
+def test_calls_that_evaluate_nothing_do_not_count():
+    f = objective(budget=5)
+    f(np.empty((0, 3)))
+    f(np.zeros((5, 3)))
+    with pytest.raises(BudgetExhausted):
+        f(np.zeros((2, 3)))
+    assert (f.calls, f.nfev) == (1, 5)
 
 
 def test_never_evaluates_a_row_past_the_budget():

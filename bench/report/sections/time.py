@@ -77,6 +77,7 @@ def _table(timing: pd.DataFrame) -> Table:
         {
             "trials": timing["trials"],
             "evaluations": timing["evaluations_median"],
+            "evals/call": timing["per_call_median"],
             "wall s": timing["wall_median"],
             "wall IQR": _interval(timing, "wall"),
             "CPU s": timing["cpu_median"],
@@ -86,12 +87,15 @@ def _table(timing: pd.DataFrame) -> Table:
             "wall/CPU": timing["wall_per_cpu"],
         }
     ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
+    batches = "; evaluations a call of the objective show how many of them could be made at the same time"
+    if timing["per_call_median"].isna().all():  # of imported trials, and those of older versions
+        batches, shown, timing = "", shown.drop(columns="evals/call"), timing.drop(columns="per_call_median")
     return Table(
         "timing",
         "Median evaluations and times of one trial, the quartiles of the times (IQR), the share of the wall time spent "
-        "in the objective function, and evaluations a second.",
+        f"in the objective function, and evaluations a second{batches}.",
         shown,
-        decimals={"evaluations": 0, "wall/CPU": 2, "evals/s": 0},
+        decimals={"evaluations": 0, "evals/call": 1, "wall/CPU": 2, "evals/s": 0},
         data=timing,
     )
 

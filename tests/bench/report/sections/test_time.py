@@ -2,6 +2,8 @@
 
 import pytest
 
+from bench import Results
+from bench.report.findings import Findings
 from bench.report.sections import time
 from tests.bench.report.sections.records import NEWER, RECORD
 
@@ -30,3 +32,13 @@ def test_the_cores_of_all_machines_of_a_run_count(render, records, sentence):
 
 def test_what_is_not_noted_is_not_judged(render):
     assert "than there were cores" not in render([{"jobs": 2}], of=time).text
+
+
+def test_evaluations_a_call_are_shown_where_they_are_known(make, tmp_path, render):
+    calls = {"a": {"calls": 5}, "b": {"calls": 100}}
+    (_, table), *_ = [time.section(Findings(Results(make(tmp_path / "s", changes=calls)))).items]
+    assert table.frame["evals/call"].tolist()[:2] == [20.0, 1.0]
+    assert "evaluations a call of the objective show how many" in table.caption
+    without = render([RECORD], of=time).tables["timing"]
+    assert "evals/call" not in without.frame
+    assert "a call" not in without.caption

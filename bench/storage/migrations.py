@@ -1,0 +1,202 @@
+"""Bring a store of an older layout to this one, step by step, whole or not at all.
+
+A step reads the tables of one layout and writes those of the next. A new layout adds its step to :data:`STEPS`, with
+the schema that it replaces.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from filelock import FileLock, Timeout
+
+from bench.storage.rows import VALUES, binding, digest
+from bench.storage.schema import SCHEMA, create, layout, readable
+
+LOCK = ".lock"
+"""The file that a run locks in its folder."""
+
+Rows = Iterable[Sequence[Any]]
+Put = Callable[[str, str, Rows], None]
+"""Adds rows to a table of the next layout: its name, the names of the columns, and the rows; texts are UTF-8."""
+
+
+class Step(NamedTuple):
+    """A step from one layout to the next.
+
+    Attributes:
+        schema: of the older layout, as its version wrote it.
+        move: fills the tables of the next layout.
+    """
+
+    schema: str
+    move: Callable[[Older, Put], None]
+
+
+@dataclass(frozen=True)
+class Older:
+    """The tables of a store of an older layout, of which damage may have taken some.
+
+    Attributes:
+        connection: to the store.
+        prefix: what stands before the names of its tables.
+        rescue: None, or read what can be read of a damaged store (:func:`bench.storage.schema.readable`).
+    """
+
+    connection: sqlite3.Connection
+    prefix: str = ""
+    rescue: int | None = None
+
+    def move(self, put: Put, *tables: str) -> None:
+        """Add all rows of tables that the next layout has, too; another program may have dropped one."""
+        for table in tables:
+            named = self.connection.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (f"{self.prefix}{table}",))
+            if named.fetchone():
+                with suppress(*() if self.rescue is None else (sqlite3.DatabaseError,)):
+                    rows = self.connection.execute(f"SELECT * FROM {self.prefix}{table}")
+                    put(table, ", ".join(str(name) for name, *_ in rows.description), rows)
+
+    def texts(self, table: str) -> dict[Any, list[Any]]:
+        """Return the texts of cells or names by their number."""
+        return {number: texts for number, *texts in self.connection.execute(f"SELECT * FROM {self.prefix}{table}")}
+
+    def results(self, columns: str) -> Iterator[tuple[Any, ...]]:
+        """Yield some columns of the trials, cell by cell."""
+
+        def read(where: str, *values: object) -> Iterator[tuple[Any, ...]]:
+            query = f"SELECT {columns} FROM {self.prefix}results WHERE {where} ORDER BY cell, trial"
+            return self.connection.execute(query, values)
+
+        return read("1") if self.rescue is None else readable(read, self.texts("cells"), self.rescue)
+
+
+@contextmanager
+def current(
+    connection: sqlite3.Connection, path: Path, *, locked: bool, rescue: int | None
+) -> Iterator[sqlite3.Connection]:
+    """Yield a connection to an open store in this layout: itself, brought to it where need be, or a temporary copy.
+
+    A store is read from a copy where it is damaged, where it cannot be written, and while a run writes to its folder.
+
+    Args:
+        connection: to the store.
+        path: of the store.
+        locked: whether the folder is locked by whoever asks.
+        rescue: None, or the number of trials of a cell, to read what can be read of a damaged store.
+    """
+    migrated = layout(connection) not in STEPS
+    if not migrated and rescue is None:
+        migrated = _migrated(connection) if locked else _migrated_here(connection, path.parent)
+    if migrated:
+        yield connection
+    else:
+        with closing(sqlite3.connect("")) as copy:  # a file that SQLite removes
+            with copy:
+                _take(Older(connection, rescue=rescue), int(layout(connection) or 0), copy)
+            _migrated(copy)
+            yield copy
+
+
+def _migrated_here(connection: sqlite3.Connection, folder: Path) -> bool:
+    """Bring the open store of a folder to this layout where no run writes there; return whether that was possible."""
+    if not os.access(folder, os.W_OK):
+        return False
+    try:
+        with FileLock(folder / LOCK, timeout=0):
+            return _migrated(connection)
+    except (OSError, NotImplementedError, Timeout):
+        return False
+
+
+def _migrated(connection: sqlite3.Connection) -> bool:
+    """Bring an open store to this layout, in one transaction, and return whether it could be written.
+
+    A kill leaves the older store or the new one.
+    """
+    try:
+        with connection:
+            connection.execute("BEGIN IMMEDIATE")
+            while (version := layout(connection)) in STEPS:  # another process may have been first
+                query = "SELECT name FROM sqlite_master WHERE type = 'table'"
+                tables = [name for (name,) in connection.execute(query).fetchall()]
+                connection.execute("DROP VIEW IF EXISTS trials")
+                for table in tables:
+                    connection.execute(f"ALTER TABLE {table} RENAME TO old_{table}")
+                _take(Older(connection, "old_"), version, connection)
+                for table in tables:
+                    connection.execute(f"DROP TABLE old_{table}")
+    except sqlite3.OperationalError:  # on a disk that is full or cannot be written
+        return False
+    return True
+
+
+def _take(older: Older, version: int, target: sqlite3.Connection) -> None:
+    """Make the tables of the layout after ``version``, and fill them."""
+    create(target, STEPS[version + 1].schema if version + 1 in STEPS else SCHEMA)
+
+    def put(table: str, columns: str, rows: Rows) -> None:
+        query = "SELECT CAST(name AS BLOB) FROM pragma_table_info(?) WHERE type = 'TEXT'"
+        texts = {name.decode() for (name,) in target.execute(query, (table,)).fetchall()}
+        values = ["CAST(? AS TEXT)" if name in texts else "?" for name in columns.split(", ")]
+        target.executemany(f"INSERT OR IGNORE INTO {table} ({columns}) VALUES ({', '.join(values)})", rows)
+
+    older.connection.text_factory = bytes  # damage may leave texts that are no UTF-8
+    STEPS[version].move(older, put)
+    older.connection.text_factory = str
+
+
+# from layout 3, in which trials had no calls
+
+_VALUES_3 = (
+    "environment", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "outside_box", "error",
+    "x", "metrics", "trace",
+)  # fmt: skip
+
+_SCHEMA_3 = """
+CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
+CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
+CREATE TABLE cells (
+    id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
+);
+CREATE TABLE names (
+    id INTEGER PRIMARY KEY, variables TEXT NOT NULL, metric_names TEXT NOT NULL, UNIQUE (variables, metric_names)
+);
+CREATE TABLE results (
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, digest BLOB, names INTEGER REFERENCES names,
+    environment INTEGER REFERENCES environments, seed INTEGER, status TEXT NOT NULL, fun REAL, nfev INTEGER,
+    wall_s REAL, cpu_s REAL, objective_s REAL, stop TEXT, outside_box INTEGER, error TEXT, x BLOB, metrics BLOB,
+    trace BLOB, PRIMARY KEY (cell, trial)
+) WITHOUT ROWID;
+CREATE VIEW trials AS
+    SELECT problem, optimizer, trial, environment, seed, status, fun, nfev, wall_s, cpu_s, objective_s, stop, \
+outside_box, error, variables, x, metric_names, metrics, trace
+    FROM results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names;
+PRAGMA user_version = 3
+"""
+
+
+def _from_3(older: Older, put: Put) -> None:
+    """Fill the tables of layout 4; a row that does not fit its digest gets none, and stays damaged."""
+    older.move(put, "committed", "environments", "names", "cells")
+    labels, names = older.texts("cells"), older.texts("names")
+
+    def rows() -> Iterator[tuple[Any, ...]]:
+        for noted, cell, number, trial, *values in older.results(f"digest, cell, names, trial, {', '.join(_VALUES_3)}"):
+            known = cell in labels and (number is None or number in names)
+            bound = binding(*labels[cell], *names.get(number, (None, None))) if known else b""
+            row = dict(zip(_VALUES_3, values, strict=True))
+            moved = [row.get(name) for name in VALUES]
+            sound = known and digest(bound, (trial, *values)) == noted
+            yield cell, trial, digest(bound, (trial, *moved)) if sound else None, number, *moved
+
+    put("results", f"cell, trial, digest, names, {', '.join(VALUES)}", rows())
+
+
+STEPS = {3: Step(_SCHEMA_3, _from_3)}
+"""The steps, by the layout that they read."""
