@@ -23,7 +23,6 @@ from platformdirs import user_data_dir
 from bench.errors import BenchError, nearest
 from bench.formats.importing import import_results
 from bench.formats.source import sha256_of
-from bench.helpers.atomic import replacing
 from bench.storage import provenance
 
 VARIABLE = "BENCH_ARCHIVE"
@@ -76,11 +75,8 @@ def data_sets(suite: str, source: Path | None = None) -> list[DataSet]:
         raise BenchError(f"{suite} has several objectives; bi-objective results are not supported")
     if suite not in SUITES:
         raise BenchError(f"the archive has no suite {suite!r}{nearest(suite, SUITES)}")
-    kept = data_folder() / suite / DEFINITION
-    if source is not None:
-        _copy(_definition_in(source, suite), kept)
-    elif not kept.exists():
-        _download(f"{suite}/{DEFINITION}", kept, None)
+    file = None if source is None else _definition_in(source, suite)
+    kept = _keep(f"{suite}/{DEFINITION}", None if file is None else sha256_of(file), file)
     try:
         if kept.stat().st_size > LARGEST:
             raise ValueError("it is too large")
@@ -120,14 +116,11 @@ def fetch(name: str, source: Path | None = None) -> Path:
     kept = data_folder() / chosen.suite / chosen.path
     if kept.is_file() and sha256_of(kept) == chosen.sha256:
         return kept
-    if source is None:
-        _download(f"{chosen.suite}/{chosen.path}", kept, chosen.sha256)
-        return kept
-    for file in _candidates(source, chosen):
-        if sha256_of(file) == chosen.sha256:
-            _copy(file, kept)
-            return kept
-    raise BenchError(f"{source} has no file with the SHA-256 of {chosen.name}, {chosen.sha256[:12]}…")
+    found = (file for file in _candidates(source, chosen) if sha256_of(file) == chosen.sha256) if source else ()
+    file = next(iter(found), None)
+    if source is not None and file is None:
+        raise BenchError(f"{source} has no file with the SHA-256 of {chosen.name}, {chosen.sha256[:12]}…")
+    return _keep(f"{chosen.suite}/{chosen.path}", chosen.sha256, file)
 
 
 def imported(name: str, source: Path | None = None) -> Path:
@@ -171,24 +164,18 @@ def _candidates(source: Path, chosen: DataSet) -> Iterator[Path]:
     yield from (file for file in sorted(source.rglob("*")) if file.is_file() and _stem(file.name) != file.name)
 
 
-def _copy(file: Path, kept: Path) -> None:
-    try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(kept) as temporary:
-            shutil.copyfile(file, temporary)
-    except OSError as error:
-        raise BenchError(f"{file} cannot be copied to {kept}: {error.strerror or error}") from error
-
-
-def _download(path: str, kept: Path, sha256: str | None) -> None:
-    import pooch  # slow to import, and only a download needs it
+def _keep(path: str, sha256: str | None, file: Path | None) -> Path:
+    """Return a kept file of the archive, copied from ``file`` or downloaded unless it is there with the SHA-256."""
+    import pooch  # slow to import, and only what is not kept yet needs it
 
     pooch.get_logger().setLevel("WARNING")
-    downloader = pooch.HTTPDownloader(timeout=TIMEOUT, chunk_size=2**16)
+    download = pooch.HTTPDownloader(timeout=TIMEOUT, chunk_size=2**16)
+    get = download if file is None else lambda _, output, __: shutil.copyfile(file, output)
+    checksum = None if sha256 is None else f"sha256:{sha256}"
+    kept = data_folder() / path
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
-        checksum = None if sha256 is None else f"sha256:{sha256}"
-        pooch.retrieve(BASE_URL + quote(path), checksum, fname=kept.name, path=kept.parent, downloader=downloader)
+        pooch.retrieve(BASE_URL + quote(path), checksum, fname=kept.name, path=kept.parent, downloader=get)
     except ValueError as error:
         raise BenchError(f"{BASE_URL}{path} has another SHA-256 than the archive's list; try again later") from error
     except OSError as error:  # the errors of requests are OSErrors, too
@@ -198,3 +185,4 @@ def _download(path: str, kept: Path, sha256: str | None) -> None:
         raise BenchError(
             f"{BASE_URL}{path} cannot be downloaded: {why}; give a folder that has it with --from"
         ) from error
+    return kept
