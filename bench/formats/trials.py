@@ -1,4 +1,4 @@
-"""What writers of formats share: the finished trials, cell by cell, each from evaluation 1 to its last; the READMEs."""
+"""What writers of formats share: the finished trials, each from evaluation 1 to its last; the READMEs."""
 
 from __future__ import annotations
 
@@ -40,8 +40,11 @@ class Writer:
 
 @dataclass(frozen=True)
 class ExportedTrial:
-    """One finished trial."""
+    """One finished trial, of an optimizer on a problem, both by label."""
 
+    problem: str
+    optimizer: str
+    dimension: int  # search variables
     number: int  # from 0
     seed: int | None  # None where it is unknown, as of imported trials
     nfev: int
@@ -54,46 +57,10 @@ class ExportedTrial:
         return np.union1d(self.trace.evaluations, [1, self.nfev]).astype(np.int64)
 
 
-@dataclass(frozen=True)
-class ExportedCell:
-    """The finished trials of an optimizer on a problem, both by label; there is at least one."""
+def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, list[ExportedTrial]]]:
+    """Return for each optimizer and function the beginning of its files' paths and its finished trials.
 
-    problem: str
-    optimizer: str
-    dimension: int  # search variables
-    trials: tuple[ExportedTrial, ...]  # by number
-
-
-def exported_cells(results: Results) -> list[ExportedCell]:
-    """Return the cells that have a finished trial, problem by problem in the study's order.
-
-    Raises:
-        BenchError: when no trial finished.
-    """
-    frame = results.frame
-    finished = frame[frame["status"] == "ok"]
-    if finished.empty:
-        raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
-    cells, traces = [], results.traces
-    for _, on_problem in finished.groupby("problem", sort=False):
-        names, problem = variables(on_problem), str(on_problem["problem"].iat[0])
-        for _, rows in on_problem.groupby("optimizer", sort=False):
-            optimizer = str(rows["optimizer"].iat[0])
-            points = rows[names].to_numpy(dtype=np.float64)
-            seeds = [None if pd.isna(seed) else int(seed) for seed in rows["seed"]]
-            trials = tuple(
-                ExportedTrial(number, seed, int(nfev), x, traces[problem, optimizer, number])
-                for number, seed, nfev, x in zip(rows["trial"].tolist(), seeds, rows["nfev"], points, strict=True)
-            )
-            dimension = points.shape[1] or results.dimension(problem)
-            cells.append(ExportedCell(problem, optimizer, dimension, trials))
-    return cells
-
-
-def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, str, list[ExportedCell]]]:
-    """Return for each optimizer and function the beginning of its files' paths, the optimizer and its cells.
-
-    The beginning is the folder of the suite with a slash, "" where all problems are of one. Cells are in the order of
+    The beginning is the folder of the suite with a slash, "" where all problems are of one. Trials are in the order of
     dimensions and instances.
 
     Args:
@@ -103,14 +70,23 @@ def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, 
     Raises:
         BenchError: when no trial finished.
     """
+    finished = results.frame[results.frame["status"] == "ok"]
+    if finished.empty:
+        raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
     several = len({place.folder for place in places.values()}) > 1
-    functions: dict[tuple[str, str, int], list[ExportedCell]] = {}
-    for cell in exported_cells(results):
-        place = places[cell.problem]
-        functions.setdefault((f"{place.folder}/" * several, cell.optimizer, place.function), []).append(cell)
+    functions: dict[tuple[str, str, int], list[ExportedTrial]] = {}
+    for problem, rows in finished.groupby("problem", sort=False):
+        place, points = places[str(problem)], rows[variables(rows)].to_numpy(dtype=np.float64)
+        dimension = points.shape[1] or results.dimension(str(problem))
+        columns = (rows[name].tolist() for name in ("optimizer", "trial", "seed", "nfev"))
+        for optimizer, number, seed, nfev, x in zip(*columns, points, strict=True):
+            trace = results.traces[str(problem), optimizer, number]
+            seed = None if pd.isna(seed) else int(seed)
+            trial = ExportedTrial(str(problem), optimizer, dimension, number, seed, int(nfev), x, trace)
+            functions.setdefault((f"{place.folder}/" * several, optimizer, place.function), []).append(trial)
     return [
-        (folder, optimizer, sorted(cells, key=lambda cell: (cell.dimension, places[cell.problem].instance)))
-        for (folder, optimizer, _), cells in functions.items()
+        (folder, sorted(trials, key=lambda trial: (trial.dimension, places[trial.problem].instance)))
+        for (folder, _, _), trials in functions.items()
     ]
 
 

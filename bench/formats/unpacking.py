@@ -121,15 +121,12 @@ class _Bounded(io.RawIOBase):
 
     def __init__(self, path: Path) -> None:
         self._name, self._most = path.name, max(HARMLESS, BOMB * path.stat().st_size)
-        self._file = path.open("rb")
-        self._content: Any = self._file
-        for opened in (gzip.open, bz2.open, lzma.open):
+        for opened in (gzip.open, bz2.open, lzma.open, open):
+            self._content: Any = opened(path, "rb")
             with suppress(OSError, EOFError, *_DAMAGED):
-                self._file.seek(0)
-                opened(self._file).read(1)
-                self._file.seek(0)
-                self._content = opened(self._file)
+                self._content.read(1)
                 break
+            self._content.close()
         self._content.seek(0)
 
     def read(self, size: int = -1) -> bytes:
@@ -144,7 +141,7 @@ class _Bounded(io.RawIOBase):
         return int(self._content.tell())
 
     def close(self) -> None:
-        self._file.close()
+        self._content.close()
         super().close()
 
     def _refuse_bomb(self, size: int) -> None:

@@ -30,7 +30,6 @@ from bench import analysis
 from bench.errors import BenchError
 from bench.formats.trials import (
     OTHERS,
-    ExportedCell,
     ExportedTrial,
     Writer,
     by_function,
@@ -89,14 +88,6 @@ class AssumedOptimum:
     source: str
 
 
-class Run(NamedTuple):
-    """A trial on an instance, with the f_opt of that instance."""
-
-    instance: int
-    optimum: float
-    trial: ExportedTrial
-
-
 def files(results: Results) -> Iterator[tuple[str, str]]:
     """Return the path and the text of every file, one after the other.
 
@@ -105,9 +96,9 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     """
     places, optima, names = places_in_coco(results), assumed_optima(results), optimizer_folders(results)
     return (
-        (f"{where}{names[optimizer]}/{path}", text)
-        for where, optimizer, cells in by_function(results, places)
-        for path, text in _function_files(names[optimizer], cells, places, optima)
+        (f"{where}{names[trials[0].optimizer]}/{path}", text)
+        for where, trials in by_function(results, places)
+        for path, text in _function_files(names[trials[0].optimizer], trials, places, optima)
     )
 
 
@@ -191,48 +182,44 @@ def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
 
 
 def _function_files(
-    algorithm: str, cells: list[ExportedCell], places: dict[str, Place], optima: dict[str, AssumedOptimum]
+    algorithm: str, trials: list[ExportedTrial], places: dict[str, Place], optima: dict[str, AssumedOptimum]
 ) -> Iterator[tuple[str, str]]:
     """Yield the files of an optimizer on a function: one index, and two logs for each dimension."""
-    place = places[cells[0].problem]
+    place = places[trials[0].problem]
     index, logs = [], {}
-    for dimension, group in groupby(cells, attrgetter("dimension")):
-        group_cells = list(group)
+    for dimension, group in groupby(trials, attrgetter("dimension")):
         path = f"data_f{place.function}/bbobexp_f{place.function}_DIM{dimension}"
-        logs[path] = [
-            Run(places[cell.problem].instance, optima[cell.problem].value, trial)
-            for cell in group_cells
-            for trial in cell.trials
-        ]
+        runs = logs[path] = [(trial, optima[trial.problem].value) for trial in group]
         head = (
             f"suite = '{place.suite}', funcId = {place.function}, DIM = {dimension}, Precision = {PRECISION:.3e}, "
             f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{place.suite}', data_format = 'bbob-new2'"
         )
-        comment = group_cells[0].problem if place.own else f"{STAND_IN}{group_cells[0].problem}"
-        index += [head, f"% {comment}", ", ".join([f"{path}.dat", *map(_indexed, logs[path])])]
+        comment = f"{'' if place.own else STAND_IN}{runs[0][0].problem}"
+        named = [f"{places[trial.problem].instance}:{_result(trial, optimum)}" for trial, optimum in runs]
+        index += [head, f"% {comment}", ", ".join([f"{path}.dat", *named])]
     yield f"bbobexp_f{place.function}.info", "\n".join([*index, ""])
     for path, runs in logs.items():
-        yield f"{path}.dat", _log(((run, run.trial.evaluations) for run in runs), place.g_evaluations)
-        yield f"{path}.tdat", _log(((run, _grid(run.trial.nfev)) for run in runs), place.g_evaluations)
+        yield f"{path}.dat", _log(((*run, run[0].evaluations) for run in runs), place.g_evaluations)
+        yield f"{path}.tdat", _log(((*run, _grid(run[0].nfev)) for run in runs), place.g_evaluations)
 
 
-def _indexed(run: Run) -> str:
-    """Return a run as the index names it."""
-    return f"{run.instance}:{run.trial.nfev}|{_difference(run.trial.trace.at(run.trial.nfev), run.optimum):.1e}"
+def _result(trial: ExportedTrial, optimum: float) -> str:
+    """Return the evaluations and the final value of a trial as the index has them."""
+    return f"{trial.nfev}|{_difference(trial.trace.at(trial.nfev), optimum):.1e}"
 
 
-def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], g_evaluations: int) -> str:
-    """Return the rows of each run, at the evaluations given with it, under a header.
+def _log(runs: Iterable[tuple[ExportedTrial, float, NDArray[np.int64]]], g_evaluations: int) -> str:
+    """Return the rows of each trial, with its f_opt and at the evaluations given with it, under a header.
 
     Only improvements are recorded, so the measured value is the best-so-far value; points are not recorded.
     """
     lines = []
-    for run, evaluations in runs:
-        lines.append(f"% {COLUMNS.format(f'{run.optimum:.9e}')}")
-        values = run.trial.trace.at(evaluations)
+    for trial, optimum, evaluations in runs:
+        lines.append(f"% {COLUMNS.format(f'{optimum:.9e}')}")
+        values = trial.trace.at(evaluations)
         measured = np.minimum(values, INFINITE)
         for row in zip(
-            evaluations, evaluations * g_evaluations, _difference(values, run.optimum), measured, measured, strict=True
+            evaluations, evaluations * g_evaluations, _difference(values, optimum), measured, measured, strict=True
         ):
             lines.append("{:d} {:d} {:+.9e} {:+.9e} {:+.9e}".format(*row))
     return "\n".join([*lines, ""])

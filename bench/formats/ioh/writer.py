@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 from bench.errors import BenchError
 from bench.formats.trials import (
     OTHERS,
-    ExportedCell,
     ExportedTrial,
     Writer,
     by_function,
@@ -69,9 +68,6 @@ class Place(NamedTuple):
         return OTHERS if self.optimum is None else file_name(self.suite.lower())
 
 
-Runs = list[tuple[Place, ExportedTrial]]
-
-
 def files(results: Results) -> Iterator[tuple[str, str]]:
     """Return the path and the text of every file, one after the other.
 
@@ -83,9 +79,9 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     places, folders = places_in_ioh(results), folders_of(results)
     attributes = _experiment_attributes(results.environments)
     return (
-        (f"{where}{folders[optimizer]}/{path}", text)
-        for where, optimizer, cells in by_function(results, places)
-        for path, text in _function_files(cells, places, attributes)
+        (f"{where}{folders[trials[0].optimizer]}/{path}", text)
+        for where, trials in by_function(results, places)
+        for path, text in _function_files(trials, places, attributes)
     )
 
 
@@ -116,14 +112,14 @@ def places_in_ioh(results: Results) -> dict[str, Place]:
 
 
 def _function_files(
-    cells: list[ExportedCell], places: dict[str, Place], attributes: list[dict[str, str]]
+    trials: list[ExportedTrial], places: dict[str, Place], attributes: list[dict[str, str]]
 ) -> Iterator[tuple[str, str]]:
     """Yield the files of an optimizer's runs on a function: one index, and a log for each dimension."""
-    place = places[cells[0].problem]
+    place = places[trials[0].problem]
     name = f"f{place.function}_{file_name(place.name.lower())}"
-    scenarios: dict[int, Runs] = {}
-    for cell in cells:
-        scenarios.setdefault(cell.dimension, []).extend((places[cell.problem], trial) for trial in cell.trials)
+    scenarios: dict[int, list[tuple[Place, ExportedTrial]]] = {}
+    for trial in trials:
+        scenarios.setdefault(trial.dimension, []).append((places[trial.problem], trial))
     logs = {dimension: f"data_{name}/IOHprofiler_f{place.function}_DIM{dimension}.dat" for dimension in scenarios}
     head = {
         "version": VERSION,
@@ -131,7 +127,7 @@ def _function_files(
         "function_id": place.function,
         "function_name": place.name,
         "maximization": False,
-        "algorithm": {"name": cells[0].optimizer, "info": ""},
+        "algorithm": {"name": trials[0].optimizer, "info": ""},
         "experiment_attributes": attributes,
         "run_attributes": ["trial", "seed", *([] if place.optimum is None else [F_OPT])],
         "attributes": COLUMNS,
