@@ -14,7 +14,7 @@ from contextlib import closing, contextmanager, suppress
 from itertools import islice
 from queue import Empty, SimpleQueue
 from threading import Thread
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any
 from uuid import uuid4
 
@@ -31,8 +31,6 @@ ARRIVE = 20.0  # seconds for the first worker to arrive
 RETURN = 600.0  # seconds that a cluster may be without workers before a run gives up
 DEATHS = 3  # of trials that dask gives up, without a finished one between them, before a run gives up
 QUEUED = 500  # trials submitted at least, so that workers that join later have work
-
-PAUSE = 0.02  # seconds between looks for trials that have ended
 
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
@@ -109,25 +107,25 @@ class Cluster:
 
     def _made(self, task: Task, trials: Iterator[Trial]) -> Generator[Answer]:
         """Yield answers until there are no more trials; raise the first error of a worker."""
-        from distributed import as_completed
-
         client, name, pending = self._client, uuid4().hex, dict[Any, Trial]()
-        ended = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+        ended: SimpleQueue[Any] = SimpleQueue()
         try:
             while True:
                 for trial in islice(trials, max(0, self._queued - len(pending))):
                     future = client.submit(work, name, task, trial, key=f"bench-{uuid4().hex}", pure=False)
                     pending[future] = trial
-                    ended.add(future)
+                    future.add_done_callback(ended.put)
                 if not pending:
                     return
                 self._look()
-                sleep(0.0 if ended.has_ready() else PAUSE)
-                for future, answer in ended.next_batch(block=False):
-                    error = answer if isinstance(answer, BaseException) else answer[1]  # (type, error, trace)
-                    if isinstance(error, BaseException):
-                        raise error
-                    yield pending.pop(future), *answer
+                with suppress(Empty):
+                    future = ended.get(timeout=LOOK)
+                    try:
+                        answer = future.result(timeout=LOOK)
+                    except TimeoutError:  # its worker was lost before it was fetched, so it is made again
+                        ended.put(future)
+                    else:
+                        yield pending.pop(future), *answer
         finally:
             for future in pending:
                 future.release()  # its worker then ends the trial's processes

@@ -88,7 +88,7 @@ class Job:
         self._task, study = task, task.study
         self._limits: dict[str, Any] = {"seconds": task.timeout, "memory": task.memory}  # of a trial
         self._loading = self._limits | {"seconds": LOADING}
-        warming = LOADING if task.timeout is None else max(task.timeout, WARMING)
+        warming = min(LOADING, max(task.timeout or LOADING, WARMING))
         self._warming = self._loading | {"seconds": warming, "printed": PRINTED}
         self.doing = ""  # beside the trial itself, for messages
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
