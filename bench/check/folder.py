@@ -5,11 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from bench.check import bias
@@ -18,9 +16,10 @@ from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.execution.job import sandbox
 from bench.optimizer import Optimizer
+from bench.plugins import code
 from bench.storage import provenance
 from bench.storage.folder import CHECKS, Folder
-from bench.storage.versions import checkout_states, content_hash, package_versions
+from bench.storage.versions import package_versions
 from bench.study import Entry
 
 
@@ -88,14 +87,11 @@ def diagnose_folder(
 def key(entry: Entry, optimizer: Optimizer) -> str:
     """Return a hash of all that verdicts on an optimizer depend on: its code, its parameters, and the checks' code.
 
-    The code is that of this package, of the modules that define the optimizer, and the versions of what they use.
+    The code is that of this package and what decides the optimizer's trials, with the versions of what both use.
     """
-    modules = provenance.modules([optimizer])
-    files = {name: getattr(sys.modules.get(name), "__file__", None) for name in modules}
     about: list[Any] = [
-        provenance.package(), platform.python_version(), package_versions(modules), checkout_states(modules),
-        {name: content_hash(Path(file)).hex() for name, file in files.items() if file}, optimizer.fingerprint,
-        entry.name, entry.options,
+        provenance.package(), platform.python_version(), package_versions(code.defining([optimizer])),
+        code.identity(optimizer), entry.name, entry.options,
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(about, sort_keys=True, default=str).encode()).hexdigest()[:16]
 

@@ -22,6 +22,7 @@ from bench.execution.answers import Box
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
 from bench.plugins import from_file
+from bench.plugins.code import defining
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
@@ -50,7 +51,7 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, least = study.data(_problem)
-        modules = provenance.modules([_problem(entry.label).unscored for entry in study.problems])
+        modules = defining([_problem(entry.label).unscored for entry in study.problems])
         return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -61,7 +62,7 @@ def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
     try:
         study = _study()
         hashes = study.code(labels, least)
-        modules = provenance.modules([study.optimizer(label) for label in labels])
+        modules = defining([study.optimizer(label) for label in labels])
         return {"hashes": hashes, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}

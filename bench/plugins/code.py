@@ -72,7 +72,7 @@ def identity(optimizer: Optimizer) -> Code:
     itself does not count.
     """
     names, files = set(optimizer.libraries), Code()
-    for module in defining(optimizer):
+    for module in defining([optimizer]):
         spec = getattr(sys.modules.get(module), "__spec__", None)
         if spec is not None and _is_installed(spec):
             names |= set(distributions(module))
@@ -86,16 +86,16 @@ def differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
     return [name for name in {**before, **now} if before.get(name) != now.get(name)]
 
 
-def versions(distributions: Iterable[str]) -> Code:
+def versions(names: Iterable[str]) -> Code:
     """Return the versions of those distributions that are installed, by name."""
     found = Code()
-    for name in sorted(distributions):
+    for name in sorted(names):
         with suppress(PackageNotFoundError, ValueError):  # ValueError: an empty name
             found[name] = version(name)
     return found
 
 
-def defining(*plugins: object) -> list[str]:
+def defining(plugins: Iterable[object]) -> list[str]:
     """Return the names of the modules that define the plug-ins' classes and the functions they hold."""
     names: set[str] = set()
     for plugin in plugins:

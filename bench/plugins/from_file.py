@@ -68,7 +68,7 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
 def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that file: an instance, or what a class or a function makes of these options.
 
-    Unless the problem has a fingerprint of its own, it is that of the file and the modules that it imports.
+    Its fingerprint is a hash of the file, of the modules that it imports and of the problem's own fingerprint.
 
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
@@ -88,9 +88,9 @@ def load_problem(name: str, /, **options: Any) -> Problem:
             raise BenchError(f"{name!r} cannot be made: {type(error).__name__}: {error}") from error
     if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
-    if not problem.fingerprint():
-        digest = _digest(json.dumps(code.hashes(found)).encode())
-        object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
+    own = type(problem).fingerprint(problem)  # one that stands in the file may be loaded once more
+    digest = _digest(json.dumps([code.hashes(found), own]).encode())
+    object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
     return problem
 
 

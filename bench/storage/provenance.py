@@ -12,7 +12,7 @@ import platform
 import shlex
 import socket
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
@@ -36,7 +36,7 @@ CONTAINER_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 
 
 def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the record of this process, its machine and the :func:`modules` of the plug-ins in use."""
+    """Return the record of this process, its machine and the modules that define the plug-ins in use."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
         "packages": package_versions(plugins),
@@ -98,17 +98,6 @@ def command() -> str:
     program = Path(sys.argv[0])
     words = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
     return printable(shlex.join([*words, *sys.argv[1:]]), LONGEST)
-
-
-def modules(plugins: Iterable[object]) -> list[str]:
-    """Return the names of the modules that define the plug-ins' classes and the functions they hold."""
-    names: set[str] = set()
-    for plugin in plugins:
-        kind = type(plugin)
-        held = [*vars(kind).values(), *getattr(plugin, "__dict__", {}).values()]
-        owners = [*kind.__mro__, *(value for value in held if callable(value) and not isinstance(value, type))]
-        names |= {name for owner in owners if isinstance(name := getattr(owner, "__module__", None), str)}
-    return sorted(name for name in names if name.partition(".")[0] not in {"bench", *sys.stdlib_module_names})
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

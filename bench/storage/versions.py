@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
 from importlib.machinery import all_suffixes
-from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, packages_distributions
+from importlib.metadata import EntryPoint, PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from typing import Any
 from bench.errors import BenchError
 from bench.helpers.text import printable, unique
 from bench.plugins import registry
+from bench.plugins.code import distributions, is_installed
 
 PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")
 """Distributions whose versions are always noted."""
@@ -32,7 +33,7 @@ def package_versions(modules: Iterable[str]) -> dict[str, str]:
     """Return the versions of the installed ``PACKAGES``, of the modules' distributions and of their requirements."""
     names = list(PACKAGES)
     for module in modules:
-        names += [needed for name in _distributions(module) for needed in (name, *_requirements(name, _extras(module)))]
+        names += [needed for name in distributions(module) for needed in (name, *_requirements(name, _extras(module)))]
     versions = {}
     for name in names:
         with suppress(PackageNotFoundError):
@@ -52,7 +53,7 @@ def checkout_states(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
     homes: dict[Path, str] = {}
     for module in modules:
         if (file := _module_file(module)) and (home := _home(file)) and home != _home(_SELF):
-            homes.setdefault(home, next(iter(_distributions(module)), printable(home.name, 255)))
+            homes.setdefault(home, next(iter(distributions(module)), printable(home.name, 255)))
     states = zip(unique(homes.values()), map(_state, homes), strict=True)
     return {name: state for name, state in states if state}
 
@@ -71,15 +72,6 @@ def _plugins() -> Iterator[tuple[str, EntryPoint]]:
     """Yield group and entry point of every optimizer and problem."""
     for group in ("optimizers", "problems"):
         yield from ((group, entry) for entry in registry.entries(group).values())
-
-
-def _distributions(module: str) -> list[str]:
-    """Return the names of the distributions that a module belongs to, none for a file that is not installed."""
-    top = module.partition(".")[0]
-    distributions = {entry.dist.name for _, entry in _plugins() if entry.dist and entry.module.partition(".")[0] == top}
-    if not distributions and (file := _module_file(module)) and _is_installed(file):
-        distributions = {*packages_distributions().get(top, ())}
-    return sorted(distributions)
 
 
 def _extras(module: str) -> set[str]:
@@ -110,18 +102,13 @@ def _module_file(module: str) -> Path | None:
     return None
 
 
-def _is_installed(file: Path) -> bool:
-    """Return whether a file is part of an installed package, which is no part of a checkout around it."""
-    return not {"site-packages", "dist-packages"}.isdisjoint(file.parts)
-
-
 # checkouts
 
 
 def _home(file: Path) -> Path | None:
     """Return the folder of the checkout that a file is part of."""
     with suppress(OSError):
-        if not _is_installed(file):
+        if not is_installed(file):
             return next((up for up in file.parents if (up / ".git").exists()), None)
     return None
 

@@ -85,7 +85,9 @@ def test_a_changed_optimizer_alone_is_diagnosed_again(made, asked, tmp_path, mon
     folder = made({"name": "one.py:one"}, {"name": "two.py:two"})
     assert not any(each.kept for each in diagnose_folder(folder, n_jobs=1))
     assert all(each.kept for each in diagnose_folder(folder, n_jobs=1))
-    files[1].write_text(code.format("two") + "# changed\n")
+    files[1].write_text(code.format("two") + "# not changed\n")
+    assert all(each.kept for each in diagnose_folder(folder, n_jobs=1))
+    files[1].write_text(code.format("two") + "CHANGED = 1\n")
     assert [(each.label, each.kept) for each in diagnose_folder(folder, n_jobs=1)] == [("one", True), ("two", False)]
 
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import pytest
 
-from bench import Optimizer, load_optimizer
+from bench import Optimizer, load_optimizer, load_problem
 from bench.plugins import code
 
 
@@ -144,6 +144,11 @@ def test_every_wrapper_declares_its_libraries(name, libraries):
     found = code.identity(load_optimizer(name))
     assert [each for each in found if not each.endswith(".py")] == libraries
     assert all(found[library] == version(library) for library in libraries)
+
+
+def test_modules_that_define_a_plugin_are_those_of_plugins_alone():
+    assert code.defining([load_optimizer("hill-climber"), load_problem("sphere-2")]) == ["testing_plugins"]
+    assert "optimizers.mealpy" in code.defining([load_optimizer("mealpy:OriginalGWO")])
 
 
 @dataclass(frozen=True)

@@ -152,8 +152,10 @@ def test_a_folder_does_not_mix_two_versions_of_a_file(mine, monkeypatch):
     run(study, "out", n_jobs=1)
     run(study.override(trials=3), "out", n_jobs=1)
     mine.write_text(CODE + "\n# edited")
-    with pytest.raises(BenchError, match="the code of optimizer 'Mine' changed since out was begun"):
-        run(study.override(trials=4), "out", n_jobs=1)
+    run(study.override(trials=4), "out", n_jobs=1)
+    (mine.parent / "spreads.py").write_text("SPREAD = 0.2")
+    with pytest.raises(BenchError, match=r"the code of optimizer 'Mine' changed since out was begun \(spreads.py\)"):
+        run(study.override(trials=5), "out", n_jobs=1)
 
 
 def test_the_command_line_checks_and_solves_with_a_file(mine):
@@ -208,6 +210,19 @@ def test_a_problem_of_a_file_takes_options_and_its_data_are_the_file(tmp_path):
     assert problem.fingerprint() == load_problem(f"{path}:Bowl").fingerprint() != ""
     path.write_text(PROBLEM.replace("3.0", "5.0"), encoding="utf-8")
     assert load_problem(f"{path}:Bowl").fingerprint() != problem.fingerprint()
+
+
+def test_the_fingerprint_of_a_problem_covers_its_own_and_the_modules_that_its_file_imports(tmp_path):
+    own = "    def fingerprint(self):\n        return {!r}\nstanding = Bowl()\n"
+    path, helper = tmp_path / "mine.py", tmp_path / "helper_of_bowl.py"
+    found = []
+    for data, height in (("one", "1"), ("one", "1  # m"), ("two", "1"), ("two", "2")):
+        path.write_text(f"import helper_of_bowl\n{PROBLEM}{own.format(data)}", encoding="utf-8")
+        helper.write_text(f"HEIGHT = {height}")
+        found.append({load_problem(f"{path}:standing").fingerprint() for _ in range(2)})
+    assert [len(each) for each in found] == [1, 1, 1, 1]
+    assert found[0] == found[1]
+    assert len(set.union(*found)) == 3
 
 
 def test_a_study_runs_on_a_problem_of_a_file(tmp_path):

@@ -13,8 +13,9 @@ from types import SimpleNamespace
 import pytest
 
 from bench import load_optimizer, load_problem
+from bench.plugins.code import defining
 from bench.storage import provenance, versions
-from bench.storage.provenance import differences, machine, modules, run
+from bench.storage.provenance import differences, machine, run
 from bench.study import Fingerprints
 
 RECORD = {
@@ -45,14 +46,10 @@ class TestMachine:
 
     def test_the_distributions_of_the_plugins_in_use_are_recorded_with_the_library_of_a_family(self):
         pytest.importorskip("mealpy")
-        plain = machine(modules([load_optimizer("gwo")]))["packages"]
+        plain = machine(defining([load_optimizer("gwo")]))["packages"]
         assert plain.keys() == machine()["packages"].keys()
-        used = modules([load_optimizer("hill-climber"), load_optimizer("mealpy:OriginalGWO"), load_problem("sphere-2")])
-        assert machine(used)["packages"] == plain | {"testing-plugins": "1.0", "mealpy": version("mealpy")}
-
-    def test_modules_are_those_of_the_plugins_alone(self):
-        assert modules([load_optimizer("hill-climber"), load_problem("sphere-2")]) == ["testing_plugins"]
-        assert "optimizers.mealpy" in modules([load_optimizer("mealpy:OriginalGWO")])
+        used = [load_optimizer("hill-climber"), load_optimizer("mealpy:OriginalGWO"), load_problem("sphere-2")]
+        assert machine(defining(used))["packages"] == plain | {"testing-plugins": "1.0", "mealpy": version("mealpy")}
 
     def test_a_module_that_is_not_there_costs_nothing(self):
         assert machine(["no_such_module", "no_such.module", ""]) == machine()
@@ -87,7 +84,7 @@ def git(tmp_path, monkeypatch):
     def state():
         versions._state.cache_clear()
         plugin = load_optimizer(f"{repo / 'inner' / 'mine.py'}:mine")
-        return machine(modules([plugin]))["checkouts"].get("repo")
+        return machine(defining([plugin]))["checkouts"].get("repo")
 
     yield SimpleNamespace(ask=ask, repo=repo, state=state)
     versions._state.cache_clear()
@@ -134,7 +131,7 @@ class TestCheckouts:
         before = git.state()
         (git.repo / "new.py").write_text("")
         plugin = load_optimizer(f"{git.repo / 'inner' / 'mine.py'}:mine")
-        assert machine(modules([plugin]))["checkouts"]["repo"] == before
+        assert machine(defining([plugin]))["checkouts"]["repo"] == before
 
     def test_the_variables_of_a_git_hook_do_not_mislead(self, git, monkeypatch):
         before = git.state()
@@ -153,7 +150,7 @@ class TestCheckouts:
         site = git.repo / ".venv" / "site-packages"
         site.mkdir(parents=True)
         (site / "mine.py").write_text(OPTIMIZER)
-        assert machine(modules([load_optimizer(f"{site / 'mine.py'}:mine")]))["checkouts"] == {}
+        assert machine(defining([load_optimizer(f"{site / 'mine.py'}:mine")]))["checkouts"] == {}
 
 
 class TestRun:
