@@ -180,10 +180,8 @@ class Job:
                 kept = server.finish(seconds=LOADING + BATCHES * took, memory=self._task.memory)
             if isinstance(kept, dict) and "error" in kept:
                 return kept
-            if lost:
-                return {
-                    "error": answers.error(answer).removeprefix(PROBLEM_FAILED)
-                }  # its problem denies that it has failed
+            if lost:  # its problem denies that it has failed
+                return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
             if isinstance(kept, dict):
                 kept["cpu_s"] = answer.get("cpu_s")
                 if kept.get("stop") != "budget":
