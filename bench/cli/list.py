@@ -18,7 +18,8 @@ from bench.cli.console import table
 from bench.errors import BenchError, nearest
 from bench.plugins import registry
 
-Row = tuple[str, str, str]  # a name, what it is, and the style of that
+Entry = dict[str, Any]
+"""A plug-in as JSON has it: its name, and what it is (``about`` or ``title``) or the ``error`` that it raised."""
 
 KINDS = ("optimizers", "problems", "studies", "commands")
 GROUPED = ("optimizers", "problems")
@@ -77,29 +78,28 @@ def command(
     if as_json:
         print(json.dumps(records(kind, family) if matching is None else matching, indent=1, default=str))
     elif matching is not None:
-        rows = [(*_words(record), "red" if "error" in record else "") for record in matching]
-        _print(f"with {search!r}", rows, True, Console())
+        _print(f"with {search!r}", matching, True, Console())
     else:
         show(kind, family, full, Console())
 
 
-def _matching(text: str, kind: str, family: str) -> list[dict[str, Any]]:
+def _matching(text: str, kind: str, family: str) -> list[Entry]:
     """Return the records that have a text; raises BenchError where none has."""
     suites = [family] if family else list(registry.entries("problems"))
-    searched: list[dict[str, Any]] = []
-    for group in KINDS if kind == "all" else (kind,):
-        for part in suites if group == "problems" else [family]:
-            searched += records(group, part)
-    matching = [record for record in searched if text.lower() in " ".join(_words(record)).lower()]
+    matching = [
+        record
+        for group in (KINDS if kind == "all" else (kind,))
+        for part in (suites if group == "problems" else [family])
+        for record in records(group, part)
+        if text.lower() in f"{record['name']} {_words(record)}".lower()
+    ]
     if not matching:
         raise BenchError(f"no plug-in has {text!r} in its name or description")
     return matching
 
 
-def _words(record: dict[str, Any]) -> tuple[str, str]:
-    """Return the name of a record and what it says."""
-    text = record.get("error") or record.get("title") or record.get("about", "").partition("\n")[0]
-    return record["name"], text
+def _words(entry: Entry) -> str:
+    return str(entry.get("error") or entry.get("title") or entry.get("about", ""))
 
 
 def _chosen(kind: str, family: str) -> tuple[str, str]:
@@ -130,9 +130,9 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
             Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
         )
     elif family and registry.is_family(plugin := registry.load(kind, family)):
-        rows = [(name, *_describe(_optimizer, name)) for name in plugin.names()]
-        if rows:
-            _print(kind, _shared_lines_first(rows, f"all of {family}") if full else rows, full, console)
+        entries = [{"name": name} | _tried(_optimizer, name) for name in plugin.names()]
+        if entries:
+            _print(kind, _shared_lines_first(entries, f"all of {family}") if full else entries, full, console)
             return
         about = inspect.getdoc(plugin) or f"{family} has no list of its members"
         for paragraph in about.replace("``", "").split("\n\n"):
@@ -140,16 +140,16 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
     else:
         full = full or bool(family)
         names = [family] if family else sorted(registry.entries(kind))
-        _print(kind, [(name, *_describe(_about, kind, name, full)) for name in names], full, console)
+        _print(kind, [{"name": name} | _tried(_about, kind, name, full) for name in names], full, console)
 
 
-def _print(title: str, rows: list[Row], full: bool, console: Console) -> None:
+def _print(title: str, entries: Iterable[Entry], full: bool, console: Console) -> None:
     """Print a table of names and what they are, in one line each unless ``full``."""
-    cells = [
-        (Text(name, no_wrap=True), Text(about if full else about.partition("\n")[0], style))
-        for name, about, style in rows
-    ]
-    console.print(table(("name", "what it is"), cells, title=title), "")
+    rows = []
+    for entry in entries:
+        about = _words(entry) if full else _words(entry).partition("\n")[0]
+        rows.append((Text(entry["name"], no_wrap=True), Text(about, "red" if "error" in entry else "")))
+    console.print(table(("name", "what it is"), rows, title=title), "")
 
 
 def _print_suite(family: str, console: Console) -> None:
@@ -173,7 +173,7 @@ def _print_suite(family: str, console: Console) -> None:
         console.print(Text(str(error), style="red"))
 
 
-def records(kind: str, family: str = "") -> list[dict[str, Any]]:
+def records(kind: str, family: str = "") -> list[Entry]:
     """Return the records of the plug-ins of one kind, or of one family of it, as JSON values.
 
     An optimizer's record is a :class:`bench.plugins.catalogue.Record`, and a family has one record a member; any other
@@ -185,14 +185,12 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
 
     if family and kind == "problems":
         return _problem_records(family)
-    entries: list[dict[str, Any]] = []
     if kind in KINDS and kind != "optimizers":
-        for name in sorted(registry.entries(kind)):
-            about, style = _describe(_about, kind, name, False)
-            entries.append(
-                {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
-            )
-        return entries
+        return [
+            {"name": name, "package": registry.package(kind, name)} | _tried(_about, kind, name, False)
+            for name in sorted(registry.entries(kind))
+        ]
+    entries: list[Entry] = []
     for name in [family] if family else registry.entries("optimizers"):
         try:
             plugin = registry.load("optimizers", name)
@@ -201,10 +199,8 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
             entries += [{"name": member, "error": str(error)} for member in _known_members(name)]
             continue
         for member in names:
-            try:
-                entries.append(dataclasses.asdict(catalogue.record(member)))
-            except Exception as error:
-                entries.append({"name": member, "error": str(error)})
+            found = _tried(catalogue.record, member)
+            entries.append({"name": member} | (found if "error" in found else dataclasses.asdict(found["about"])))
     return entries
 
 
@@ -215,7 +211,7 @@ def _known_members(family: str) -> list[str]:
     return [family]
 
 
-def _problem_records(family: str) -> list[dict[str, Any]]:
+def _problem_records(family: str) -> list[Entry]:
     grid = registry.grid(family)
     if grid is None:
         return [{"name": name} for name in registry.load("problems", family).names() or [f"{family}:<name>"]]
@@ -228,26 +224,24 @@ def _problem_records(family: str) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _shared_lines_first(rows: list[Row], name: str) -> list[Row]:
-    """Move the lines that all rows share into a first row, called ``name``."""
-    texts = [about.splitlines() for _, about, _ in rows]
+def _shared_lines_first(entries: list[Entry], name: str) -> list[Entry]:
+    """Move the lines that all entries share into a first one, called ``name``."""
+    texts = [_words(entry).splitlines() for entry in entries]
     shared = [line for line in texts[0] if all(line in text for text in texts)]
-    if len(rows) == 1 or not shared:
-        return rows
-    members = []
-    for member, about, style in rows:
-        members.append((member, "\n".join(line for line in about.splitlines() if line not in shared), style))
-    return [(name, "\n".join(shared), ""), *members]
+    if len(entries) == 1 or not shared:
+        return entries
+    own = ("\n".join(line for line in text if line not in shared) for text in texts)
+    return [{"name": name, "about": "\n".join(shared)}] + [
+        entry | {"error" if "error" in entry else "about": text} for entry, text in zip(entries, own, strict=True)
+    ]
 
 
-def _describe(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
-    """Return a description or the error that it raised, and the style to print it in."""
+def _tried(describe: Callable[..., Any], *arguments: Any) -> Entry:
+    """Return what a function says of a plug-in, or the error that it raised."""
     try:
-        return describe(*arguments), ""
-    except BenchError as error:
-        return str(error), "red"
+        return {"about": describe(*arguments)}
     except Exception as error:  # a plug-in may raise anything
-        return f"failed to load: {error}", "red"
+        return {"error": str(error) if isinstance(error, BenchError) else f"failed to load: {error}"}
 
 
 def _about(kind: str, name: str, members: bool) -> str:
