@@ -44,7 +44,7 @@ eighths of the budget of log10 of the best value so far; and the final best valu
 evaluations has G of them in ``start`` and the 2 G after these in ``next``."""
 
 
-SIZES = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "seconds": 1}
+SIZES = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "cpu_s": 1}
 """The numbers of a run's record, by name."""
 
 
@@ -175,7 +175,7 @@ def _collect(
         evaluations=float(np.median(numbers["evaluations"])),
         repeatable=repeatable,
         dead={name: values for name, values in tried.items() if values and repeatable},
-        microseconds=float(np.median(1e6 * numbers["seconds"] / numbers["evaluations"])),
+        microseconds=float(np.median(1e6 * numbers["cpu_s"] / numbers["evaluations"])),
     )
 
 
@@ -291,5 +291,5 @@ def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
         "clamped": float(on_bound(problem.share(result.x)).mean()),
         "evaluations": len(points),
         "points": hashlib.sha256(points.tobytes()).hexdigest(),
-        "seconds": result.cpu_s,
+        "cpu_s": result.cpu_s,
     }

@@ -99,7 +99,8 @@ def current(
         with closing(sqlite3.connect("")) as copy:  # a file that SQLite removes
             with copy:
                 _take(Older(connection, rescue=rescue), int(layout(connection) or 0), copy)
-            _migrated(copy)
+            if layout(copy) in STEPS:
+                _migrated(copy)
             yield copy
 
 
@@ -133,6 +134,8 @@ def _migrated(connection: sqlite3.Connection) -> bool:
                     connection.execute(f"DROP TABLE old_{table}")
     except sqlite3.OperationalError:  # on a disk that is full or cannot be written
         return False
+    with suppress(sqlite3.OperationalError):
+        connection.execute("VACUUM")  # else the older tables' space stays in the file
     return True
 
 

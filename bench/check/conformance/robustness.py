@@ -45,10 +45,10 @@ def check_box(subject: Subject) -> str:
     """No point lies outside the box, even where the box is uneven and narrow and its optimum in a corner."""
     problem, optimizer = problems.corner(), subject.fresh()
     run = subject.run(problem, optimizer=optimizer, budget=4 * ordinary_budget(optimizer))
-    if run.outside:
+    if run.outside_box:
         inside = ((run.points >= problem.lower) & (run.points <= problem.upper)).all(axis=1)
         raise ViolationError(
-            f"{run.outside} of {len(run.points)} points lie outside the box, such as "
+            f"{run.outside_box} of {len(run.points)} points lie outside the box, such as "
             f"{run.points[~inside][0].tolist()} in the box from {problem.lower.tolist()} to {problem.upper.tolist()}; "
             f"each costs an evaluation and is worth +inf",
             GUARD if not np.isfinite(run.points).all() else CLIP,

@@ -293,8 +293,8 @@ class _Explored:
             "seed": ["" if pd.isna(seed) else str(seed) for seed in kept["seed"]],
             "fun": [short(value) if fine else None for value, fine in zip(kept["fun"], ok, strict=True)],
             "nfev": packed([short(number) for number in kept["nfev"]]),
-            "wall": packed([short(seconds, 3) for seconds in kept["wall_s"]]),
-            "objective": packed([short(seconds, 3) for seconds in kept["objective_s"]]),
+            "wall_s": packed([short(seconds, 3) for seconds in kept["wall_s"]]),
+            "objective_s": packed([short(seconds, 3) for seconds in kept["objective_s"]]),
             "stop": packed([self.text(reason) for reason in kept["stop"]]),
             "curve": coded(distances[: len(shown)]),
         }

@@ -114,7 +114,7 @@ def test_other_values_of_parameters_are_those_it_accepts():
     assert found == {"kind": ["a", "c"], "flag": [False], "size": [3, 5], "share": [1.0, 0.25, 0]}
 
 
-@pytest.mark.parametrize("change", [{"measures": [1.0]}, {"behaviour": None}, {"clamped": "much"}, {"seconds": [1, 2]}])
+@pytest.mark.parametrize("change", [{"measures": [1.0]}, {"behaviour": None}, {"clamped": "much"}, {"cpu_s": [1, 2]}])
 def test_an_answer_that_is_no_record_of_a_run_is_refused(swarm, change):
     record = run(f"{swarm}:Swarm", {}, Task(PROBLEMS[0], 60, 3, 5))
     assert _checked(record)["measures"].shape == (len(MEASURES),)

@@ -37,7 +37,7 @@ const describe = (p, o, k) => {
     ],
     ["evaluations", `${text(one(cell.nfev, k))} of ${text(problem.budget)}`],
     ["stopped by", data.texts[one(cell.stop, k)] || "–"],
-    ["time", `${text(one(cell.wall, k))} s, ${text(one(cell.objective, k))} s of it in the objective`],
+    ["time", `${text(one(cell.wall_s, k))} s, ${text(one(cell.objective_s, k))} s of it in the objective`],
     ["best point", listed(named(problem.variables, cell.x))],
     ["metrics", listed(named(problem.metrics, cell.metrics))],
     ["failure", reason === null || reason === undefined ? "" : data.texts[reason]],
