@@ -102,11 +102,11 @@ COLUMNS = (
 PRECISION = Column("precision", float, "`fun` less the known optimum, after `fun`, of problems of suites", stored=False)
 
 FEATURES = tuple(
-    Column(name, kind, f"{meaning}, as far as the problem says so where the frame is read", stored=False)
+    Column(name, kind, f"{meaning}, as far as it says so", stored=False)
     for name, kind, meaning in (
-        ("suite", str, "suite of the problem"), ("function", str, "function of the suite"),
-        ("dimension", int, "number of search variables"), ("instance", int, "instance of the function"),
-        ("group", str, "group of functions"),
+        ("suite", str, "suite of the problem"), ("function", str, "function of the problem"),
+        ("dimension", int, "search variables of the problem"), ("instance", int, "instance of the problem"),
+        ("group", str, "group of the problem"),
     )
 )  # fmt: skip
 """The columns of a frame that say of which kind a problem is."""
