@@ -50,7 +50,7 @@ def test_what_a_run_does_is_recorded(optimizer, attribute, value):
 
 
 def test_points_outside_the_box_are_counted():
-    assert record(faulty.Escaping(), budget=400).outside > 0
+    assert record(faulty.Escaping(), budget=400).outside_box > 0
 
 
 def test_a_run_without_an_evaluation_has_no_points():
