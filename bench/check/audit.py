@@ -70,7 +70,8 @@ def audit(
             that cannot be.
     """
     bubblewrap.find()
-    began, files = perf_counter(), from_file.contents([optimizer])
+    began = perf_counter()
+    files = from_file.contents(filter(from_file.split, [optimizer]))
     record: dict[str, Any] = {
         "audit": LAYOUT, "optimizer": optimizer, "options": options, "seed": seed, "accepted": False, "reasons": [],
         "sha256": next((sha256(file.content).hexdigest() for found in files.values() for file in found.values()), None),

@@ -31,6 +31,7 @@ from bench.execution.answers import Box, RefusedError
 from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
 from bench.plugins import from_file, loading, registry
+from bench.plugins.files import Files
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
@@ -58,7 +59,7 @@ class Task:
     untrusted: bool = False  # whether they are, all processes run in a sandbox, and trials have limits by default
     kept: int = KEPT  # warmed-up optimizers of a job at most
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
-    files: from_file.Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
+    files: Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
     data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
 
     @classmethod
@@ -271,4 +272,5 @@ def _files(names: Iterable[str]) -> Iterator[Path]:
         if path.is_file():
             yield path.absolute()
             yield from path.absolute().parent.glob("*.py")
-            yield from (file.path for found in from_file.contents([name]).values() for file in found.values())
+            read = from_file.contents([name] if named else []).values()
+            yield from (module.path for found in read for module in found.values())

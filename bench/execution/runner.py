@@ -21,7 +21,8 @@ from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Checked, check
 from bench.numbers import require_jobs, require_positive
-from bench.plugins import from_file, loading
+from bench.plugins import loading
+from bench.plugins.files import changed
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path
@@ -153,7 +154,7 @@ def run(
         with interrupts.allowed():
             different = repetition.make(folder, make) if verify else []
         failed = sum(cell.failed for cell in folder.store.cells())
-        edited = from_file.changed(task.files)
+        edited = changed(task.files)
         return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited)
 
 

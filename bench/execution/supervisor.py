@@ -126,7 +126,8 @@ def _checked(first: ForkServer, task: Task) -> Checked:
 
     for entry in study.with_controls:
         if from_file.split(entry.name):  # whose own process names packages alone
-            code[entry.label] = versions(code[entry.label]) | from_file.fingerprint(entry.name, task.files)
+            code[entry.label] = versions(code[entry.label])
+        code[entry.label] |= from_file.fingerprint(entry.name, task.files)
     fingerprints = Fingerprints(data, code)
     return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data))
 

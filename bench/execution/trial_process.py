@@ -21,8 +21,8 @@ from bench.execution import apart
 from bench.execution.answers import Box
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
-from bench.plugins import from_file
 from bench.plugins.code import defining
+from bench.plugins.files import Files, take
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
@@ -34,11 +34,11 @@ from bench.trial import Result, Trial, doubt, measured, numbers, result, search
 from bench.typing import Floats
 
 
-def begin(study: Study, files: from_file.Files, data: dict[str, str]) -> None:
+def begin(study: Study, files: Files, data: dict[str, str]) -> None:
     """Set the study of all other calls in this process and its copies, its plug-ins' files and its data's hashes."""
     global _begun
     _begun = study
-    from_file.take(files)
+    take(files)
     _data.update(data)
 
 

@@ -59,6 +59,14 @@ def modules(file: Path, content: bytes, read: Callable[[Path], bytes] = Path.rea
     return found
 
 
+def linked(module: str, read: Callable[[Path], bytes] = Path.read_bytes) -> dict[str, Module]:
+    """Return the files of a module and of all that it imports, by name, without what is installed other than by a link.
+
+    ``read`` is as for :func:`modules`.
+    """
+    return _trace([module], _places(), read)
+
+
 def hashes(found: Mapping[str, Module]) -> Code:
     """Return the hash of every file, by name: of its syntax tree, and of its bytes where it is no valid Python."""
     return {name: module.facts.digest for name, module in found.items()}
@@ -214,7 +222,7 @@ def is_installed(file: Path) -> bool:
 
 @cache  # as the module was loaded once
 def _hashes_of_module(name: str) -> Code:
-    return hashes(_trace([name], _places(), Path.read_bytes))
+    return hashes(linked(name))
 
 
 @cache

@@ -7,14 +7,12 @@ import hashlib
 import inspect
 import json
 import sys
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache, partial
-from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import ModuleType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,12 +22,10 @@ from bench.families import derive
 from bench.helpers.text import listed
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
-from bench.plugins import code
+from bench.plugins import code, registry
 from bench.plugins.code import Module
+from bench.plugins.files import ContentLoader, Files, taken
 from bench.problem import Problem
-
-Files = dict[Path, dict[str, Module]]
-"""The files of plug-ins by the path under which a study names them: each, and those of the modules that it imports."""
 
 
 def split(name: str) -> tuple[Path, str] | None:
@@ -95,44 +91,52 @@ def load_problem(name: str, /, **options: Any) -> Problem:
 
 
 def contents(optimizers: Iterable[str], problems: Iterable[str] = ()) -> Files:
-    """Return the files of such names, each read once; raises BenchError where one that a name names cannot be read."""
-    read: dict[Path, bytes] = {}
+    """Return the files of such names with all that they import, and those of optimizers that are installed as a link.
 
-    def once(path: Path) -> bytes:
-        place = path.resolve()
-        if place not in read:
-            read[place] = path.read_bytes()
-        return read[place]
+    Each file is read once, and nothing of it is run.
 
-    kinds = dict.fromkeys(optimizers, "optimizer") | dict.fromkeys(problems, "problem")
-    return {parts[0]: _modules(parts[0], kind, once) for name, kind in kinds.items() if (parts := split(name))}
+    Raises:
+        BenchError: for a file that cannot be read, and where a problem's file and another one import different modules
+            of one name, of which a process can load one alone.
+    """
+    once = cache(Path.read_bytes)
+
+    def read(path: Path) -> bytes:
+        return once(path.resolve())
+
+    files: Files = {}
+    for name, kind in (dict.fromkeys(optimizers, "optimizer") | dict.fromkeys(problems, "problem")).items():
+        if parts := split(name):
+            files[_key(name)] = _modules(parts[0], kind, read)
+        elif kind == "optimizer" and (module := _key(name)):
+            files |= {module: linked} if (linked := code.linked(module, read)) else {}
+    for name in filter(split, problems):  # whose files are loaded in the processes of all optimizers, too
+        _refuse_namesakes(_key(name), files)
+    return files
 
 
-def take(files: Files) -> None:
-    """Have this process load these files with this content, whatever stands on its disk by then."""
-    _taken.update(files)
-    for module in (module for found in files.values() for module in found.values()):
-        if module.path.suffix == ".py":
-            _finder.take(module)
-    if _finder not in sys.meta_path:
-        sys.meta_path.insert(0, _finder)
-
-
-def changed(files: Files) -> list[str]:
-    """Return the paths of files whose content on the disk is another one, or that are no longer there."""
-    different = {}
-    for named, found in files.items():
-        for place, (path, content) in enumerate(found.values()):
-            with suppress(OSError):
-                if path.read_bytes() == content:
-                    continue
-            different[path] = str(path if place else named)  # the first is the named one
-    return list(different.values())
+def _refuse_namesakes(problem: str, files: Files) -> None:
+    imported = [*files[problem].items()][1:]
+    for other, found in files.items():
+        for shown, module in imported:
+            if shown in [*found][1:] and found[shown].path != module.path:
+                raise BenchError(
+                    f"{problem} imports {module.path} and {other} imports {found[shown].path}, but a process loads one "
+                    "module of a name alone; rename one of them"
+                )
 
 
 def fingerprint(name: str, files: Files) -> code.Code:
-    """Return the hashes of the file of such a name and of the modules that it imports; none of it is run."""
-    return code.hashes(files[Path(name.rpartition(":")[0])])
+    """Return the hashes of the files that :func:`contents` has read for such a name; none for an installed one."""
+    return code.hashes(files.get(_key(name), {}))
+
+
+def _key(name: str) -> str:
+    """Return the path of the file that a name names, or the module of an installed optimizer; "" for neither."""
+    if parts := split(name):
+        return str(parts[0])
+    entry = registry.entry("optimizers", name)
+    return entry.module if entry else ""
 
 
 def _digest(content: bytes) -> str:
@@ -148,10 +152,7 @@ def _content(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_by
 
 def _modules(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> dict[str, Module]:
     """Return the modules of a plug-in's file, which is the first of them."""
-    return _taken[path] if path in _taken else code.modules(path, _content(path, kind, read), read)
-
-
-_taken: Files = {}
+    return taken.get(str(path)) or code.modules(path, _content(path, kind, read), read)
 
 
 @cache
@@ -171,55 +172,12 @@ def _optimizer(name: str, attribute: str, found: tuple[tuple[str, Module], ...])
     raise BenchError(f"{file.path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
 
 
-class _ContentLoader(SourceFileLoader):
-    """Compiles a file's content as it was read: the file may have changed since, and cached bytecode before."""
-
-    def __init__(self, name: str, path: str, content: bytes) -> None:
-        super().__init__(name, path)
-        self._content = content
-
-    def get_data(self, path: str) -> bytes:
-        return self._content if path == self.path else super().get_data(path)
-
-    def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - a loader's signature
-        return self.source_to_code(self._content, self.path)
-
-
-class _TakenFinder:
-    """Finds modules that plug-ins' files import where Python would, with the content that was taken.
-
-    It finds those whose file is gone by now, too.
-    """
-
-    def __init__(self) -> None:
-        self._contents: dict[str, dict[Path, bytes]] = {}  # by the last part of the module's name
-
-    def take(self, module: Module) -> None:
-        path, content = module
-        name = path.parent.name if path.stem == "__init__" else path.stem
-        self._contents.setdefault(name, {})[path] = content
-
-    def find_spec(self, name: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:  # noqa: ARG002 - as Python calls it
-        tail = name.rpartition(".")[2]
-        if tail not in self._contents:
-            return None
-        found = PathFinder.find_spec(name, path)
-        gone = (Path(place, file) for place in path or sys.path for file in (f"{tail}/__init__.py", f"{tail}.py"))
-        for file in [Path(found.origin)] if found is not None and found.origin else gone:
-            if (content := self._contents[tail].get(file.resolve())) is not None:
-                return spec_from_file_location(name, file, loader=_ContentLoader(name, str(file), content))
-        return None
-
-
-_finder = _TakenFinder()
-
-
 @cache
 def _imported(file: Module, kind: str = "optimizer") -> ModuleType:
     """Import a plug-in's file as a module of its own, which can import the modules beside it."""
     path, content = file
     name = f"bench_file_{path.stem}_{_digest(content)}"  # an edited file is another module
-    spec = spec_from_file_location(name, path, loader=_ContentLoader(name, str(path), content))
+    spec = spec_from_file_location(name, path, loader=ContentLoader(name, str(path), content))
     if spec is None or spec.loader is None:
         raise BenchError(f"the {kind} file {path} cannot be read as Python")
     module = module_from_spec(spec)

@@ -122,8 +122,7 @@ def package(optimizer: str) -> str:
 
 def is_built_in(optimizer: str) -> bool:
     """Return whether an optimizer's code, if not the library behind it, comes with the harness; nothing is loaded."""
-    installed = registry.entries("optimizers")
-    entry = None if from_file.split(optimizer) else installed.get(optimizer, installed.get(optimizer.partition(":")[0]))
+    entry = None if from_file.split(optimizer) else registry.entry("optimizers", optimizer)
     return entry is not None and entry.dist is not None and entry.dist.name == registry.DISTRIBUTION
 
 

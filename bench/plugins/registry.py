@@ -82,6 +82,11 @@ unreadable: dict[str, str] = {}
 """Why the entry points of installed packages could not be read so far, by the package's name."""
 
 
+def entry(group: str, name: str) -> EntryPoint | None:
+    """Return the entry point of a plug-in or, for ``family:member``, of its family; None where there is none."""
+    return entries(group).get(name) or entries(group).get(name.partition(":")[0])
+
+
 @cache
 def load(group: str, name: str) -> Any:
     """Return the object behind an entry point; raises BenchError when its package fails to import.

@@ -5,6 +5,7 @@ import pytest
 
 from bench import BenchError, Study, load_results, run
 from bench.execution.verify import verify
+from bench.plugins import registry
 
 OPTIMIZER = (
     "def mine(objective, rng):\n    objective(objective.lower + {share} * (objective.upper - objective.lower))\n"
@@ -12,6 +13,13 @@ OPTIMIZER = (
 OTHER = (
     "from bench import FunctionProblem\n"
     "def other():\n    return FunctionProblem(lambda x: ((x - {share}) ** 2).sum(axis=1), [0], [1], name='other')\n"
+)
+
+
+LINKED = (
+    "from dataclasses import dataclass\nfrom bench import Optimizer\n@dataclass(frozen=True)\nclass Walk(Optimizer):\n"
+    "    def minimize(self, objective, rng):\n"
+    "        objective(objective.lower + {share} * (objective.upper - objective.lower))\n"
 )
 
 
@@ -71,6 +79,26 @@ def test_a_helper_that_is_removed_during_the_run_costs_no_trial(study, tmp_path)
     helper.write_text("SHARE = 0.25")
     outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: helper.unlink(missing_ok=True))
     assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(helper)])
+
+
+def test_an_optimizer_that_is_installed_as_a_link_to_its_checkout_is_edited_without_effect(tmp_path, monkeypatch):
+    module, package = tmp_path / "linked_walk.py", tmp_path / "linked_walk-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: linked-walk\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text("[bench.optimizers]\nlinked-walk = linked_walk:Walk\n")
+    module.write_text(LINKED.format(share=0.25))
+    monkeypatch.syspath_prepend(tmp_path)
+    registry.entries.cache_clear()
+    problems = [{"name": "sphere-2"}, {"name": "classical-sphere-d2-i1"}]
+    study = Study.from_dict(
+        {"name": "s", "trials": 2, "budget": 60, "problems": problems, "optimizers": [{"name": "linked-walk"}]}
+    )
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: module.write_text(LINKED.format(share=0.75)))
+    registry.entries.cache_clear()
+    assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(module)])
+    assert load_results(tmp_path / "out").groupby("problem")["x_x1"].unique().map(list).to_dict() == {
+        "classical-sphere-d2-i1": [-2.56], "sphere-2": [-2.5]
+    }  # fmt: skip
 
 
 def test_data_that_change_before_a_process_loads_them_fail_its_trials(tmp_path):
