@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from itertools import islice
 from queue import SimpleQueue
+from threading import Lock
 
 from bench.columns import Row
 from bench.execution.job import Task
@@ -44,12 +45,12 @@ class Local:
             task: what all trials have in common.
             machine: the record (JSON) of this machine.
             missing: returns the trials that are not finished at the moment they are reached.
-            on_begin: called with the number of a job and the trial that it begins, where that is known.
+            on_begin: called with the number of a job and the trial that it begins, by one thread at a time.
         """
         if self._task is not task or not self._supervisors:
             self._end()
             self._task, self._supervisors = task, [Supervisor(task) for _ in range(self.jobs)]
-        idle: SimpleQueue[int] = SimpleQueue()
+        idle, turn = SimpleQueue[int](), Lock()
         for job in range(self.jobs):
             idle.put(job)
 
@@ -57,7 +58,8 @@ class Local:
             job = idle.get()  # there is one for each thread
             try:
                 if on_begin is not None:
-                    on_begin(job, trial)
+                    with turn:
+                        on_begin(job, trial)
                 return trial, self._supervisors[job].make(trial), machine
             finally:
                 idle.put(job)

@@ -1,4 +1,5 @@
 import threading
+import time
 from itertools import count
 
 import pytest
@@ -46,6 +47,16 @@ class TestLocal:
         assert sorted(trial for _, trial in begun) == list(range(10))
         assert {job for job, _ in begun} <= set(range(jobs))
         assert sorted(answers, key=lambda each: each[0]) == [(i, {"fun": i}, "machine") for i in range(10)]
+
+    def test_one_thread_at_a_time_notes_what_it_begins(self, local, jobs):
+        noting = threading.Lock()
+
+        def note(job, trial):
+            assert noting.acquire(blocking=False)
+            time.sleep(0.001)
+            noting.release()
+
+        assert len(list(local(jobs).answers(None, "", lambda: range(10), note))) == 10
 
     def test_an_error_reaches_the_run(self, local, jobs):
         with pytest.raises(ZeroDivisionError):
