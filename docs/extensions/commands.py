@@ -81,8 +81,9 @@ def _split(hint: Any) -> tuple[Any, Any]:
 
 def _option(parameter: inspect.Parameter, kind: Any, info: Any) -> tuple[str, str, str]:
     flag = kind is bool
-    names = " / ".join(info.param_decls or ())
-    if not names.startswith("-"):
+    given = (info.default, *(info.param_decls or ()))  # typer has the first of several names as the default
+    names = " / ".join(name for name in given if isinstance(name, str) and name.startswith("-"))
+    if not names:
         long = parameter.name.strip("_").replace("_", "-")
         names = f"--{long} / --no-{long}" if flag else f"--{long}"
     item = get_args(kind)[0] if get_origin(kind) is list else kind
