@@ -46,10 +46,8 @@ from bench.analysis.anytime import (
     ecdf,
     evaluation_grid,
     expected_running_time,
-    fractions,
     hitting_times,
     success_rates,
-    targets,
 )
 from bench.analysis.cells import (
     CONTENTION,
@@ -87,13 +85,13 @@ from bench.analysis.error_rates import (
 )
 from bench.analysis.feasibility import feasibility
 from bench.analysis.input import checked
-from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances, precision_targets
+from bench.analysis.instances import SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
 from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
 from bench.analysis.portfolio import Portfolio, portfolio_of, shapley, target_shares
-from bench.analysis.reference import RUN_LENGTHS, reference_shares, reference_times, runlength_targets
+from bench.analysis.reference import reference_shares, reference_times, runlength_targets
 from bench.analysis.running_time import (
     in_seconds,
     mean_shares,
@@ -106,14 +104,15 @@ from bench.analysis.selection import best_on, selection_gain, validated_selectio
 from bench.analysis.stages import SHARES, earlier_leads, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
 from bench.analysis.target_sets import (
-    COCO_PRECISIONS,
     aocc,
     compare_sets,
     target_areas,
     target_table,
+    targets,
     tolerance_times,
 )
 from bench.analysis.trials_needed import POWER, trials_needed
+from bench.study.targets import COCO_PRECISIONS, PRECISIONS, RUN_LENGTHS, fractions
 
 __all__ = [
     "ALPHA",

@@ -10,23 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from math import prod
-from statistics import median
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import Budgets, Traces, labels, reference_values, spent, traces_of
+from bench.analysis.cells import Budgets, Traces, labels, spent, traces_of
 from bench.objective import Trace
 from bench.typing import Floats
 
 Counts = Floats | NDArray[np.int64]  # of evaluations
 
-PER_DECADE = 10
-DECADES_KNOWN = 8  # to 1e-8, the last target of COCO
-DECADES_FOUND = 3  # a harder target only distinguishes the trial that found f_L from the rest
-_LADDER = 10.0 ** (-np.arange(PER_DECADE * DECADES_KNOWN + 1) / PER_DECADE)
 AT_ONCE = 1_000_000  # hits that are counted at once, to bound memory
 CURVE = ("evaluations", "median", "q1", "q3")
 
@@ -81,38 +76,6 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
         along = (np.tile(evaluations, len(optimizers)), *curves.reshape(3, -1))
         tables.append(pd.DataFrame(names | dict(zip(CURVE, along, strict=True))))
     return _stacked(tables, ["problem", "optimizer", *CURVE])
-
-
-def fractions(known: bool) -> Floats:
-    """Return the ladder of tau, falling from 1, ten a decade: to 1e-8 where the optimum is known, else to 1e-3."""
-    return _LADDER[: PER_DECADE * (DECADES_KNOWN if known else DECADES_FOUND) + 1]
-
-
-def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
-    """Return the ladder of targets of each problem: problem, tau, target, reference and known.
-
-    A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
-    in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, or the lowest value that any
-    trial found where the optimum is unknown or beaten (:func:`bench.analysis.reference_values`); targets then depend on
-    the optimizers compared, and the ladder is the short one.
-
-    Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A problem on which no trial found a finite
-    value has no target. The table is in the order in which problems appear in ``traces``.
-    """
-    ends: dict[str, list[tuple[float, float]]] = {}
-    for (problem, _, _), trace in traces.items():
-        if len(trace.values):
-            ends.setdefault(problem, []).append((float(trace.values[0]), float(trace.values[-1])))
-    lowest = {problem: min(last for _, last in pairs) for problem, pairs in ends.items()}
-    tables = []
-    for problem, (reference, known) in reference_values(lowest, optima).items():
-        distance = median(first for first, _ in ends[problem]) - reference
-        tau = fractions(known) if distance > 0 else np.zeros(1)
-        target = reference + tau * max(distance, 0.0)
-        tables.append(
-            pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
-        )
-    return _stacked(tables, ["problem", "tau", "target", "reference", "known"])
 
 
 def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: Budgets) -> pd.DataFrame:

@@ -14,12 +14,10 @@ import pandas as pd
 
 from bench.analysis.cells import BEATEN, Traces
 from bench.objective import Trace
+from bench.study.targets import PRECISIONS
 
 SOLVED = 1e-8
 """The last target of COCO, below which the CEC competitions take an error as 0 too; a better precision is rounding."""
-
-PRECISIONS = (10.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-8)
-"""The precisions f - f_opt of COCO's tables of expected running times."""
 
 Features = Mapping[str, Mapping[str, str | int]]  # of problems, by label
 

@@ -8,12 +8,10 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.anytime import Counts
+from bench.study.targets import RUN_LENGTHS
 
 HARDEST = 1e-8
 """The hardest precision of a reference: nothing is known of harder ones."""
-
-RUN_LENGTHS = (0.5, 1.2, 3.0, 10.0, 50.0)
-"""The budgets over d of targets by running length, as in cocopp's tables for expensive functions."""
 
 STEP = 10**0.2  # from one precision of COCO to the next
 FORCED = (10**-0.2) ** -1  # the same as cocopp rounds it, which decides where two targets are nearly equal

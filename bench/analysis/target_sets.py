@@ -6,27 +6,15 @@ ECDF follow from any of them. ``tau`` says how hard a target is, in the unit of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from statistics import median
 
 import numpy as np
 import pandas as pd
 
 from bench.analysis.anytime import AT_ONCE
-from bench.analysis.anytime import targets as relative_targets
 from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores, spent, traces_of
-from bench.study.targets import Targets, percentages, precisions
-from bench.typing import Floats
-
-COCO_PRECISIONS: Floats = np.array(
-    [10.0 ** (step / 5) if step % 5 else float(f"1e{step // 5}") for step in range(10, -41, -1)]
-)
-"""The 51 target precisions of COCO, five a decade from 1e2 to 1e-8 (Hansen et al. 2021)."""
-
-QUANTILES: Floats = np.arange(19.0, 0.0, -1.0, dtype=np.float64) / 20
-"""The quantiles of the best values of all trials on a problem."""
-
-MULTIPLES: Floats = np.array([8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125])
-"""The multiples of the tolerance of an expected metric: 1 is the tolerance itself."""
+from bench.study.targets import MULTIPLES, Found, Targets
 
 LOWEST, HIGHEST = 1e-8, 1e2
 """The precisions between which AOCC is measured."""
@@ -36,8 +24,25 @@ COLUMNS = ["problem", "tau", "target", "reference", "known"]
 Expected = Mapping[str, Mapping[str, tuple[float, float]]]  # by problem and metric: the true value and its tolerance
 
 
+def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """Return the ladder of relative targets of each problem: problem, tau, target, reference and known.
+
+    A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
+    in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, or the lowest value that any
+    trial found where the optimum is unknown or beaten (:func:`bench.analysis.reference_values`); targets then depend on
+    the optimizers compared, and the ladder is the short one.
+
+    Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A problem on which no trial found a finite
+    value has no target. The table is in the order in which problems appear in ``traces``.
+    """
+    return target_table("relative", pd.DataFrame({"problem": [], "fun": [], "status": []}), traces, optima)
+
+
 def target_table(
-    chosen: Targets, frame: pd.DataFrame, traces: Traces, optima: Mapping[str, float] | None = None
+    chosen: Targets | str | Sequence[float] | Sequence[str],
+    frame: pd.DataFrame,
+    traces: Traces,
+    optima: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
     """Return the targets of a set on each problem, from easy to hard: problem, tau, target, reference and known.
 
@@ -53,24 +58,25 @@ def target_table(
     ``"quantiles"``   quantile                  the value that this share of all trials reached; none where it is inf
     ``"tolerance"``   multiple of the           the same multiple; :func:`tolerance_times` has the times, as the values
                       tolerance                 of a trace do not show a metric
+    ``"runlength"``   d / budget                none; :func:`bench.analysis.runlength_targets` has them
     ================  ========================  =====================================================================
     """
-    if chosen == "relative":
-        return relative_targets(traces, optima)
-    lowest: dict[str, float] = {}
+    rungs = Targets.read(chosen).rungs
+    ends: dict[str, list[tuple[float, float]]] = {}
     for (problem, _, _), trace in traces.items():
         if len(trace.values):
-            lowest[problem] = min(lowest.get(problem, np.inf), float(trace.values[-1]))
-    values = scores(frame)
+            ends.setdefault(problem, []).append((float(trace.values[0]), float(trace.values[-1])))
+    lowest = {problem: min(last for _, last in pairs) for problem, pairs in ends.items()}
     finals = {
         str(problem): np.asarray(of_problem, dtype=np.float64)
-        for problem, of_problem in values.groupby(frame["problem"].astype(object))
+        for problem, of_problem in scores(frame).groupby(frame["problem"].astype(object))
     }
     tables = []
     for problem, (reference, known) in reference_values(lowest, optima).items():
-        tau, target = _rungs(chosen, reference, finals.get(problem, np.empty(0)))
+        first = median(value for value, _ in ends[problem])
+        tau, target = rungs(Found(reference, known, first, finals.get(problem, np.empty(0))))
         table = pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
-        tables.append(table[np.isfinite(target)])
+        tables.append(table[~np.isnan(target)])
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
 
 
@@ -170,19 +176,3 @@ def compare_sets(areas: Mapping[str, pd.DataFrame], optimizers: list[str]) -> pd
         tables.append(pd.DataFrame({"set": name, "problems": len(wide), "optimizer": optimizers} | numbers))
     columns = ["set", "problems", "optimizer", "area", "rank"]
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
-
-
-def _rungs(chosen: Targets, reference: float, finals: Floats) -> tuple[Floats, Floats]:
-    """Return tau and target of a problem's rungs; a target that is not finite is none."""
-    if chosen == "quantiles":
-        values = (
-            np.quantile(finals, QUANTILES, method="inverted_cdf") if len(finals) else np.full(len(QUANTILES), np.inf)
-        )
-        return QUANTILES, values
-    if chosen == "tolerance":
-        return MULTIPLES, MULTIPLES
-    if chosen == "precisions" or precisions(chosen):
-        tau = COCO_PRECISIONS if chosen == "precisions" else np.array(precisions(chosen))
-        return tau, reference + tau
-    tau = np.array(percentages(chosen))
-    return tau, reference + tau * abs(reference) if reference else np.full(len(tau), np.inf)

@@ -145,7 +145,7 @@ def command(
                 console=console,
             )
     beside, best = published(against)  # before the run, which may take long
-    if best or chosen.targets == "runlength":
+    if best or (chosen.targets and chosen.targets.by_best):
         from bench.formats.coco.best2009 import best2009  # which imports pandas and scipy.stats
 
         best2009(entry.name for entry in chosen.problems)

@@ -97,6 +97,12 @@ def joined(parts: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
 
 
+def listing(items: Sequence[str], at_most: int = 8) -> str:
+    """Return ``"a, b and c"``, shortened to ``"a, b and 5 more"`` beyond ``at_most``."""
+    more = [f"{len(items) - at_most + 1} more"] if len(items) > at_most else []
+    return joined([*items[: at_most - len(more)], *more])
+
+
 def listed(names: Sequence[str], most: int = 5, between: str = ", ") -> str:
     """Return the names with commas between them, shortened to the first ones and the number of the others."""
     more = f" and {len(names) - most:,} more" if len(names) > most else ""

@@ -9,7 +9,6 @@ import pandas as pd
 
 from bench import analysis
 from bench.report.findings import Findings
-from bench.report.target_words import TargetWords
 from bench.report.wording import count
 
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
@@ -25,12 +24,12 @@ class Clock(NamedTuple):
 
 def clock(findings: Findings) -> Clock | None:
     """Return who reaches the targets first in seconds, where that is another one than in evaluations; else None."""
-    words, table = findings.anytime.words, findings.anytime.running_times
+    chosen, table = findings.anytime.target_set, findings.anytime.running_times
     if table.empty:
         return None
-    solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
-    level = words.level if words.level in solved else min(solved, default=np.nan)
-    times = table[table[words.unit] == level]
+    solved = table.loc[table["successes"] > 0, chosen.unit].unique().tolist()
+    level = chosen.level if chosen.level in solved else min(solved, default=np.nan)
+    times = table[table[chosen.unit] == level]
     if times.empty:
         return None
     ert, seconds = (analysis.table(times, name).astype(float).replace(np.inf, np.nan) for name in ("ert", "ert_s"))
@@ -46,7 +45,7 @@ def clock(findings: Findings) -> Clock | None:
         fastest,
         _cost(float(costs.median())),
         f"{fastest} is faster by the clock than {leader} as long as an evaluation takes less than {_spread(costs)}: to "
-        f"{_target(words, level)}, {leader} has the lowest expected running time in evaluations on "
+        f"{chosen.at_length(level)}, {leader} has the lowest expected running time in evaluations on "
         f"{first[leader]} of {count(problems, 'problem')}, and {fastest} the lowest in seconds on {fast[fastest]}.",
     )
 
@@ -91,8 +90,3 @@ def _spread(costs: pd.Series[float]) -> str:
     low, high = (f"{float(f'{value / factor:.2g}'):g}" for value in (costs.min(), costs.max()))
     several = f" (median of {len(costs)} problems; {low} to {high} {unit})" if len(costs) > 1 else ""
     return f"{_cost(middle)}{several}"
-
-
-def _target(words: TargetWords, level: float) -> str:
-    share = f" ({100 * level:g}% of the first distance)" if words.kind == "relative" else ""
-    return f"{words.at(level)}{share}"

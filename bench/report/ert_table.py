@@ -22,12 +22,12 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     same unit. A star marks an optimizer that is separably faster than every other one.
     """
     anytime = findings.anytime
-    words, times = anytime.words, anytime.running_times
+    chosen, times = anytime.target_set, anytime.running_times
     rows_of_suite = times[times["problem"].isin(problems)]
     row_of: dict[tuple[str, str, float], Row] = {
-        (row["problem"], row["optimizer"], row[words.unit]): row for row in rows_of_suite.to_dict("records")
+        (row["problem"], row["optimizer"], row[chosen.unit]): row for row in rows_of_suite.to_dict("records")
     }
-    levels = [level for level in words.tabled if (rows_of_suite[words.unit] == level).any()]
+    levels = [level for level in chosen.tabled if (rows_of_suite[chosen.unit] == level).any()]
     best = {(row["problem"], row["tau"]): float(row["ert"]) for row in anytime.best_times.to_dict("records")}
     hits = findings.anytime.compared_hits
     hits = hits[hits["problem"].isin(problems)]
@@ -43,7 +43,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
             rows[name, BEST] = [*map(_short, divisors), ""]
             bold.append([False] * (len(levels) + 1))
             marks.append([""] * (len(levels) + 1))
-        lowest = rows_of_suite[rows_of_suite["problem"] == problem].groupby(words.unit)["ert"].min()
+        lowest = rows_of_suite[rows_of_suite["problem"] == problem].groupby(chosen.unit)["ert"].min()
         for optimizer in findings.trials.optimizers:
             cells = [row_of.get((problem, optimizer, level)) for level in levels]
             last = cells[-1] if cells else None
@@ -62,13 +62,13 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
             marks.append([*("*" if (problem, optimizer, level) in stars else "" for level in levels), ""])
     index = pd.MultiIndex.from_tuples(list(rows), names=["function", "optimizer"])
     frames = [
-        pd.DataFrame(content, index=index, columns=[*map(words.shown, levels), "successes"])
+        pd.DataFrame(content, index=index, columns=[*map(chosen.shown, levels), "successes"])
         for content in (list(rows.values()), bold, marks)
     ]
     over = "over that of the best of 2009" if anytime.shows_best else "in evaluations"
     return Table(
         f"running-times-d{dimension}",
-        f"Expected running time (ERT) {over} to each target, by {words.unit}, in dimension {dimension}.",
+        f"Expected running time (ERT) {over} to each target, by {chosen.unit}, in dimension {dimension}.",
         frames[0],
         bold=frames[1],
         marks=frames[2],
@@ -77,7 +77,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
         "the lowest. *: faster than each other one by the rank-sum test, p < 0.05 after Holm’s adjustment for "
         "all functions and targets of this table."
         + (" The best of 2009 is in evaluations; where it is unknown, so are the others (ev.)." if best else ""),
-        data=words.in_unit(rows_of_suite, words.unit),
+        data=chosen.in_unit(rows_of_suite, chosen.unit),
     )
 
 

@@ -38,14 +38,13 @@ from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.plots.rows import shares
 from bench.report.findings import BEST
 from bench.report.parts import Figure
-from bench.report.target_words import TargetWords, target_words
 from bench.report.wording import listing
+from bench.study.targets import KINDS, Targets
 
 SHOWN_ROWS = 300  # of the table behind a figure
 MOST_ROWS = 40  # of a figure with a row for each optimizer: more could not all be named
 COLUMNS = 3  # panels beside each other
 TITLE_LETTERS = 30  # of a line of small text above a panel
-RELATIVE = target_words("relative")
 
 
 def distribution_figure(
@@ -152,7 +151,7 @@ def _over_evaluations(
 
 
 def ert_figure(
-    table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "", *, words: TargetWords = RELATIVE
+    table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "", *, chosen: Targets = KINDS["relative"]
 ) -> Figure:
     """Return the expected running time over targets, a panel a problem, all on the same axes.
 
@@ -160,15 +159,15 @@ def ert_figure(
     """
     figure, axes = _multiples(table, style.pens(optimizers), ert, across=0.12)
     for ax in axes:
-        if words.unit != "tau" and ax.get_xlabel():
-            ax.set_xlabel(words.unit)
+        if chosen.unit != "tau" and ax.get_xlabel():
+            ax.set_xlabel(chosen.unit)
     drawn = table[table["tau"] > 0]
     for place, ax in enumerate(axes):
         if len(drawn):
             ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
             style.log_scale(ax, "x")
-        if words.kind == "runlength":
-            ax.set_xticks(words.tabled, [words.shown(tau) for tau in words.tabled], minor=False)
+        if chosen.rising:
+            ax.set_xticks(chosen.tabled, [chosen.shown(tau) for tau in chosen.tabled], minor=False)
         ax.tick_params(labelleft=place % COLUMNS == 0)
     _span_times(axes, drawn["ert"])
     caption = (
@@ -177,7 +176,7 @@ def ert_figure(
     )
     if set(table["problem"]) > set(drawn["problem"]):
         caption += " A panel is empty where the trials start at the reference, which is then the only target (tau = 0)."
-    table = words.in_unit(table)
+    table = chosen.in_unit(table)
     by_target = _at_round_numbers(table, ["problem", "tau"], "ert", (1,))
     return Figure(f"expected-running-time{suffix}", caption, figure, table, by_target)
 

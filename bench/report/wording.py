@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bench.helpers.text import count as count
+from bench.helpers.text import listing as listing
 from bench.helpers.text import option
 
 MISSING = "–"
@@ -92,14 +93,6 @@ def leaders(marks: pd.DataFrame, feature: str) -> str:
         parts[MOST_LEADERS - 1 :] = [f"{len(last)} others on at most {last.iloc[0]} each"]
     ties = " (a tie counts for each)" if (marked.sum(axis=1) > 1).any() else ""
     return f"{listing(parts)}{ties}"
-
-
-def listing(items: Sequence[str], at_most: int = 8) -> str:
-    """Return ``"a, b and c"``, shortened to ``"a, b and 5 more"`` beyond ``at_most``."""
-    shown = list(items)
-    if len(shown) > at_most:
-        shown = [*shown[: at_most - 1], f"{len(shown) - at_most + 1} more"]
-    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
 
 
 def options(values: Mapping[str, Any]) -> str:

@@ -34,7 +34,7 @@ from bench.storage.folder import ANSWER
 from bench.storage.results import Results
 from bench.study.rope import Rope
 from bench.study.selection import Dimensions, Patterns
-from bench.study.targets import checked
+from bench.study.targets import Targets
 
 PAGE, MANIFEST = "report.html", ".report.json"
 TABLES, FIGURES = "tables", "figures"
@@ -77,7 +77,7 @@ def write_report(
         others: further folders to compare with it.
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
-        targets: what counts as reached, other than the study's own (:func:`bench.study.targets.checked`).
+        targets: what counts as reached, other than the study's own (:meth:`bench.study.targets.Targets.read`).
         rope: differences that count as equal, other than the study's own (:class:`bench.study.rope.Rope`).
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
@@ -94,7 +94,7 @@ def write_report(
             pattern or a dimension that is selected, a selection has no ``output``, or that cannot be written or holds
             another study.
     """
-    chosen = None if targets is None else checked(targets, "the targets of a report")
+    chosen = None if targets is None else Targets.read(targets, "the targets of a report")
     equal = None if rope is None else Rope.read(rope, "the rope of a report")
     results = Results(path, *others)
     if (optimizers, problems, dimensions) != (None, None, None):
@@ -250,7 +250,7 @@ class _Report:
             findings.final.summary,
             findings.display.written_pairs,
             self.results.controls,
-            findings.anytime.words.in_unit(findings.anytime.running_times, findings.anytime.words.unit),
+            findings.anytime.target_set.in_unit(findings.anytime.running_times, findings.anytime.target_set.unit),
         )
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
             if name in ("controls", "running-times") and not len(frame):

@@ -29,14 +29,13 @@ from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
 from bench.study import blocks as resembling
 from bench.study import entries, tuned
-from bench.study import targets as target_kinds
 from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.entries import Entry
 from bench.study.looks import Looks
 from bench.study.rope import Rope
 from bench.study.sweep import Sweep, sweeps
-from bench.study.targets import NO_METRIC, Targets
+from bench.study.targets import Targets
 from bench.study.tuned import Tuning
 from bench.study.values import Checked, Value
 from bench.trial import Trial
@@ -82,7 +81,7 @@ class Study:
         constraints: what optimizers see of infeasible points, one of :data:`bench.scoring.constraints.HANDLINGS`.
         on_error: what becomes of a point at which a problem raises: "fail", the trial fails and reports do not compare
             the problem; "worst", the point counts, its value is +inf and the trial goes on.
-        targets: what a report counts as reached (:func:`bench.study.targets.checked`); None: the usual ones of the
+        targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
             problems. They decide no trial's result.
         rope: the difference of medians below which two optimizers count as equal (:class:`bench.study.rope.Rope`);
             None: nothing is said of practical equality. It decides no trial's result.
@@ -105,7 +104,7 @@ class Study:
     title: str = ""
     constraints: Checked[str] = Checked(handlings.checked, handlings.DEFAULT)
     on_error: Checked[str] = Checked(require_on_error, "fail")
-    targets: Checked[Targets | None] = Checked(target_kinds.checked)
+    targets: Checked[Targets | None] = Checked(Targets.read)
     rope: Checked[Rope | None] = Checked(Rope.read)
     blocks: Checked[Blocks | None] = Checked(resembling.checked)
     tuning: Checked[Tuning | None] = Checked(tuned.checked)
@@ -286,8 +285,8 @@ class Study:
         ``load`` returns the problem of a label.
         """
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
-        if self.targets == "tolerance" and not any(problem.expected for problem in problems.values()):
-            raise BenchError(NO_METRIC)
+        if self.targets is not None:
+            self.targets.require_metric(any(problem.expected for problem in problems.values()))
         least = min(self.evaluations(dimension) for dimension in {problem.dimension for problem in problems.values()})
         return {label: problem.fingerprint() for label, problem in problems.items()}, least
 

@@ -16,13 +16,29 @@ from bench.errors import BenchError
 from bench.families import function_of
 from bench.formats.coco.best2009 import best2009
 from bench.report.findings.trials import Trials
-from bench.report.target_words import TargetWords, default_targets, target_words
-from bench.study.targets import NO_METRIC, Targets
+from bench.storage.results import ProblemFacts
+from bench.study.targets import KINDS, Targets
 
 NEAR = 0.01  # of the best known value
 BEST = "best of 2009"  # in place of the label of an optimizer
 EXPENSIVE = 1000  # evaluations / d below which targets by running length are the usual ones
 LEVEL = ["problem", "tau", "precision"]
+
+FIELD = ("bbob", "cec", "classical")
+"""The beginnings of the names of the suites for which the field reports absolute precisions."""
+
+
+def are_of_the_field(facts: Mapping[str, ProblemFacts], functions: Collection[str]) -> bool:
+    """Return whether absolute precisions are the usual targets: in units of a design or a signal, 1e-8 means nothing.
+
+    They are where every problem is a function with a known optimum of a suite of the field, or of another suite with
+    instances (``functions``).
+    """
+    usual = [
+        problem.optimum is not None and (label in functions or str(problem.features.get("suite", "")).startswith(FIELD))
+        for label, problem in facts.items()
+    ]
+    return bool(usual) and all(usual)
 
 
 @dataclass(frozen=True)
@@ -62,14 +78,13 @@ class Anytime:
         return analysis.unused_budget(self.trials.whole, self.trials.allowed)
 
     @cached_property
-    def words(self) -> TargetWords:
-        """The words for the targets: those asked for, the study's own, or the usual ones of its problems and budget."""
-        chosen = self.asked or self.trials.results.study.targets
-        if chosen is None:
-            chosen = default_targets(self.trials.known, self.trials.precisions)
-            if chosen == "precisions" and self._expensive and self._has_best:
-                chosen = "runlength"
-        return target_words(chosen)
+    def target_set(self) -> Targets:
+        """The targets: those asked for, the study's own, or the usual ones of its problems and budget."""
+        if chosen := self.asked or self.trials.results.study.targets:
+            return chosen
+        if not are_of_the_field(self.trials.known, self.trials.precisions):
+            return KINDS["relative"]
+        return KINDS["runlength" if self._expensive and self._has_best else "precisions"]
 
     @property
     def _expensive(self) -> bool:
@@ -103,7 +118,7 @@ class Anytime:
 
         A share of an optimum that was shifted at will means nothing.
         """
-        return 0.0 if self.words.absolute else NEAR
+        return 0.0 if self.target_set.absolute else NEAR
 
     @property
     def near_words(self) -> str:
@@ -118,7 +133,7 @@ class Anytime:
     @property
     def shows_best(self) -> bool:
         """Whether curves and tables show the best of 2009: it was asked for, or targets are set by it."""
-        return self.beside_best or self.words.kind == "runlength"
+        return self.beside_best or self.target_set.by_best
 
     @property
     def curves(self) -> list[str]:
@@ -137,12 +152,11 @@ class Anytime:
 
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
-        if self.words.kind == "tolerance" and not any(facts.expected for facts in self.trials.known.values()):
-            raise BenchError(NO_METRIC)
-        if self.beside_best and not self.words.absolute:
+        self.target_set.require_metric(any(facts.expected for facts in self.trials.known.values()))
+        if self.beside_best and not self.target_set.absolute:
             raise BenchError(
-                f"the running times of best2009 are those to precisions, and the targets are {self.words.kind}; add "
-                "--targets precisions or leave out best2009"
+                f"the running times of best2009 are those to precisions, and the targets are {self.target_set.short}; "
+                "add --targets precisions or leave out best2009"
             )
         if self.shows_best:
             _ = self.best  # where there is none, a sentence says so
@@ -150,33 +164,31 @@ class Anytime:
     @cached_property
     def targets(self) -> pd.DataFrame:
         """The targets of each problem."""
-        return self._targets(self.words)
+        return self._targets(self.target_set)
 
     @cached_property
     def hits(self) -> pd.DataFrame:
         """The evaluations that each trial took to reach each target."""
-        return self._hits(self.words)
+        return self._hits(self.target_set)
 
-    def _targets(self, words: TargetWords) -> pd.DataFrame:
-        if words.kind == "runlength":
+    def _targets(self, chosen: Targets) -> pd.DataFrame:
+        if chosen.by_best:
             lengths = self._run_lengths
             optimum = lengths["problem"].map(self.trials.unbeaten).astype(float)
             return pd.DataFrame(
                 {"problem": lengths["problem"], "tau": lengths["tau"], "target": optimum + lengths["precision"]}
                 | {"reference": optimum, "known": True}
             )
-        table = analysis.target_table(
-            words.chosen, self.trials.measured, self.trials.measured_traces, self.trials.optima
-        )
-        if words.kind != "tolerance":
+        table = analysis.target_table(chosen, self.trials.measured, self.trials.measured_traces, self.trials.optima)
+        if not chosen.by_metric:
             return table
         return table[table["problem"].isin([label for label, facts in self.trials.known.items() if facts.expected])]
 
-    def _hits(self, words: TargetWords) -> pd.DataFrame:
-        if words.kind == "tolerance":
+    def _hits(self, chosen: Targets) -> pd.DataFrame:
+        if chosen.by_metric:
             expected = {label: facts.expected for label, facts in self.trials.known.items()}
             return analysis.tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
-        targets = self.targets if words == self.words else self._targets(words)
+        targets = self.targets if chosen == self.target_set else self._targets(chosen)
         return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
 
     @property
@@ -191,7 +203,7 @@ class Anytime:
     @cached_property
     def success(self) -> pd.DataFrame:
         """The share of trials of each cell that reached a target, with its interval."""
-        return analysis.success_rates(self.hits, self.words.levels)
+        return analysis.success_rates(self.hits, self.target_set.levels)
 
     @cached_property
     def running_times(self) -> pd.DataFrame:
@@ -201,9 +213,9 @@ class Anytime:
         """
         hits = self.hits
         codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
-        tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
+        tabled = np.isclose(taus[:, np.newaxis], self.target_set.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
-        rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
+        rounded = np.array(self.target_set.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
         tabled_hits = hits[kept].assign(
             tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.trials.allowed)
         )
@@ -217,7 +229,7 @@ class Anytime:
             best = self.best_times.set_index(["problem", "tau"])["ert"]
             keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
             table = table.assign(best2009=best.reindex(keys).to_numpy())
-        return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.words.unit})
+        return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.target_set.unit})
 
     @cached_property
     def best_times(self) -> pd.DataFrame:
@@ -227,10 +239,10 @@ class Anytime:
         """
         if not self.shows_best:
             return pd.DataFrame(columns=["problem", "tau", "precision", "ert"])
-        if self.words.kind == "runlength":
+        if self.target_set.by_best:
             levels = self._run_lengths
         else:
-            taus = sorted({*self.words.tabled, *self.words.levels}, reverse=True)
+            taus = sorted({*self.target_set.tabled, *self.target_set.levels}, reverse=True)
             kept = [label for label in self.functions if label in self.trials.unbeaten]
             levels = pd.DataFrame([(label, tau, tau) for label in kept for tau in taus], columns=LEVEL)
         return analysis.reference_times(self.best, self.functions, levels)
@@ -274,7 +286,7 @@ class Anytime:
     @cached_property
     def _best_to_targets(self) -> pd.DataFrame:
         """The ERT of the best of 2009 to every target that is a precision."""
-        if self.words.kind == "runlength":
+        if self.target_set.by_best:
             levels = self._run_lengths
         else:
             with_value = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
@@ -284,10 +296,10 @@ class Anytime:
     @cached_property
     def target_sets(self) -> pd.DataFrame:
         """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
-        others = [kind for kind in ("precisions", "relative", "quantiles") if kind != self.words.chosen][:2]
-        areas = {self.words.short: analysis.target_areas(self.hits, self.trials.budgets)}
-        for words in map(target_words, others):
-            targets = dict(list(self._targets(words).groupby("problem", observed=True)))
+        others = [KINDS[kind] for kind in ("precisions", "relative", "quantiles") if kind != self.target_set][:2]
+        areas = {self.target_set.short: analysis.target_areas(self.hits, self.trials.budgets)}
+        for chosen in others:
+            targets = dict(list(self._targets(chosen).groupby("problem", observed=True)))
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
             tables = [
                 analysis.target_areas(
@@ -297,7 +309,9 @@ class Anytime:
                 for label, trials in self.trials.measured.groupby("problem", observed=True)
                 if label in targets
             ]
-            areas[words.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
+            areas[chosen.short] = (
+                pd.concat(tables, ignore_index=True) if tables else areas[self.target_set.short].head(0)
+            )
         return analysis.compare_sets(areas, self.trials.optimizers)
 
     @cached_property

@@ -24,8 +24,8 @@ from bench.plots import style
 from bench.report.findings import Findings
 from bench.report.interactive.coding import coded, packed, short, signal
 from bench.report.interactive.command import optimizer_words, problem_words
-from bench.report.target_words import target_words
 from bench.study import Entry
+from bench.study.targets import KINDS, Targets
 from bench.typing import Floats
 
 MOST_RUNS = 12_000
@@ -87,7 +87,7 @@ class _Explored:
             "optimizers": self.optimizers(),
             "problems": problems,
             "grid": self.grid.tolist(),
-            "targets": {"title": self.words.unit, "rising": self.words.kind == "runlength"},
+            "targets": {"title": self.chosen.unit, "rising": self.chosen.rising},
             "cells": cells,
             "texts": list(self.texts),
             "complete": self.complete,
@@ -203,23 +203,22 @@ class _Explored:
         }
 
     @cached_property
-    def words(self) -> Any:
-        """The words of the report's targets, or of relative ones where those are no values of the objective."""
-        return (
-            self.findings.anytime.words if self.findings.anytime.words.kind != "tolerance" else target_words("relative")
-        )
+    def chosen(self) -> Targets:
+        """The report's targets, or relative ones where those are no values of the objective."""
+        own = self.findings.anytime.target_set
+        return KINDS["relative"] if own.by_metric else own
 
     @cached_property
     def targets(self) -> dict[str, list[list[float | int | None]]]:
         """Each target of each problem, from the easiest: its level, and its distance from the reference."""
         findings = self.findings
-        if self.words == findings.anytime.words:
+        if self.chosen == findings.anytime.target_set:
             table = findings.anytime.targets
         else:
             table = analysis.target_table(
-                self.words.chosen, findings.trials.whole, findings.trials.traces, findings.trials.optima
+                self.chosen, findings.trials.whole, findings.trials.traces, findings.trials.optima
             )
-        table, by_problem = self.words.in_unit(table), dict[str, list[list[float | int | None]]]()
+        table, by_problem = self.chosen.in_unit(table), dict[str, list[list[float | int | None]]]()
         for label, level, target in zip(table["problem"], table["tau"], table["target"], strict=True):
             if label in self.references:
                 by_problem.setdefault(str(label), []).append(
@@ -369,7 +368,7 @@ class _Explored:
             )
         if not self.points_too:
             notes.append("The runs’ best points are left out, as the page would grow; tables/trials.csv has them.")
-        if any(problem["targets"] for problem in problems) and self.words != self.findings.anytime.words:
+        if any(problem["targets"] for problem in problems) and self.chosen != self.findings.anytime.target_set:
             notes.append("Targets are relative here: those of the report are no values of the objective.")
         if len(self.signals) == MOST_SIGNALS < len(problems):
             notes.append(f"The data of the first {MOST_SIGNALS} problems are here.")

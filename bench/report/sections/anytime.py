@@ -13,8 +13,8 @@ from bench.report.findings import Findings, Trials
 from bench.report.first_picture import course
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
-from bench.report.target_words import TargetWords, meaning
 from bench.report.wording import count, leaders, listing
+from bench.study.targets import Targets
 
 TITLE = "Convergence and targets"
 
@@ -25,12 +25,12 @@ def section(findings: Findings) -> Section:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
     budgets, dimensions, hits = findings.trials.budgets, findings.trials.dimensions, findings.anytime.hits
     budget = max(budgets.values())
-    words = findings.anytime.words
+    chosen = findings.anytime.target_set
     # Moré and Wild (2009): at 1e-1 to 1e-7. Of imported problems the dimension may be unknown.
     sizes = dimensions if dimensions.keys() >= {*findings.trials.problems} else None
     most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
-    profiles = analysis.data_profiles(hits, words.level, analysis.evaluation_grid(most), sizes)
-    if words.restarts:
+    profiles = analysis.data_profiles(hits, chosen.level, analysis.evaluation_grid(most), sizes)
+    if chosen.restarts:
         reached = analysis.mean_shares(findings.anytime.restart_shares, findings.anytime.curves)
     elif not findings.trials.scaled:
         reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
@@ -41,17 +41,17 @@ def section(findings: Findings) -> Section:
         reached,
         profiles,
         findings.display.pens,
-        target=words.at(words.level),
+        target=chosen.at(chosen.level),
         ends=findings.anytime.ends(findings.trials.problems, per_dimension=findings.trials.scaled)
-        if words.restarts
+        if chosen.restarts
         else None,
     )
-    rates: list[Part] = [_success(findings.anytime.success, words), *_areas(findings)]
+    rates: list[Part] = [_success(findings.anytime.success, chosen), *_areas(findings)]
     text = (
         *_leaders(findings.trials, budget),
         *_fastest(findings),
         *_sets_agree(findings),
-        *_ladder(words, findings.anytime.targets, len(findings.trials.problems)),
+        *_ladder(chosen, findings.anytime.targets, len(findings.trials.problems)),
     )
     times = analysis.expected_running_time(hits)
     # A figure with a panel for each is a page or longer, and the problems of one dimension belong together.
@@ -89,7 +89,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
         yield regret_figure(above, optimizers, suffix, precisions=findings.trials.precisions)
-    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, words=findings.anytime.words)
+    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, chosen=findings.anytime.target_set)
 
 
 def _leaders(trials: Trials, budget: int) -> list[str]:
@@ -120,15 +120,15 @@ def _lowest(reached: pd.DataFrame, spent: str) -> str:
 
 def _fastest(findings: Findings) -> list[str]:
     """Return who has the lowest ERT in evaluations, and in seconds, where there are several optimizers."""
-    words, table = findings.anytime.words, findings.anytime.running_times
-    solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
-    level = words.level if words.level in solved else min(solved, default=np.nan)
-    at_level = table[table[words.unit] == level]
+    chosen, table = findings.anytime.target_set, findings.anytime.running_times
+    solved = table.loc[table["successes"] > 0, chosen.unit].unique().tolist()
+    level = chosen.level if chosen.level in solved else min(solved, default=np.nan)
+    at_level = table[table[chosen.unit] == level]
     reached = [analysis.table(at_level, name).astype(float) for name in ("ert", "ert_s")] if len(at_level) else []
     lowest = [of_share.eq(of_share.min(axis=1), axis=0) & np.isfinite(of_share) for of_share in reached]
     if len(findings.trials.optimizers) < 2 or not any(of_share.any(axis=None) for of_share in lowest[:1]):
         return []
-    sentence = f"To {words.at(level)}, {leaders(lowest[0], 'the lowest expected running time in evaluations')}"
+    sentence = f"To {chosen.at(level)}, {leaders(lowest[0], 'the lowest expected running time in evaluations')}"
     if lowest[1].any(axis=None):
         sentence += f"; in seconds of wall time, {leaders(lowest[1], 'the lowest')}"
     return [f"{sentence}."]
@@ -187,7 +187,7 @@ def _areas(findings: Findings) -> list[Table]:
                 data=sets,
             )
         )
-    if findings.anytime.words.absolute and len(table := findings.anytime.aocc):
+    if findings.anytime.target_set.absolute and len(table := findings.anytime.aocc):
         mean = table.groupby("optimizer")[["aocc", "aocc_from_zero"]].mean()
         problems = table["problem"].nunique()
         tables.append(
@@ -209,57 +209,33 @@ def _areas(findings: Findings) -> list[Table]:
     return tables
 
 
-def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[str]:
+def _ladder(chosen: Targets, targets: pd.DataFrame, problems: int) -> list[str]:
     optimum_known = targets.drop_duplicates("problem")["known"].astype(bool)
-    deep, short = (f"{analysis.fractions(deeper)[-1]:g}" for deeper in (True, False))
-    reference, last = (
-        ("the known optimum", deep)
-        if optimum_known.all()
-        else ("the lowest value that any trial found (every optimum is unknown or beaten)", short)
-        if not optimum_known.any()
-        else (
-            "the known optimum, or the lowest value found where the optimum is unknown or beaten",
-            f"{deep} where f_L is the optimum, else to {short}",
-        )
-    )
-    usual = (
-        "A target is the objective value f_L + tau (f_0 − f_L), where f_0 is the median of the first values of the "
-        f"trials and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to {last}."
-    )
     text = (
-        f"{usual if words.kind == 'relative' else meaning(words, optimum_known.tolist())} The expected "
+        f"{chosen.meaning(optimum_known.tolist())} The expected "
         "running time (ERT) is the number of evaluations that all trials spent until they reached the target or ended, "
         "divided by the number of successes; it is infinite where no trial succeeds."
     )
-    if words.restarts:
+    if chosen.restarts:
         text += (
             " Shares of targets reached are those of simulated restarts: trials are drawn with replacement until a "
             "successful one, and their evaluations added, so curves go on beyond the budget."
         )
     if len(optimum_known) == problems:
         return [text]
-    without = count(problems - len(optimum_known), "problem")
-    why = (
-        "without an expected metric"
-        if words.kind == "tolerance"
-        else "whose optimum was beaten, or on which the best of 2009 has no running time"
-        if words.kind == "runlength"
-        else "on which no trial found a finite value"
-        if words.kind != "percentages"
-        else "where no trial found a finite value or the optimum is 0"
-    )
-    return [text, f"The figures below leave out {without} {why}: there are no targets."]
+    without = f"{count(problems - len(optimum_known), 'problem')} {chosen.without}"
+    return [text, f"The figures below leave out {without}: there are no targets."]
 
 
-def _success(rates: pd.DataFrame, words: TargetWords) -> Table:
+def _success(rates: pd.DataFrame, chosen: Targets) -> Table:
     overall = rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum()
     share = 100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0)
     wide = share.unstack(sort=False).sort_index(axis=1, ascending=False).rename_axis(columns=None)
     return Table(
         "success-rates",
-        f"Percentage of trials over all problems that reached a target, by {words.unit}.",
-        wide.rename(columns=words.at),
+        f"Percentage of trials over all problems that reached a target, by {chosen.unit}.",
+        wide.rename(columns=chosen.at),
         decimals=1,
         note="The CSV file and the sections below have the rates by problem, with 95% Wilson intervals.",
-        data=words.in_unit(rates),
+        data=chosen.in_unit(rates),
     )

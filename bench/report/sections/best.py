@@ -31,7 +31,7 @@ def section(findings: Findings) -> Section | None:
 
 def _ratios(findings: Findings) -> pd.DataFrame:
     """Return the ERT over that of the best of 2009, where that is finite: problem, precision, optimizer, ratio, …"""
-    unit = findings.anytime.words.unit
+    unit = findings.anytime.target_set.unit
     table = findings.anytime.running_times
     rows = table[np.isfinite(table["best2009"].astype(float))]
     return rows[["problem", "optimizer", unit, "trials", "successes", "ert", "best2009"]].assign(
@@ -43,8 +43,8 @@ def _ratios(findings: Findings) -> pd.DataFrame:
 def _sentences(anytime: Anytime, ratios: pd.DataFrame) -> list[str]:
     """Return on how many problems each optimizer needs no more evaluations than the best of 2009."""
     sentences = []
-    for level in anytime.words.levels:
-        at_level = ratios[np.isclose(ratios[anytime.words.unit].astype(float), level)]
+    for level in anytime.target_set.levels:
+        at_level = ratios[np.isclose(ratios[anytime.target_set.unit].astype(float), level)]
         if at_level.empty:
             continue
         problems = count(at_level["problem"].nunique(), "problem")
@@ -57,18 +57,18 @@ def _sentences(anytime: Anytime, ratios: pd.DataFrame) -> list[str]:
         who = (
             listing(parts) if parts else f"every optimizer needed more evaluations than the best of 2009 on {problems}"
         )
-        sentences.append(f"To {anytime.words.at(level)}, {who}.")
+        sentences.append(f"To {anytime.target_set.at(level)}, {who}.")
     return [" ".join(sentences)] if sentences else []
 
 
 def _table(findings: Findings, ratios: pd.DataFrame) -> Table:
-    unit, levels = findings.anytime.words.unit, findings.anytime.words.levels
+    unit, levels = findings.anytime.target_set.unit, findings.anytime.target_set.levels
     rows = ratios[np.isclose(ratios[unit].astype(float).to_numpy()[:, np.newaxis], levels).any(axis=1)]
     keys = [rows["dimension"], rows[unit].astype(float)]
     wide = rows["ratio"].groupby([*keys, rows["optimizer"].astype(object)]).median().unstack()
     wide = wide.sort_index(ascending=[True, False]).reindex(columns=findings.trials.optimizers)
     problems = rows["problem"].astype(object).groupby(keys).nunique().reindex(wide.index)
-    names = [f"d = {dimension:g}, {findings.anytime.words.at(level)}" for dimension, level in wide.index]
+    names = [f"d = {dimension:g}, {findings.anytime.target_set.at(level)}" for dimension, level in wide.index]
     shown = wide.set_axis(pd.Index(names, name="dimension and target")).rename_axis(columns=None)
     lowest = shown.eq(shown.min(axis=1), axis=0) & np.isfinite(shown)
     shown.insert(0, "problems", problems.to_numpy())
@@ -80,5 +80,5 @@ def _table(findings: Findings, ratios: pd.DataFrame) -> Table:
         bold=lowest,
         note="Below 1: fewer evaluations than the best of 2009. ∞: no trial succeeded on half of the problems or more. "
         "Bold: the lowest of a row. The CSV file has every problem and target.",
-        data=findings.anytime.words.in_unit(ratios, unit),
+        data=findings.anytime.target_set.in_unit(ratios, unit),
     )

@@ -98,7 +98,7 @@ def _abridged(findings: Findings, problem: str, table: Table) -> Table:
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
-    summary, matrix, words = findings.final.summary, findings.final.matrix, findings.anytime.words
+    summary, matrix, chosen = findings.final.summary, findings.final.matrix, findings.anytime.target_set
     cells = summary[summary["problem"] == problem].set_index("optimizer").drop(columns="problem")
     shown = cells[["n", "failed", "median", "mean", "sd", "best", "worst"]].rename(columns={"sd": "SD"})
     decimals = usual_decimals(cells["median"])
@@ -106,7 +106,7 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
     if len(rates):
         reached = (
-            rates[(rates["problem"] == problem) & (rates["tau"] == words.level)]
+            rates[(rates["problem"] == problem) & (rates["tau"] == chosen.level)]
             .set_index("optimizer")
             .reindex(cells.index)
         )
@@ -120,30 +120,30 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
         note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
-        f"reached {words.at(words.level)}, with a 95% Wilson interval. –: too few trials.",
+        f"reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
         data=cells.reset_index(),
     )
 
 
 def _running_times(findings: Findings, problem: str) -> Table:
-    words, table = findings.anytime.words, findings.anytime.running_times
+    chosen, table = findings.anytime.target_set, findings.anytime.running_times
     rows = table[table["problem"] == problem]
-    shown = rows.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.trials.optimizers)
-    shown = shown.rename(columns=words.shown).rename_axis(index="optimizer", columns=None)
+    shown = rows.pivot(index="optimizer", columns=chosen.unit, values="ert").reindex(findings.trials.optimizers)
+    shown = shown.rename(columns=chosen.shown).rename_axis(index="optimizer", columns=None)
     shown = shown.astype(float).iloc[:, ::-1]
     lowest = shown.eq(shown.min()) & np.isfinite(shown)
-    last = rows[rows[words.unit] == rows[words.unit].min()].set_index("optimizer").reindex(shown.index)
+    last = rows[rows[chosen.unit] == rows[chosen.unit].min()].set_index("optimizer").reindex(shown.index)
     never = [
         f"∞ ({spent:,.0f})" if np.isinf(ert) else ""
         for ert, spent in zip(last["ert"], last["unsuccessful"], strict=True)
     ]
     texts = pd.DataFrame({shown.columns[-1]: never}, index=shown.index) if len(shown.columns) else None
-    level = _level(rows, words.unit)
-    of = rows[rows[words.unit] == level]
-    hardest = rows[words.unit].min()
+    level = _level(rows, chosen.unit)
+    of = rows[rows[chosen.unit] == level]
+    hardest = rows[chosen.unit].min()
     note = (
         "Bold: the lowest of a column; ∞: no trial succeeded, in brackets the median evaluations of the trials; "
-        f"successes: trials that reached {words.shown(hardest)}."
+        f"successes: trials that reached {chosen.shown(hardest)}."
     )
     if len(of):
         of = of.set_index("optimizer").reindex(findings.trials.optimizers)
@@ -154,7 +154,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
         for column in ("ERT / d", "seconds"):
             lowest[column] = shown[column].eq(shown[column].min()) & np.isfinite(shown[column])
         note += (
-            f" At {words.at(level)}, the hardest target that the most optimizers reached: a 95% interval of the "
+            f" At {chosen.at(level)}, the hardest target that the most optimizers reached: a 95% interval of the "
             "ERT, in which a failure may cost the whole budget, and the ERT in evaluations / d and in seconds of wall "
             "time, at the pace of each trial. The CSV file has percentiles of simulated restarts."
         )
@@ -165,18 +165,18 @@ def _running_times(findings: Findings, problem: str) -> Table:
     best = findings.anytime.best_times
     own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("tau")["ert"]
     if len(own_best):
-        shown.loc[BEST] = own_best.rename(index=words.shown).reindex(shown.columns)
+        shown.loc[BEST] = own_best.rename(index=chosen.shown).reindex(shown.columns)
         shown = shown.fillna({name: "" for name in ("95%", "successes") if name in shown})
         lowest = lowest.reindex(shown.index, fill_value=False)
         note += " The best of 2009: the lowest ERT of any algorithm of BBOB 2009 to each target, as cocopp has it."
     return Table(
         f"running-times-{problem}",
-        f"{problem}: expected running time (ERT) in evaluations to each target, by {words.unit}.",
+        f"{problem}: expected running time (ERT) in evaluations to each target, by {chosen.unit}.",
         shown,
         bold=lowest,
         texts=None if texts is None else texts.reindex(shown.index, fill_value=""),
         note=note,
-        data=words.in_unit(rows, words.unit),
+        data=chosen.in_unit(rows, chosen.unit),
     )
 
 

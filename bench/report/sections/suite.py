@@ -30,7 +30,7 @@ def section(findings: Findings) -> Section | None:
     ):
         return None
     ranks = _ranks(findings, members)
-    text, words = [_meaning(findings.trials, members)], findings.anytime.words
+    text, chosen = [_meaning(findings.trials, members)], findings.anytime.target_set
     if not findings.trials.traces:
         return Section(TITLE, (*text, *findings.display.drawn_words), (ranks,))
     reached = _reached(findings, _panels(members))
@@ -43,7 +43,7 @@ def section(findings: Findings) -> Section | None:
     ]
     if members.groupby("function")["dimension"].nunique().max() > 1:
         scaled = _scaling(findings.anytime, members)
-        items.append(scaling_figure(scaled, findings.display.drawn, target=words.at(words.level)))
+        items.append(scaling_figure(scaled, findings.display.drawn, target=chosen.at(chosen.level)))
     items += _scatter(findings, members)
     most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
     within = reached[(reached["per_dimension"] <= most * (1 + 1e-9)) & (reached["optimizer"] != BEST)]
@@ -71,7 +71,7 @@ def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels
     kwargs = {"columns": columns} if columns else {}
     single = all(len(problems) == 1 for problems in panels.values())
     what = "dimension" if columns else "function" if single else "group"
-    return reached_figure(name, shown, drawn, ends=ends if anytime.words.restarts else None, what=what, **kwargs)
+    return reached_figure(name, shown, drawn, ends=ends if anytime.target_set.restarts else None, what=what, **kwargs)
 
 
 def _each_dimension(findings: Findings, members: pd.DataFrame) -> Iterator[Section]:
@@ -94,7 +94,7 @@ def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
     """Return the running times of the first two in rank, or of the reference and the first other one."""
     first = findings.reference or findings.final.ranked[0]
     second = next(label for label in findings.final.ranked if label != first)
-    unit, times = findings.anytime.words.unit, findings.anytime.running_times
+    unit, times = findings.anytime.target_set.unit, findings.anytime.running_times
     rows = times[times["problem"].isin(members["problem"])]
     wide = rows.pivot(index=["problem", unit], columns="optimizer", values="ert_per_d").astype(float)
     wide = wide.reindex(columns=[first, second]).dropna()
@@ -103,7 +103,7 @@ def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
     table = wide.reset_index().rename_axis(columns=None)
     dimension = table["problem"].map(members.set_index("problem")["dimension"])
     table = table.assign(kind="d = " + dimension.astype(str)).iloc[dimension.argsort(kind="stable")]
-    return [scatter_figure(findings.anytime.words.in_unit(table, unit), first, second)]
+    return [scatter_figure(findings.anytime.target_set.in_unit(table, unit), first, second)]
 
 
 def _members(trials: Trials) -> pd.DataFrame:
@@ -196,12 +196,12 @@ def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
     most = max(trials.budgets[label] / d for label, d in trials.dimensions.items())
     grid = np.geomspace(1 / max(trials.dimensions.values()), most, 60)
     for title, problems in panels.items():
-        shares = anytime.restarts_per_dimension if anytime.words.restarts else anytime.hits
+        shares = anytime.restarts_per_dimension if anytime.target_set.restarts else anytime.hits
         of_panel = shares[shares["problem"].isin(problems)]
         if len(of_panel):
             curve = (
                 analysis.mean_shares(of_panel, anytime.curves)
-                if anytime.words.restarts
+                if anytime.target_set.restarts
                 else analysis.ecdf(of_panel, grid, trials.dimensions)
             )
             curves.append(curve.assign(problem=title))
@@ -211,7 +211,7 @@ def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
 
 def _scaling(anytime: Anytime, members: pd.DataFrame) -> pd.DataFrame:
     """Return function, dimension, optimizer and ERT / d at the target of each problem."""
-    table = analysis.expected_running_time(anytime.hits[np.isclose(anytime.hits["tau"], anytime.words.level)])
+    table = analysis.expected_running_time(anytime.hits[np.isclose(anytime.hits["tau"], anytime.target_set.level)])
     rows = table.merge(members, on="problem")
     return rows.assign(problem=rows["function"], ert=rows["ert"] / rows["dimension"])[
         ["problem", "dimension", "optimizer", "trials", "successes", "ert"]

@@ -149,10 +149,10 @@ def _dimensions(findings: Findings) -> str:
 def _size(findings: Findings) -> str:
     """Return by how much the first in rank is lower than the second: in evaluations on suites, else in medians."""
     first, second = findings.final.ranked[:2]
-    words = findings.anytime.words
-    if words.absolute and not findings.anytime.running_times.empty:
+    chosen = findings.anytime.target_set
+    if chosen.absolute and not findings.anytime.running_times.empty:
         table = findings.anytime.running_times
-        at_level = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
+        at_level = table[np.isclose(table[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
         ert = (
             analysis.table(at_level, "ert")
             .astype(float)
@@ -164,8 +164,8 @@ def _size(findings: Findings) -> str:
             return ""
         factor = _times(float((ert[second] / ert[first]).median()))
         return (
-            f"To {words.at(words.level)}, {second} needs {factor} evaluations (median ratio of expected running times "
-            f"over the {count(len(ert), 'problem')} where both reach it)."
+            f"To {chosen.at(chosen.level)}, {second} needs {factor} evaluations (median ratio of expected running "
+            f"times over the {count(len(ert), 'problem')} where both reach it)."
         )
     medians = findings.final.medians[[first, second]].replace(np.inf, np.nan).dropna().astype(float)
     medians = medians[medians[first] != 0]

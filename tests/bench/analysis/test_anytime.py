@@ -16,12 +16,12 @@ from bench.analysis.anytime import (
     ecdf,
     evaluation_grid,
     expected_running_time,
-    fractions,
     hitting_times,
     success_rates,
-    targets,
 )
+from bench.analysis.target_sets import targets
 from bench.objective import Trace
+from bench.study.targets import fractions
 
 INF = float("inf")
 BUDGET = 100
@@ -66,56 +66,6 @@ FRAME = trials(
     ("p", "b", 1, "ok", 100.0),
 )
 HITS = hitting_times(FRAME, TRACES, targets(TRACES), BUDGET)
-
-
-class TestTargets:
-    def test_the_ladder_falls_by_ten_steps_a_decade(self):
-        assert (len(fractions(known=False)), len(fractions(known=True))) == (31, 81)
-        assert fractions(known=True)[[0, 10, 30, 80]].tolist() == [1.0, 0.1, 0.001, 1e-8]
-        np.testing.assert_allclose(np.diff(np.log10(fractions(known=True))), -0.1)
-
-    def test_where_no_optimum_is_known_the_lowest_value_found_stands_in(self):
-        ladder = targets(TRACES)
-        assert list(ladder) == ["problem", "tau", "target", "reference", "known"]
-        assert len(ladder) == 31
-        assert not ladder["known"].any()
-        assert set(ladder["reference"]) == {0.0}
-        np.testing.assert_allclose(ladder["target"], 10 * ladder["tau"])
-
-    def test_a_known_optimum_is_the_reference_of_a_longer_ladder(self):
-        ladder = targets(TRACES, {"p": -90.0})
-        assert (len(ladder), ladder["known"].all(), set(ladder["reference"])) == (81, True, {-90.0})
-        assert ladder["target"].iloc[[0, 10]].tolist() == [10.0, -80.0]
-
-    def test_an_optimum_of_zero_is_known(self):
-        assert targets({("p", "a", 0): trace((1, 5.0), (2, 1.0))}, {"p": 0.0})["reference"].eq(0).all()
-
-    @pytest.mark.parametrize("optima", [None, {"p": 3.0}, {"p": 4.0}])
-    def test_where_trials_start_at_the_reference_it_is_the_only_target(self, optima):
-        ladder = targets({("p", "a", 0): trace((1, 3.0)), ("p", "a", 1): trace((1, 3.0))}, optima)
-        assert ladder[["tau", "target"]].to_numpy().tolist() == [[0.0, 3.0]]
-        assert ladder["known"].tolist() == [optima == {"p": 3.0}]
-
-    def test_no_finite_value_no_target(self):
-        traces = {("q", "a", 0): trace(), **TRACES}
-        assert set(targets(traces)["problem"]) == {"p"}
-        nothing = targets({("q", "a", 0): trace()})
-        assert nothing.empty
-        assert list(nothing) == list(targets(TRACES))
-
-    def test_an_optimum_that_a_trial_beat_gives_way_to_what_was_found(self):
-        ladder = targets(TRACES, {"p": 0.5})
-        assert (len(ladder), ladder["known"].any(), set(ladder["reference"])) == (31, False, {0.0})
-        near = targets({("p", "a", 0): trace((1, 5.0), (2, 1 - 1e-13))}, {"p": 1.0})
-        assert (len(near), near["known"].all(), set(near["reference"])) == (81, True, {1.0})
-
-    def test_problems_in_the_order_of_the_traces(self):
-        traces = {(name, "a", 0): trace((1, 2.0), (2, 1.0)) for name in "rps"}
-        assert list(dict.fromkeys(targets(traces)["problem"])) == ["r", "p", "s"]
-
-    def test_values_of_any_size(self):
-        ladder = targets({("p", "a", i): trace((1, 1.7e308), (2, -1.7e308)) for i in range(2)})
-        assert len(ladder) == 31
 
 
 class TestHittingTimes:

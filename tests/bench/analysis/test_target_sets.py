@@ -4,17 +4,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis.anytime import hitting_times, targets
+from bench.analysis.anytime import hitting_times
 from bench.analysis.target_sets import (
-    COCO_PRECISIONS,
     aocc,
     compare_sets,
     target_areas,
     target_table,
+    targets,
     tolerance_times,
 )
 from bench.objective import Trace
-from bench.study.targets import KINDS
+from bench.study.targets import COCO_PRECISIONS, KINDS
 
 INF = float("inf")
 
@@ -35,12 +35,61 @@ FRAME = pd.DataFrame(
 )
 
 
-class TestSets:
-    def test_coco_s_precisions_are_51_from_1e2_to_1e_8(self):
-        assert len(COCO_PRECISIONS) == 51
-        assert COCO_PRECISIONS[[0, 5, 10, 50]].tolist() == [100.0, 10.0, 1.0, 1e-8]
-        np.testing.assert_allclose(np.diff(np.log10(COCO_PRECISIONS)), -0.2)
+# f_0 is 10, the lowest value 0: the target of tau is 10 tau.
+BEGUN = {
+    ("p", "a", 0): trace((1, 10.0), (5, 1.0), (20, 0.0)),
+    ("p", "a", 1): trace((1, 12.0), (50, 5.0)),
+    ("p", "b", 0): trace((2, 10.0), (40, 0.5)),
+    ("p", "b", 1): trace((1, 9.0), (8, 1.0)),
+}
 
+
+class TestLadder:
+    def test_where_no_optimum_is_known_the_lowest_value_found_stands_in(self):
+        ladder = targets(BEGUN)
+        assert list(ladder) == ["problem", "tau", "target", "reference", "known"]
+        assert len(ladder) == 31
+        assert not ladder["known"].any()
+        assert set(ladder["reference"]) == {0.0}
+        np.testing.assert_allclose(ladder["target"], 10 * ladder["tau"])
+
+    def test_a_known_optimum_is_the_reference_of_a_longer_ladder(self):
+        ladder = targets(BEGUN, {"p": -90.0})
+        assert (len(ladder), ladder["known"].all(), set(ladder["reference"])) == (81, True, {-90.0})
+        assert ladder["target"].iloc[[0, 10]].tolist() == [10.0, -80.0]
+
+    def test_an_optimum_of_zero_is_known(self):
+        assert targets({("p", "a", 0): trace((1, 5.0), (2, 1.0))}, {"p": 0.0})["reference"].eq(0).all()
+
+    @pytest.mark.parametrize("optima", [None, {"p": 3.0}, {"p": 4.0}])
+    def test_where_trials_start_at_the_reference_it_is_the_only_target(self, optima):
+        ladder = targets({("p", "a", 0): trace((1, 3.0)), ("p", "a", 1): trace((1, 3.0))}, optima)
+        assert ladder[["tau", "target"]].to_numpy().tolist() == [[0.0, 3.0]]
+        assert ladder["known"].tolist() == [optima == {"p": 3.0}]
+
+    def test_no_finite_value_no_target(self):
+        traces = {("q", "a", 0): trace(), **BEGUN}
+        assert set(targets(traces)["problem"]) == {"p"}
+        nothing = targets({("q", "a", 0): trace()})
+        assert nothing.empty
+        assert list(nothing) == list(targets(BEGUN))
+
+    def test_an_optimum_that_a_trial_beat_gives_way_to_what_was_found(self):
+        ladder = targets(BEGUN, {"p": 0.5})
+        assert (len(ladder), ladder["known"].any(), set(ladder["reference"])) == (31, False, {0.0})
+        near = targets({("p", "a", 0): trace((1, 5.0), (2, 1 - 1e-13))}, {"p": 1.0})
+        assert (len(near), near["known"].all(), set(near["reference"])) == (81, True, {1.0})
+
+    def test_problems_in_the_order_of_the_traces(self):
+        traces = {(name, "a", 0): trace((1, 2.0), (2, 1.0)) for name in "rps"}
+        assert list(dict.fromkeys(targets(traces)["problem"])) == ["r", "p", "s"]
+
+    def test_values_of_any_size(self):
+        ladder = targets({("p", "a", i): trace((1, 1.7e308), (2, -1.7e308)) for i in range(2)})
+        assert len(ladder) == 31
+
+
+class TestSets:
     @pytest.mark.parametrize(("optima", "reference"), [({"p": 4.0}, 4.0), ({}, 4.1), ({"p": 4.5}, 4.1)])
     def test_precisions_are_above_the_optimum_or_what_was_found(self, optima, reference):
         table = target_table("precisions", FRAME, TRACES, optima)
@@ -51,7 +100,7 @@ class TestSets:
     def test_a_list_has_its_own_precisions(self):
         assert target_table([1.0, 0.5], FRAME, TRACES, {"p": 4.0})["target"].tolist() == [5.0, 4.5]
 
-    def test_relative_targets_are_those_of_the_anytime_view(self):
+    def test_relative_targets_need_no_frame(self):
         pd.testing.assert_frame_equal(target_table("relative", FRAME, TRACES, {"p": 4.0}), targets(TRACES, {"p": 4.0}))
 
     def test_percentages_are_of_the_size_of_the_optimum(self):

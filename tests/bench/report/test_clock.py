@@ -43,7 +43,7 @@ def test_the_break_even_cost_is_that_at_which_both_take_as_long(findings):
     assert (said.fastest, said.cost) == ("b", "2 us")
     assert said.sentence == (
         "b is faster by the clock than a as long as an evaluation takes less than 2 us (median of 3 problems; 1 to 20 "
-        f"us): to {clock._target(findings.anytime.words, 1e-2)}, a has the lowest expected running time in "
+        f"us): to {findings.anytime.target_set.at_length(1e-2)}, a has the lowest expected running time in "
         "evaluations on 3 of 3 problems, and b the lowest in seconds on 3."
     )
 

@@ -27,12 +27,12 @@ from bench.report.methods import (
     write,
 )
 from bench.report.replication import Replication
-from bench.report.target_words import target_words
 from bench.report.winner import winner_rule
 from bench.storage.results import ProblemFacts
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.rope import Rope
+from bench.study.targets import KINDS, Targets
 from bench.study.tuned import Tuned, Tuning
 
 ENVIRONMENT = {
@@ -61,7 +61,7 @@ NOTHING = {
     "study": study(), "descriptions": {}, "selection": "", "replications": ONE, "known": {}, "empty": 0, "failed": 0,
     "not_compared": Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {}), "environments": [],
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
-    "known_optima": 0, "targets": 0, "target_set": target_words("relative"), "aocc": 0, "early": {}, "checks": {},
+    "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
     "rope": None, "landscapes": 0, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
     "tuning": None, "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
 }  # fmt: skip
@@ -108,7 +108,7 @@ class TestMethods:
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
         looked = replace(full()["study"], looks=(10, 20, 30))
-        fields_own = full(study=looked, target_set=target_words("precisions"), aocc=2, best2009=2)
+        fields_own = full(study=looked, target_set=KINDS["precisions"], aocc=2, best2009=2)
         many = full(study=study([f"o{place}" for place in range(33)]), needed="formula", stability=True)
         swept = full(sweeps=1, tuning=TUNING)
         known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
@@ -155,7 +155,7 @@ class TestMethods:
         ],
     )
     def test_the_targets_are_stated(self, chosen, sentence):
-        text = said(full(target_set=target_words(chosen), aocc=2))
+        text = said(full(target_set=Targets.read(chosen), aocc=2))
         assert sentence in text
         assert (", with simulated restarts" in text) == (chosen != "relative")
         assert "The area over the convergence curve (van Stein et al., 2024) is given on 2 problems with a" in text

@@ -2,10 +2,12 @@
 
 import math
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.study.targets import KINDS, checked, percentages, precisions
+from bench.study.targets import COCO_PRECISIONS, KINDS, Found, Targets, fractions
 
 
 @pytest.mark.parametrize(
@@ -21,8 +23,9 @@ from bench.study.targets import KINDS, checked, percentages, precisions
     ],
 )
 def test_what_is_allowed_is_held_from_easy_to_hard(given, held):
-    assert checked(given, "the targets") == held
-    assert checked(held, "the targets") == held
+    targets = Targets.read(given)
+    assert targets.plain == held
+    assert Targets.read(held) == targets == held
 
 
 @pytest.mark.parametrize(
@@ -32,11 +35,69 @@ def test_what_is_allowed_is_held_from_easy_to_hard(given, held):
 )  # fmt: skip
 def test_anything_else_is_refused_in_one_sentence(given):
     with pytest.raises(BenchError, match=r"^the targets must be 'precisions', .* or 'tolerance', ") as error:
-        checked(given, "the targets")
+        Targets.read(given, "the targets")
     assert "\n" not in str(error.value)
 
 
-def test_lists_are_read_back():
-    assert precisions([10.0, 1e-3]) == [10.0, 1e-3]
-    assert percentages(["5%", "0.1%"]) == pytest.approx([0.05, 0.001])
-    assert precisions(["5%"]) == percentages([1.0]) == precisions("relative") == percentages("precisions") == []
+@pytest.mark.parametrize("given", [*KINDS, [1.0], [1.0, 0.1], ["5%"]])
+def test_every_kind_is_explained_and_shows_its_own_levels(given):
+    targets = Targets.read(given)
+    assert targets.level in targets.levels
+    assert list(targets.tabled) == sorted(targets.tabled, reverse=True)
+    for known in ([True], [False], [True, False]):
+        assert targets.meaning(known).endswith(".")
+    assert targets.method("the known optimum").endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("given", "level", "words", "shown"),
+    [
+        ("relative", 0.01, "tau = 0.01", "0.01"),
+        ("precisions", 1e-8, "precision = 1e-08", "1e-08"),
+        ("runlength", 1 / 1.2, "the target for 1.2 d evaluations", "1.2"),
+        ("5%", 0.05, "5% of the optimum", "0.05"),
+        ("tolerance", 0.5, "0.5 times the tolerance", "0.5"),
+        ("quantiles", 0.25, "quantile = 0.25", "0.25"),
+    ],
+)
+def test_a_level_in_words_and_in_a_table(given, level, words, shown):
+    targets = Targets.read(given)
+    assert (targets.at(level), targets.shown(level)) == (words, shown)
+    assert targets.in_unit(pd.DataFrame({"tau": [level]}))["tau"].tolist() == pytest.approx([float(shown)])
+
+
+def test_long_lists_show_some_of_their_levels():
+    targets = Targets.read([10.0**-step for step in range(20)])
+    assert (len(targets.levels), len(targets.tabled)) == (3, 8)
+    assert (targets.levels[0], targets.levels[-1], targets.tabled[-1]) == (1.0, 1e-19, 1e-19)
+    assert "20 target precisions (1.0, 0.1, 0.01, 0.001, 0.0001, 1e-05, 1e-06 and 13 more)" in targets.method("it")
+
+
+def test_targets_of_a_problem_are_beside_what_was_found_there():
+    found = Found(4.0, True, 14.0, np.array([5.0, np.inf, 6.0, 7.0]))
+    tau, target = Targets.read("1, 0.5").rungs(found)
+    assert (tau.tolist(), target.tolist()) == ([1.0, 0.5], [5.0, 4.5])
+    assert Targets.read("50%").rungs(found)[1].tolist() == [6.0]
+    assert Targets.read("relative").rungs(found)[1].tolist() == (4 + 10 * fractions(True)).tolist()
+    assert dict(zip(*map(list, Targets.read("quantiles").rungs(found)), strict=True))[0.5] == 6.0
+
+
+def test_targets_by_tolerance_alone_need_an_expected_metric():
+    for given in (*KINDS, [1.0], ["5%"]):
+        Targets.read(given).require_metric(True)
+        if given != "tolerance":
+            Targets.read(given).require_metric(False)
+    with pytest.raises(BenchError, match=r"^targets by tolerance need a problem with an expected metric"):
+        Targets.read("tolerance").require_metric(False)
+
+
+def test_the_ladder_falls_by_ten_steps_a_decade():
+    assert (len(fractions(known=False)), len(fractions(known=True))) == (31, 81)
+    assert fractions(known=True)[[0, 10, 30, 80]].tolist() == [1.0, 0.1, 0.001, 1e-8]
+    np.testing.assert_allclose(np.diff(np.log10(fractions(known=True))), -0.1)
+
+
+def test_coco_s_precisions_are_51_from_1e2_to_1e_8():
+    assert len(COCO_PRECISIONS) == 51
+    assert COCO_PRECISIONS[[0, 5, 10, 50]].tolist() == [100.0, 10.0, 1.0, 1e-8]
+    np.testing.assert_allclose(np.diff(np.log10(COCO_PRECISIONS)), -0.2)

@@ -9,9 +9,8 @@ from bench.report.findings import Findings
 from bench.report.findings import anytime as findings_module
 from bench.report.methods import methods
 from bench.report.sections import anytime, datasets
-from bench.report.target_words import default_targets, meaning, target_words
 from bench.storage.results import ProblemFacts
-from bench.study.targets import KINDS
+from bench.study.targets import Targets
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
 
@@ -23,7 +22,7 @@ def folder(make, tmp_path_factory):
 
 
 def findings(folder, asked=None, expected=None, **optima):
-    found = Findings(Results(folder), asked)
+    found = Findings(Results(folder), asked and Targets.read(asked))
     if expected:
         found.results._facts = lambda label: ProblemFacts(expected=expected)
     found.trials.__dict__["optima"] = optima
@@ -36,27 +35,27 @@ def refused(names):
 
 class TestDefault:
     @pytest.mark.parametrize(
-        ("known", "functions", "chosen"),
+        ("known", "functions", "usual"),
         [
-            ({"p": ProblemFacts(0.0, features={"suite": "bbob-noisy"})}, [], "precisions"),
-            ({"p": ProblemFacts(0.0, features={"suite": "bbob"}), "q": ProblemFacts(0.0)}, [], "relative"),
-            ({"p": ProblemFacts(None, features={"suite": "cec2011"})}, [], "relative"),
-            ({"p": ProblemFacts(1.0, features={"suite": "engineering"})}, [], "relative"),
-            ({"p": ProblemFacts(0.0, features={"suite": "mine"})}, ["p"], "precisions"),
-            ({"p": ProblemFacts(0.0)}, [], "relative"),
-            ({}, [], "relative"),
+            ({"p": ProblemFacts(0.0, features={"suite": "bbob-noisy"})}, [], True),
+            ({"p": ProblemFacts(0.0, features={"suite": "bbob"}), "q": ProblemFacts(0.0)}, [], False),
+            ({"p": ProblemFacts(None, features={"suite": "cec2011"})}, [], False),
+            ({"p": ProblemFacts(1.0, features={"suite": "engineering"})}, [], False),
+            ({"p": ProblemFacts(0.0, features={"suite": "mine"})}, ["p"], True),
+            ({"p": ProblemFacts(0.0)}, [], False),
+            ({}, [], False),
         ],
     )
-    def test_precisions_only_where_the_field_has_them(self, known, functions, chosen):
-        assert default_targets(known, functions) == chosen
+    def test_precisions_only_where_the_field_has_them(self, known, functions, usual):
+        assert findings_module.are_of_the_field(known, functions) == usual
 
     def test_those_asked_for_come_before_the_study_s(self, folder):
         found = findings(folder)
         found.results.study = found.results.study.override(targets="quantiles")
-        assert found.anytime.words.kind == "quantiles"
+        assert found.anytime.target_set == "quantiles"
         again = findings(folder, [0.1])
         again.results.study = found.results.study
-        assert again.anytime.words.chosen == [0.1]
+        assert again.anytime.target_set == [0.1]
 
 
 class TestSections:
@@ -78,7 +77,7 @@ class TestSections:
         section = anytime.section(found)
         names = [item.name for item in section.items]
         assert names.count("target-sets") == 1
-        assert ("aocc" in names) == (found.anytime.words.kind == "precisions" and bool(found.trials.unbeaten))
+        assert ("aocc" in names) == (found.anytime.target_set.absolute and bool(found.trials.unbeaten))
         assert "nan" not in " ".join(section.text)
         assert datasets.section(found).sections
         assert methods(found).text
@@ -132,26 +131,26 @@ class TestRunLengths:
 
             study = {"trials": 3, "row": row} | changes
             folder = made(tmp_path / "s", {f"{function}-i1": 2}, **study).paths[0]
-            return Findings(Results(folder), asked)
+            return Findings(Results(folder), asked and Targets.read(asked))
 
         return found
 
     def test_they_are_the_usual_ones_of_small_budgets_where_the_best_is_there(self, small, monkeypatch):
         found = small()
-        assert found.anytime.words.kind == "runlength"
+        assert found.anytime.target_set == "runlength"
         assert found.anytime.near == 0
         monkeypatch.setattr(findings_module, "EXPENSIVE", 60)  # 120 evaluations are 60 d
-        assert Findings(found.results).anytime.words.kind == "precisions"
+        assert Findings(found.results).anytime.target_set == "precisions"
         monkeypatch.undo()
         monkeypatch.setattr(findings_module, "best2009", refused)
-        assert Findings(found.results).anytime.words.kind == "precisions"
+        assert Findings(found.results).anytime.target_set == "precisions"
 
     def test_a_function_without_the_best_has_precisions(self, small):
-        assert small(function="bbob-f09-d2").anytime.words.kind == "precisions"
+        assert small(function="bbob-f09-d2").anytime.target_set == "precisions"
 
     def test_the_tables_name_budgets_and_the_files_have_them(self, small):
         found = small()
-        times = found.anytime.words.in_unit(found.anytime.running_times, "budget / d")
+        times = found.anytime.target_set.in_unit(found.anytime.running_times, "budget / d")
         own = times[times["optimizer"] == "a"].set_index("budget / d")["ert"]
         assert own.to_dict() == pytest.approx({0.5: 8.0, 1.2: 8.0, 3.0: 8.0, 10.0: np.inf, 50.0: np.inf})
         rates = next(item for item in anytime.section(found).items if item.name == "success-rates")
@@ -200,11 +199,3 @@ class TestOrder:
     def test_where_nothing_can_be_compared_nothing_is_said(self, folder):
         assert self.said(folder, x=[1, 2, 3]) == ""
         assert self.said(folder, x=[np.nan] * 3, y=[1, 2, 3]) == ""
-
-
-def test_every_set_is_explained():
-    for chosen in (*KINDS, [1.0], [1.0, 0.1], ["5%"]):
-        words = target_words(chosen)
-        assert set(words.levels) >= {words.level}
-        for known in ([True], [False], [True, False]):
-            assert meaning(words, known).endswith(".")

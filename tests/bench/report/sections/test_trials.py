@@ -35,18 +35,18 @@ def test_pairs_that_are_not_separated(folder):
 
 
 def test_looks(folder):
-    known = findings_of(folder, looks=(4, 10, 12))
+    known = findings_of(folder, looks=(6, 10, 12))
     assert set(known.trials.decisions.stopped) == {("p", "a"), ("q", "a")}
     found = trials.section(known)
-    assert found.text[0].startswith("The study declares looks at 4, 10 and 12 trials: at each, the pairs of a problem")
+    assert found.text[0].startswith("The study declares looks at 6, 10 and 12 trials: at each, the pairs of a problem")
     assert "Of 6 cells, 2 at 10 trials were stopped early" in found.text[0]
     table = found.items[0].frame
     assert table["cells decided"].tolist() == [0, 2, 0]
-    assert table.index.tolist() == [4, 10, 12]
+    assert table.index.tolist() == [6, 10, 12]
     assert set(known.final.pairs["look"]) == {0, 10}
     shown = verdict.section(known)
     assert trials.NOT_ADJUSTED in shown.cards[2].text
-    adjusted = "adjusted for looks at 4, 10 and 12 trials and by Holm’s method over the 6 pairs of all problems"
+    adjusted = "adjusted for looks at 6, 10 and 12 trials and by Holm’s method over the 6 pairs of all problems"
     assert adjusted in shown.cards[4].text[0]
     assert "2 cells were decided against every rival" in " ".join(methods.section(known).text)
     plain = verdict.section(findings_of(folder))
@@ -54,9 +54,9 @@ def test_looks(folder):
 
 
 def test_a_cell_that_a_look_stopped_is_complete(folder):
-    known = findings_of(folder, looks=(4, 10, 12))
+    known = findings_of(folder, looks=(6, 10, 12))
     missing = known.results.frame[~((known.results.frame["optimizer"] == "a") & (known.results.frame["trial"] >= 10))]
-    for looks, verdicts in (((4, 10, 12), "pass"), ((), "warning")):
+    for looks, verdicts in (((6, 10, 12), "pass"), ((), "warning")):
         own = findings_of(folder, looks)
         own.results.__dict__["_frame_and_origins"] = (missing.reset_index(drop=True), pd.Series([1] * len(missing)))
         checks = own.integrity.set_index("check")
