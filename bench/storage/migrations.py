@@ -78,7 +78,7 @@ class Older:
 
 @contextmanager
 def current(
-    connection: sqlite3.Connection, path: Path, *, locked: bool, rescue: int | None
+    connection: sqlite3.Connection, path: Path, *, writing: bool, rescue: int | None
 ) -> Iterator[sqlite3.Connection]:
     """Yield a connection to an open store in this layout: itself, brought to it where need be, or a temporary copy.
 
@@ -87,56 +87,51 @@ def current(
     Args:
         connection: to the store.
         path: of the store.
-        locked: whether the folder is locked by whoever asks.
+        writing: whether it is to be written by whoever has locked its folder; then it is no copy.
         rescue: None, or the number of trials of a cell, to read what can be read of a damaged store.
+
+    Raises:
+        sqlite3.Error: where the store cannot be read, or not be written as it must.
     """
-    migrated = layout(connection) not in STEPS
-    if not migrated and rescue is None:
-        migrated = _migrated(connection) if locked else _migrated_here(connection, path.parent)
-    if migrated:
+    if writing:
+        _migrate(connection)
+    if layout(connection) not in STEPS or (rescue is None and _migrated(connection, path.parent)):
         yield connection
     else:
         with closing(sqlite3.connect("")) as copy:  # a file that SQLite removes
             with copy:
                 _take(Older(connection, rescue=rescue), int(layout(connection) or 0), copy)
-            if layout(copy) in STEPS:
-                _migrated(copy)
+            _migrate(copy)
             yield copy
 
 
-def _migrated_here(connection: sqlite3.Connection, folder: Path) -> bool:
+def _migrated(connection: sqlite3.Connection, folder: Path) -> bool:
     """Bring the open store of a folder to this layout where no run writes there; return whether that was possible."""
-    if not os.access(folder, os.W_OK):
-        return False
-    try:
-        with FileLock(folder / LOCK, timeout=0):
-            return _migrated(connection)
-    except (OSError, NotImplementedError, Timeout):
-        return False
+    with suppress(OSError, NotImplementedError, Timeout, sqlite3.OperationalError):  # such as a disk that is full
+        if os.access(folder, os.W_OK):
+            with FileLock(folder / LOCK, timeout=0):
+                _migrate(connection)
+                return True
+    return False
 
 
-def _migrated(connection: sqlite3.Connection) -> bool:
-    """Bring an open store to this layout, in one transaction, and return whether it could be written.
-
-    A kill leaves the older store or the new one.
-    """
-    try:
-        with connection:
-            connection.execute("BEGIN IMMEDIATE")
-            while (version := layout(connection)) in STEPS:  # another process may have been first
-                query = "SELECT name FROM sqlite_master WHERE type = 'table'"
-                tables = [name for (name,) in connection.execute(query).fetchall()]
-                connection.execute("DROP VIEW IF EXISTS trials")
-                for table in tables:
-                    connection.execute(f"ALTER TABLE {table} RENAME TO old_{table}")
-                _take(Older(connection, "old_"), version, connection)
-                for table in tables:
-                    connection.execute(f"DROP TABLE old_{table}")
-    except sqlite3.OperationalError:  # on a disk that is full or cannot be written
-        return False
+def _migrate(connection: sqlite3.Connection) -> None:
+    """Bring an open store to this layout, in one transaction; a kill leaves the older store or the new one."""
+    if layout(connection) not in STEPS:
+        return
+    with connection:
+        connection.execute("BEGIN IMMEDIATE")
+        while (version := layout(connection)) in STEPS:  # another process may have been first
+            query = "SELECT name FROM sqlite_master WHERE type = 'table'"
+            tables = [name for (name,) in connection.execute(query).fetchall()]
+            connection.execute("DROP VIEW IF EXISTS trials")
+            for table in tables:
+                connection.execute(f"ALTER TABLE {table} RENAME TO old_{table}")
+            _take(Older(connection, "old_"), version, connection)
+            for table in tables:
+                connection.execute(f"DROP TABLE old_{table}")
     with suppress(sqlite3.OperationalError):
-        connection.execute("VACUUM")  # else the older tables' space stays in the file
-    return True
+        connection.execute("VACUUM")  # else the file keeps the space of the older tables
 
 
 def _take(older: Older, version: int, target: sqlite3.Connection) -> None:

@@ -210,15 +210,19 @@ class Store:
         """
         if not anew and not (counted := self.count()).sound:
             raise DamagedStoreError(f"the store {self.path} cannot be written: {counted.sentence}")
-        with self._open() as connection:
+        with self._open(writing=True) as connection:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
             prepare(connection, committed.read(self.path.parent))
             yield Writer(connection, self.path, noted=not anew)
 
     def update(self) -> None:
-        """Bring a store of an older layout to this one; its folder must be locked. A damaged store stays as it is."""
-        with suppress(DamagedStoreError), self._open(locked=True):
+        """Bring a store of an older layout to this one; its folder must be locked. A damaged store stays as it is.
+
+        Raises:
+            BenchError: when it cannot be written.
+        """
+        with suppress(DamagedStoreError), self._open(writing=True):
             pass
 
     def copy(self, file: Path) -> None:
@@ -238,7 +242,7 @@ class Store:
                 copy.execute("PRAGMA schema_version = 1")  # VACUUM counts it up from that of this store
 
     @contextmanager
-    def _open(self, *, rescue: int | None = None, locked: bool = False) -> Iterator[sqlite3.Connection]:
+    def _open(self, *, rescue: int | None = None, writing: bool = False) -> Iterator[sqlite3.Connection]:
         """Yield a connection; a store of an older layout is brought to this one, or a copy of it (``migrations``)."""
         try:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
@@ -256,7 +260,7 @@ class Store:
                         f"the store {self.path} holds {printable(name, LONGEST)!r} in another form than 'bench run' "
                         f"writes it, so nothing of it is read; {BEYOND_REPAIR}"
                     )
-                with migrations.current(connection, self.path, locked=locked, rescue=rescue) as current:
+                with migrations.current(connection, self.path, writing=writing, rescue=rescue) as current:
                     yield current
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
             raise _refusal(self.path, error) from error

@@ -140,6 +140,21 @@ def test_a_store_is_left_as_it_is_while_a_run_holds_its_folder(folder):
         assert layout(folder) == 3
 
 
+def test_a_store_that_cannot_be_written_takes_no_trial(folder, monkeypatch):
+    def full(connection, schema):
+        if connection.execute("PRAGMA database_list").fetchone()[2]:  # it is no temporary one
+            raise sqlite3.OperationalError("database or disk is full")
+        create(connection, schema)
+
+    before, create = folder.store.path.read_bytes(), migrations.create
+    monkeypatch.setattr(migrations, "create", full)
+    assert len(load_results(folder.path)) == 16
+    for write in (folder.store.writer, folder.lock):
+        with pytest.raises(BenchError, match="disk is full"), write():
+            pytest.fail("a copy would be written")
+    assert folder.store.path.read_bytes() == before
+
+
 KILLED = """
 import os, sys
 from bench.storage import migrations
