@@ -61,11 +61,11 @@ def diagnose_folder(
             continue
         try:
             optimizer = study.optimizer(entry.label)
+            code = key(entry, optimizer)
         except BenchError as error:  # the other optimizers get their verdicts all the same
             noted.pop(entry.label, None)
             yield Diagnosis(entry.label, [], str(error))
             continue
-        code = key(entry, optimizer)
         kept = [] if anew else _kept([dict(record) for record in noted.get(entry.label, [])], code)
         if kept:
             yield Diagnosis(entry.label, kept, kept=True)

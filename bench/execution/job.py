@@ -31,6 +31,7 @@ from bench.execution.answers import Box, RefusedError
 from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
 from bench.plugins import from_file, loading, registry
+from bench.plugins.code import Code
 from bench.plugins.files import Files
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
@@ -61,6 +62,7 @@ class Task:
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
     files: Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
     data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
+    code: dict[str, Code] = field(default_factory=dict)  # likewise what decides the optimizers' trials
 
     @classmethod
     def of(cls, study: Study, untrusted: bool = False) -> Task:

@@ -46,7 +46,7 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 class Checked:
     """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers.
 
-    ``task`` has the files that were checked and the hashes of the data, so that no trial is made with others.
+    ``task`` has the files that were checked and the hashes of data and code, so that no trial is made with others.
     """
 
     fingerprints: Fingerprints
@@ -129,7 +129,7 @@ def _checked(first: ForkServer, task: Task) -> Checked:
             code[entry.label] = versions(code[entry.label])
         code[entry.label] |= from_file.fingerprint(entry.name, task.files)
     fingerprints = Fingerprints(data, code)
-    return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data))
+    return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data, code=code))
 
 
 def failed(reason: str) -> Row:

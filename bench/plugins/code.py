@@ -22,6 +22,7 @@ from importlib.metadata import PackageNotFoundError, packages_distributions, ver
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bench.errors import BenchError
 from bench.optimizer import Optimizer
 from bench.plugins import registry
 from bench.plugins.syntax import Facts, facts
@@ -78,8 +79,17 @@ def identity(optimizer: Optimizer) -> Code:
     These are its own ``fingerprint``, the versions of the packages that hold its classes and of the ``libraries`` that
     it declares, and the files of classes that are not installed, or only as a link to their checkout. The harness
     itself does not count.
+
+    Raises:
+        BenchError: for libraries that are no names of installed packages.
     """
-    names, files = set(optimizer.libraries), Code()
+    libraries, files = optimizer.libraries, Code()
+    are_names = isinstance(libraries, (tuple, list)) and all(isinstance(name, str) for name in libraries)
+    if not are_names or len(names := set(libraries)) > len(versions(libraries)):
+        raise BenchError(
+            f"the 'libraries' of {type(optimizer).__name__} must be names of packages that are installed here, as in "
+            f"('cma',), not {libraries!r}"
+        )
     for module in defining([optimizer]):
         spec = getattr(sys.modules.get(module), "__spec__", None)
         if spec is not None and _is_installed(spec):
@@ -97,7 +107,7 @@ def differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
 def versions(names: Iterable[str]) -> Code:
     """Return the versions of those distributions that are installed, by name."""
     found = Code()
-    for name in sorted(names):
+    for name in sorted(set(names)):
         with suppress(PackageNotFoundError, ValueError):  # ValueError: an empty name
             found[name] = version(name)
     return found

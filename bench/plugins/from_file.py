@@ -108,7 +108,7 @@ def contents(optimizers: Iterable[str], problems: Iterable[str] = ()) -> Files:
     for name, kind in (dict.fromkeys(optimizers, "optimizer") | dict.fromkeys(problems, "problem")).items():
         if parts := split(name):
             files[_key(name)] = _modules(parts[0], kind, read)
-        elif kind == "optimizer" and (module := _key(name)):
+        elif kind == "optimizer" and (module := _key(name)) not in {"", *files}:
             files |= {module: linked} if (linked := code.linked(module, read)) else {}
     for name in filter(split, problems):  # whose files are loaded in the processes of all optimizers, too
         _refuse_namesakes(_key(name), files)

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import pytest
 
-from bench import Optimizer, load_optimizer, load_problem
+from bench import BenchError, Optimizer, load_optimizer, load_problem
 from bench.plugins import code
 
 
@@ -153,11 +153,18 @@ def test_modules_that_define_a_plugin_are_those_of_plugins_alone():
 
 @dataclass(frozen=True)
 class Own(Optimizer):
-    libraries = ("numpy", "a-package-that-is-not-installed")
+    libraries = ("numpy",)
     fingerprint: ClassVar = {"program": "f00"}
 
     def minimize(self, objective, rng):
         pass
+
+
+@pytest.mark.parametrize("libraries", ["numpy", ("pycma",), ("numpy", ""), (3,)])
+def test_libraries_that_are_no_installed_packages_are_one_sentence(libraries, monkeypatch):
+    monkeypatch.setattr(Own, "libraries", libraries)
+    with pytest.raises(BenchError, match="the 'libraries' of Own must be names of packages that are installed here"):
+        code.identity(Own())
 
 
 def test_a_class_of_no_file_counts_by_what_it_declares(monkeypatch):
