@@ -2,6 +2,9 @@
 
 From :data:`COLUMNS` follow the fields of a :class:`bench.trial.Result`, what is checked of an answer, the tables of a
 store, the tidy frame, imports, exports and the reference page. A further column is a line here.
+
+A trial takes five forms: the result in its process, the answer (JSON) that crosses to the parent, the row that the
+parent makes of it once it is checked, the row of the store, and that of the frame.
 """
 
 import json
