@@ -20,6 +20,7 @@ from bench.report.sections import verdict
 from bench.report.sections.beside import section
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
+from bench.study.targets import Targets
 from bench.trial import Trial
 from tests.bench.formats.made import exported, make, record
 
@@ -103,7 +104,7 @@ class TestUnited:
         """Two trials of an archived optimizer are not too few beside three of ours."""
         both = Results(mine, archive)
         assert both.planned == {"own": 3, "archived": 0}
-        found = Findings(both, "precisions")
+        found = Findings(both, Targets.read("precisions"))
         assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
         assert not found.trials.coverage["missing"].any()
 
@@ -219,7 +220,7 @@ def test_sets_of_different_years_keep_all_their_runs_of_a_function(tmp_path):
     sets = [of_years(tmp_path, *each) for each in (("old", (1, 2, 3)), ("new", (3, 61, 62)), ("part", (2,)))]
     own = make(tmp_path / "own", {"bbob-f01-d2-i1": 2, "bbob-f01-d2-i9": 2}, ("mine",), 3, high).paths[0]
     both = Results(own, *sets)
-    found = Findings(both, "precisions")
+    found = Findings(both, Targets.read("precisions"))
     assert found.trials.problems == ["bbob-f01-d2"]
     assert found.trials.whole.groupby("optimizer", observed=True).size().to_dict() == {
         "mine": 6, "old": 6, "new": 6, "part": 2
@@ -227,7 +228,9 @@ def test_sets_of_different_years_keep_all_their_runs_of_a_function(tmp_path):
     assert not found.trials.coverage["missing"].any()
     assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
     for folder in sets[:2]:
-        alone = Findings(Results(folder), "precisions").anytime.running_times.set_index(["problem", "precision"])
+        alone = Findings(Results(folder), Targets.read("precisions")).anytime.running_times.set_index(
+            ["problem", "precision"]
+        )
         beside = found.anytime.running_times.set_index(["optimizer", "problem", "precision"]).loc[folder.name]
         assert beside["ert"].tolist() == alone["ert"].loc[["bbob-f01-d2"]].tolist()
         assert np.isfinite(alone["ert"].astype(float)).any()
