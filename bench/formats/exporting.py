@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 from bench.errors import BenchError, nearest
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
-from bench.helpers.atomic import replacing
 from bench.helpers.text import listed
 from bench.storage.results import Results
 
@@ -33,12 +33,14 @@ def export(results: Results, kind: str, folder: Path) -> list[str]:
     notes = results.damage + _controls(results) + ([] if chosen.holds_failures else omission_notes(results.frame))
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
     readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
-    _refuse_other(folder, title)
-    with replacing(folder) as temporary:
-        _write(temporary / README, "\n".join([readme, *notes, ""] if notes else [readme]))
-        _write(temporary / "study.toml", results.study.to_toml())
+    try:
+        _empty(folder, title)
+        _write(folder / README, "\n".join([readme, *notes, ""] if notes else [readme]))
+        _write(folder / "study.toml", results.study.to_toml())
         for path, content in files:
-            _write(temporary / path, content)
+            _write(folder / path, content)
+    except OSError as error:
+        raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
     return notes
 
 
@@ -51,12 +53,18 @@ def _controls(results: Results) -> list[str]:
     )
 
 
-def _refuse_other(folder: Path, title: str) -> None:
-    """Raise BenchError when a folder holds anything but an earlier export."""
+def _empty(folder: Path, title: str) -> None:
+    """Remove an earlier export, but not the folder, which may be a mount or where the user is.
+
+    Raises:
+        BenchError: when it holds anything else.
+    """
+    content = list(folder.iterdir()) if folder.exists() else []
     readme = folder / README
-    content = folder.is_dir() and any(folder.iterdir())
     if content and not (readme.is_file() and readme.read_bytes().startswith(title.encode())):
         raise BenchError(f"{folder} holds something other than an earlier export of this format; give another folder")
+    for path in content:
+        shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
 def _write(path: Path, content: str | bytes) -> None:

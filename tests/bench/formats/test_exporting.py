@@ -1,6 +1,7 @@
 """What holds for every export format: where files go, what they replace, and what is refused."""
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -56,6 +57,17 @@ class TestEveryFormat:
             with pytest.raises(BenchError, match="something other than an earlier export"):
                 export(results, kind, other)
             assert contents(other) == before
+
+    def test_the_folder_where_the_user_is_stays_the_same_folder(self, kind, tmp_path, monkeypatch):
+        needs(kind)
+        results = make(tmp_path / "s", trials=1)
+        (tmp_path / "here").mkdir()
+        monkeypatch.chdir(tmp_path / "here")
+        before = Path().stat().st_ino
+        for _ in range(2):
+            export(results, kind, Path())
+        assert Path(tmp_path / "here").stat().st_ino == before
+        assert Path("README.txt").is_file()
 
     def test_failures_are_said(self, kind, tmp_path):
         needs(kind)
