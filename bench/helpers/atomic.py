@@ -18,8 +18,10 @@ def replacing(path: Path) -> Iterator[Path]:
     After an error it is removed and ``path`` is unchanged.
 
     Raises:
-        BenchError: where it cannot be written, or would replace a device, a pipe or a socket.
+        BenchError: where it cannot be written, or would replace the working folder, a device, a pipe or a socket.
     """
+    if not path.name:
+        raise BenchError(f"{path} cannot be replaced while it is in use; give the name of another file or folder")
     if os.path.exists(path) and not (path.is_file() or path.is_dir()):  # noqa: PTH110 - it never raises
         raise BenchError(f"{path} cannot be written: it is neither a file nor a folder")
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")

@@ -43,3 +43,10 @@ def test_the_names_in_a_folder_are_none_in_a_new_one_and_its_own_for_a_file(tmp_
     (tmp_path / "file").touch()
     assert names_in(tmp_path) == {"file"}
     assert names_in(tmp_path / "file") == {"file"}
+
+
+@pytest.mark.parametrize("path", [".", "/"])
+def test_a_folder_in_use_is_refused_in_one_sentence(path):
+    said = r"^\S+ cannot be replaced while it is in use; give the name of another"
+    with pytest.raises(BenchError, match=said), replacing(Path(path)):
+        raise AssertionError("it was entered")
