@@ -321,6 +321,20 @@ def test_an_address_without_a_scheduler_is_refused(address, monkeypatch, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_busy_scheduler_at_which_dask_s_own_check_fails_is_asked_once_more():
+    asked = []
+
+    def client(address, **options):
+        asked.append(address)
+        assert len(asked) > 1
+        return "connected"
+
+    assert cluster._connect(client, "tcp://busy:1") == "connected"
+    asked.clear()
+    with pytest.raises(BenchError, match="no dask scheduler answers"):
+        cluster._connect(lambda *_, **__: asked[0], "tcp://none:1")
+
+
 @pytest.mark.slow
 def test_a_server_that_says_nothing_is_one_sentence_of_the_command(bench_here, small_study, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
