@@ -5,6 +5,7 @@ import shutil
 import sys
 from dataclasses import dataclass
 from importlib.metadata import version
+from importlib.util import spec_from_file_location
 from typing import ClassVar
 
 import pytest
@@ -99,6 +100,20 @@ def test_a_module_of_a_checkout_on_the_path_counts_and_wins_over_one_beside_the_
     assert list(before) == ["mine.py", "of_both.py"]
     assert written(files | {"own/of_both.py": "STEP = 3"}) == before
     assert code.differences(before, written(files | {"checkout/of_both.py": "STEP = 3"})) == ["of_both.py"]
+
+
+def test_a_package_that_its_installer_finds_by_a_finder_of_its_own_counts_by_its_files(written, tmp_path, monkeypatch):
+    class Linked:
+        @staticmethod
+        def find_spec(name, path=None, target=None):
+            init = tmp_path / "checkout" / "linked_by_finder" / "__init__.py"
+            return spec_from_file_location(name, init) if name == "linked_by_finder" else None
+
+    monkeypatch.setattr(sys, "meta_path", [*sys.meta_path, Linked])
+    package = {"checkout/linked_by_finder/__init__.py": "", "checkout/linked_by_finder/inner.py": ""}
+    found = written({"own/mine.py": "from linked_by_finder.inner import x"} | package)
+    assert list(found) == ["mine.py", "linked_by_finder/__init__.py", "linked_by_finder/inner.py"]
+    assert list(code.linked("linked_by_finder.inner")) == list(found)[1:]
 
 
 def test_two_files_of_one_name_are_told_apart(written, tmp_path, monkeypatch):
