@@ -56,7 +56,7 @@ def modules(file: Path, content: bytes, read: Callable[[Path], bytes] = Path.rea
     found = {home.name: Module(home, content)}
     for name, module in _trace(facts(content).imported(""), _places(home.parent), read).items():
         if module.path != home:  # which may be imported in a circle
-            found[name if name not in found else os.path.relpath(module.path, home.parent)] = module
+            found[name if name not in found else Path(os.path.relpath(module.path, home.parent)).as_posix()] = module
     return found
 
 
