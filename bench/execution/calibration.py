@@ -26,7 +26,9 @@ def calibrated_seconds(plan: Plan, jobs: int, untrusted: bool = False) -> float 
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
     budget = study.budget.shortened(SHARE, LEAST)
-    short = replace(study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, tuning=None)
+    short = replace(
+        study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, blocks=None, tuning=None
+    )
     with TemporaryDirectory() as place:
         made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
         folder = Folder(made.folder)

@@ -204,6 +204,7 @@ def _resolved(
 ) -> tuple[Study, Folder, Shard | None]:
     part = None if shard is None else Shard.parse(shard)
     study = study if isinstance(study, Study) else Study.load(study)
+    study.require_sound()
     if part and study.looks:
         raise BenchError(
             f"study {study.name!r} declares looks, at which all of its trials are compared, so no part of it can be "

@@ -64,20 +64,27 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         for name in names:
             combinations = expanded((label or loading.default_label(name)).replace("{name}", name), options, swept)
             entries += [Entry(name, *combination) for combination in combinations]
-        if not all(entry.label.isprintable() for entry in entries):
-            raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
-        if formulas := [entry.label for entry in entries if is_formula(entry.label)]:
-            raise BenchError(
-                f"study {where}: a spreadsheet would compute the label {formulas[0][:40]!r} of the {key} as a formula; "
-                "give the table another 'label'"
-            )
-        if long := [entry.label for entry in entries if len(entry.label) > LONGEST_LABEL]:
-            raise BenchError(
-                f"study {where}: the label {long[0][:40]!r}… of the {key} has {len(long[0]):,} characters, more than "
-                f"{LONGEST_LABEL}; give the table a shorter 'label'"
-            )
-    refuse_duplicates(entries, key, where)
+    check_labels(entries, key, where)
     return tuple(entries)
+
+
+def check_labels(entries: Iterable[Entry], key: str, where: str) -> None:
+    """Raise BenchError where a label of problems or optimizers cannot be shown, or two entries have one."""
+    labels = [entry.label for entry in entries]
+    if not all(label.isprintable() for label in labels):
+        raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
+    if formulas := [label for label in labels if is_formula(label)]:
+        raise BenchError(
+            f"study {where}: a spreadsheet would compute the label {formulas[0][:40]!r} of the {key} as a formula; "
+            "give the table another 'label'"
+        )
+    if long := [label for label in labels if len(label) > LONGEST_LABEL]:
+        raise BenchError(
+            f"study {where}: the label {long[0][:40]!r}… of the {key} has {len(long[0]):,} characters, more than "
+            f"{LONGEST_LABEL}; give the table a shorter 'label'"
+        )
+    if twice := sorted(label for label, count in Counter(labels).items() if count > 1):
+        raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
 
 
 def _command(words: Any, where: str) -> str:
@@ -106,13 +113,6 @@ def _as_lists(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _as_lists(inner) for key, inner in value.items()}
     return [_as_lists(inner) for inner in value] if isinstance(value, list | tuple) else value
-
-
-def refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
-    """Raise BenchError where two entries have one label."""
-    twice = sorted(label for label, count in Counter(entry.label for entry in entries).items() if count > 1)
-    if twice:
-        raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
 
 
 def differences(key: str, these: Mapping[str, Entry], those: Mapping[str, Entry]) -> Iterator[str]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from bench.errors import BenchError, nearest
 from bench.numbers import MOST_TRIALS, is_whole
+from bench.study.blocks import pooled
 
 EXAMPLE = "as in [looks] trials = [10, 20, 30]"
 LEAST = 6  # trials: with fewer not even complete separation has a p of at most 0.05
@@ -62,20 +62,22 @@ class Looks(tuple[int, ...]):
         """The numbers of trials, such as ``"10, 20, 30"``."""
         return ", ".join(map(str, self))
 
-    def require_fit(self, trials: int, optimizers: int, problems: Iterable[str]) -> None:
-        """Raise BenchError where looks do not suit a study's trials, its number of optimizers or its problems."""
+    def require_fit(self, trials: int, optimizers: int, problems: Iterable[str], where: str = "") -> None:
+        """Raise BenchError where looks do not suit a study's trials, its number of optimizers or its problems.
+
+        ``where`` begins the sentence.
+        """
         if not self:
             return
         if trials != self[-1]:
             raise BenchError(
-                f"'trials' is {trials}, but the last of the declared looks is at {self[-1]} trials; leave out the "
-                "number, or declare other looks before the first trial is made"
+                f"{where}'trials' is {trials}, but the last of the declared looks is at {self[-1]} trials; leave out "
+                "the number, or declare other looks before the first trial is made"
             )
         if optimizers < 2:
-            raise BenchError("'looks' needs two optimizers or more: with one, no look can decide anything")
-        functions = Counter(re.sub(r"-i[0-9]+$", "", label) for label in problems)
-        if pooled := next((function for function, number in functions.items() if number > 1), ""):
+            raise BenchError(f"{where}'looks' needs two optimizers or more: with one, no look can decide anything")
+        if several := next((function for function, number in Counter(map(pooled, problems)).items() if number > 1), ""):
             raise BenchError(
-                f"'looks' compares problem by problem, but reports pool the instances of {pooled!r}; take one instance "
-                "of each function, or leave out the looks"
+                f"{where}'looks' compares problem by problem, but reports pool the instances of {several!r}; take one "
+                "instance of each function, or leave out the looks"
             )

@@ -46,9 +46,7 @@ def selected(
     if (kept, chosen) == (study.optimizers, study.problems):
         return study
     labels = {label for entry in chosen for label in (entry.label, pooled(entry.label))}
-    blocks = study.blocks
-    if isinstance(blocks, dict):
-        blocks = {label: block for label, block in blocks.items() if label in labels} or None
+    blocks = study.blocks and study.blocks.within(labels)
     plugins = {entry.name for entry in kept}
     controls = tuple(entry for entry in study.controls if entry.name in plugins)
     return replace(study, optimizers=kept, problems=chosen, controls=controls, blocks=blocks, looks=())

@@ -27,9 +27,8 @@ from bench.problem import Problem
 from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
-from bench.study import blocks as resembling
 from bench.study import entries, tuned
-from bench.study.blocks import Blocks
+from bench.study.blocks import Blocks, pooled
 from bench.study.budget import Budget
 from bench.study.entries import Entry
 from bench.study.looks import Looks
@@ -86,7 +85,7 @@ class Study:
         rope: the difference of medians below which two optimizers count as equal (:class:`bench.study.rope.Rope`);
             None: nothing is said of practical equality. It decides no trial's result.
         blocks: which problems resemble each other, and so count once where reports speak of further problems
-            (:func:`bench.study.blocks.checked`); None: those of which it is known. They decide no trial's result.
+            (:meth:`bench.study.blocks.Blocks.read`); None: those of which it is known. They decide no trial's result.
         tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.study.tuned`); None: by no
             tuning of this harness. It decides no trial's result.
         looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
@@ -106,7 +105,7 @@ class Study:
     on_error: Checked[str] = Checked(require_on_error, "fail")
     targets: Checked[Targets | None] = Checked(Targets.read)
     rope: Checked[Rope | None] = Checked(Rope.read)
-    blocks: Checked[Blocks | None] = Checked(resembling.checked)
+    blocks: Checked[Blocks | None] = Checked(Blocks.read)
     tuning: Checked[Tuning | None] = Checked(tuned.checked)
     looks: Checked[Looks] = Checked(Looks.read, Looks())
     controls: tuple[Entry, ...] = ()
@@ -114,7 +113,8 @@ class Study:
     def __post_init__(self) -> None:
         """Check the name and the title; raises BenchError, as each field does for a value that it cannot hold.
 
-        Looks, which must fit other values, are checked where a study is read or changed (:meth:`check_looks`).
+        Whether the values fit each other is checked where a study is read, changed or run (:meth:`require_sound`): a
+        part of a study may be less.
         """
         if self.trials is None:  # as the field's default is
             object.__setattr__(self, "trials", self.looks[-1] if self.looks else TRIALS)
@@ -155,22 +155,20 @@ class Study:
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
-        prefix = f"study {where}: "
         keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
         lists = {key: entries.read_entries(data.get(key), key, where) for key in keys}
         try:
             study = cls(**data | lists)
-            study.check_looks()
         except BenchError as error:
-            raise BenchError(f"{prefix}{error}") from error
-        study._check_entries(where)
+            raise BenchError(f"study {where}: {error}") from error
+        study.require_sound(where)
         return study
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
         chosen = {key: value for key, value in changes.items() if value is not None}
         study = dataclasses.replace(self, **chosen)
-        study.check_looks()
+        study.looks.require_fit(study.trials, len(study.optimizers), (entry.label for entry in study.problems))
         return study
 
     def joined(self, other: Study) -> Study:
@@ -185,10 +183,6 @@ class Study:
                 raise BenchError(f"the control {entry.label!r} of study {self.name!r} has two sets of options")
         study = dataclasses.replace(self, controls=tuple(controls.values()))
         return study.override(trials=max(self.trials, other.trials))
-
-    def check_looks(self) -> None:
-        """Raise BenchError where declared looks do not suit the trials, the optimizers or the problems."""
-        self.looks.require_fit(self.trials, len(self.optimizers), (entry.label for entry in self.problems))
 
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
@@ -209,23 +203,27 @@ class Study:
         for key, names in (("optimizers", optimizers), ("problems", problems)):
             added = entries.read_entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
             both[key] = (*getattr(self, key), *added)
-            entries.refuse_duplicates(both[key], key, repr(self.name))
         study = dataclasses.replace(self, **both)
-        study._check_entries(repr(self.name))
-        study.check_looks()
+        study.require_sound()
         return study
 
-    def _check_entries(self, where: str) -> None:
-        """Raise BenchError for two entries of one label, unknown blocks, and a problem that was trained on."""
-        entries.refuse_duplicates(self.with_controls, "optimizers and controls", where)
-        if isinstance(self.blocks, dict):
-            known = {label for entry in self.problems for label in (entry.label, resembling.pooled(entry.label))}
-            if unknown := [label for label in self.blocks if label not in known]:
-                raise BenchError(
-                    f"study {where}: 'blocks' names {unknown[0]!r}, which is no problem{nearest(unknown[0], known)}"
-                )
+    def require_sound(self, where: str = "") -> None:
+        """Raise BenchError where entries or values do not fit each other, as in a file that is refused.
+
+        ``where`` is the study in sentences, by default its name.
+        """
+        where = where or repr(self.name)
+        for key in ("problems", "optimizers"):
+            if not getattr(self, key):
+                raise BenchError(f"study {where} needs at least one of the {key}")
+            entries.check_labels(getattr(self, key), key, where)
+        entries.check_labels(self.with_controls, "optimizers and controls", where)
+        labels = [entry.label for entry in self.problems]
+        if self.blocks is not None:
+            self.blocks.require_known({*labels, *map(pooled, labels)}, f"study {where}: ")
         if self.tuning is not None:
             self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
+        self.looks.require_fit(self.trials, len(self.optimizers), labels, f"study {where}: ")
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""

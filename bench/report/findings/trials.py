@@ -16,7 +16,6 @@ from bench.report.problem_words import sweeps
 from bench.report.replication import Replication, replications
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
-from bench.study.blocks import block
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
@@ -244,11 +243,12 @@ class Trials:
     @cached_property
     def blocks(self) -> dict[str, str]:
         """The block of each problem: that of the study, its sweep, or its function in several dimensions."""
-        block_of = {}
+        block_of, declared = {}, self.study.blocks
         for label, facts in self.known.items():
             features = facts.features
             function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
-            block_of[label] = block(self.study.blocks, label) or str(features.get("sweep") or function or label)
+            own = declared.of(label) if declared else ""
+            block_of[label] = own or str(features.get("sweep") or function or label)
         return block_of
 
     @cached_property

@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from bench import BenchError, Study
-from bench.study.blocks import block, checked
+from bench.study.blocks import Blocks
 
 
 def study(**more):
@@ -22,19 +22,20 @@ def test_a_study_keeps_its_blocks_and_its_identity(blocks):
 
 
 def test_the_dimensions_and_instances_of_a_function_are_one_block():
-    found = [block("function", label) for label in ("f1-d2", "f1-d5", "f1-d2-i3", "own", "d2")]
+    found = [Blocks("function").of(label) for label in ("f1-d2", "f1-d5", "f1-d2-i3", "own", "d2")]
     assert found == ["f1", "f1", "f1", "own", "d2"]
 
 
 def test_a_table_has_the_block_of_a_problem_or_of_its_instances():
-    assert [block({"f1-d2-i1": "one", "own": "two"}, label) for label in ("f1-d2", "own", "else")] == ["one", "two", ""]
-    assert block(None, "f1-d2") == ""
+    blocks = Blocks({"f1-d2-i1": "one", "own": "two"})
+    assert [blocks.of(label) for label in ("f1-d2", "own", "else")] == ["one", "two", ""]
+    assert (blocks.within(["own"]), blocks.within(["else"])) == ({"own": "two"}, None)
 
 
 @pytest.mark.parametrize("value", ["dimension", {}, {"f1": 3}, {"f1": ""}, 5, []])
 def test_anything_else_is_refused(value):
     with pytest.raises(BenchError, match="must be 'function'"):
-        checked(value, "'blocks'")
+        Blocks.read(value, "'blocks'")
 
 
 def test_a_block_of_no_problem_is_refused():

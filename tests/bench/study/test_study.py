@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from bench import BenchError, Study
+from bench import BenchError, Study, run
 from bench.helpers.parsing import parse_toml
 from bench.seeds import trial_seed
 from bench.study import Entry
@@ -207,6 +207,27 @@ def test_a_study_built_in_python_is_checked_as_one_from_a_file(changes, message)
     values = {"name": "s", "problems": (Entry("p", "p"),), "optimizers": (Entry("a", "a"), Entry("b", "b"))}
     with pytest.raises(BenchError, match=re.escape(message)):
         Study(**values | changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"problems": ()}, "study 's' needs at least one of the problems"),
+        ({"optimizers": ()}, "study 's' needs at least one of the optimizers"),
+        ({"problems": (Entry("p", "p"), Entry("q", "p"))}, "study 's': 'p' occurs twice among the problems"),
+        ({"controls": (Entry("c", "a"),)}, "study 's': 'a' occurs twice among the optimizers and controls"),
+        ({"optimizers": (Entry("a", "a\nb"),)}, "study 's': a label of the optimizers holds a control character"),
+        ({"optimizers": (Entry("a", "=a()"),)}, "study 's': a spreadsheet would compute the label '=a()'"),
+        ({"blocks": {"q": "one"}}, "study 's': 'blocks' names 'q', which is no problem"),
+        ({"looks": [6, 9], "trials": 30}, "study 's': 'trials' is 30, but the last of the declared looks is at 9"),
+        ({"looks": [6, 9], "optimizers": (Entry("a", "a"),)}, "study 's': 'looks' needs two optimizers"),
+    ],
+)
+def test_entries_and_values_that_do_not_fit_are_refused_before_a_run(changes, message, tmp_path):
+    values = {"name": "s", "problems": (Entry("p", "p"),), "optimizers": (Entry("a", "a"), Entry("b", "b"))}
+    with pytest.raises(BenchError, match=re.escape(message)):
+        run(Study(**values | changes), tmp_path / "s")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_study_built_in_python_holds_its_values_as_one_from_a_file():
