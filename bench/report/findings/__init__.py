@@ -29,6 +29,7 @@ from bench.study import Study
 from bench.study.blocks import pooled
 from bench.study.rope import Rope
 from bench.study.targets import Targets
+from bench.study.values import Checked
 
 __all__ = [
     "BEST",
@@ -57,8 +58,8 @@ class Findings:
     """
 
     results: Results
-    asked: Targets | None = None
-    asked_rope: Rope | None = None
+    asked: Checked[Targets | None] = Checked(Targets.read)
+    asked_rope: Checked[Rope | None] = Checked(Rope.read)
     beside_best: bool = False
     reference: str | None = None
 

@@ -11,7 +11,6 @@ from bench.report.findings import Findings
 from bench.report.findings import anytime as findings_module
 from bench.report.methods import methods
 from bench.report.sections import best, datasets
-from bench.study.targets import KINDS, Targets
 from tests.bench.formats.made import BUDGET, make, record
 
 pytestmark = pytest.mark.skipif(not find_spec("cocoex"), reason="bbob's optima are computed by coco-experiment")
@@ -46,7 +45,7 @@ def results(tmp_path_factory):
 def beside(results, monkeypatch):
     def found(asked="precisions", known=KNOWN):
         monkeypatch.setattr(findings_module, "best2009", lambda names: known)
-        return Findings(results, Targets.read(asked), beside_best=True)
+        return Findings(results, asked, beside_best=True)
 
     return found
 
@@ -67,7 +66,7 @@ def test_curves_have_its_share_of_targets(beside):
     curves = beside([50.0, 1.0]).anytime.restarts_per_dimension
     own = curves[(curves["optimizer"] == "best of 2009") & (curves["problem"] == "bbob-f08-d2")]
     assert own.set_index("per_dimension")["fraction"].asof([2.4, 2.9, 5.9]).tolist() == [0.0, 0.5, 1.0]  # 5 and 10 / d
-    other = Findings(beside().results, Targets.read([50.0, 1.0])).anytime.restarts_per_dimension
+    other = Findings(beside().results, [50.0, 1.0]).anytime.restarts_per_dimension
     assert "best of 2009" not in set(other["optimizer"])
 
 
@@ -117,7 +116,5 @@ def test_the_methods_name_it(beside, results):
     assert "the lowest running times of the algorithms of BBOB 2009 (Hansen et al., 2010)" in " ".join(
         methods(beside()).text
     )
-    assert "2009" not in " ".join(methods(Findings(results, KINDS["precisions"])).text).replace(
-        "Moré and Wild, 2009", ""
-    )
+    assert "2009" not in " ".join(methods(Findings(results, "precisions")).text).replace("Moré and Wild, 2009", "")
     assert best.section(Findings(results)) is None

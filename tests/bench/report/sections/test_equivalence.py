@@ -5,13 +5,12 @@ import pytest
 from bench import Results
 from bench.report.findings import Findings
 from bench.report.sections import equivalence
-from bench.study.rope import Rope
 
 PROBLEMS = ("p", "q", "r", "s", "t", "u")
 
 
 def section(folder, rope):
-    return equivalence.section(Findings(Results(folder), asked_rope=Rope.read(rope, "the rope") if rope else None))
+    return equivalence.section(Findings(Results(folder), asked_rope=rope))
 
 
 def test_without_a_rope_there_is_no_section(make, tmp_path):

@@ -10,7 +10,6 @@ from bench.report.findings import anytime as findings_module
 from bench.report.methods import methods
 from bench.report.sections import anytime, datasets
 from bench.storage.results import ProblemFacts
-from bench.study.targets import Targets
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
 
@@ -22,7 +21,7 @@ def folder(make, tmp_path_factory):
 
 
 def findings(folder, asked=None, expected=None, **optima):
-    found = Findings(Results(folder), asked and Targets.read(asked))
+    found = Findings(Results(folder), asked)
     if expected:
         found.results._facts = lambda label: ProblemFacts(expected=expected)
     found.trials.__dict__["optima"] = optima
@@ -131,7 +130,7 @@ class TestRunLengths:
 
             study = {"trials": 3, "row": row} | changes
             folder = made(tmp_path / "s", {f"{function}-i1": 2}, **study).paths[0]
-            return Findings(Results(folder), asked and Targets.read(asked))
+            return Findings(Results(folder), asked)
 
         return found
 
