@@ -94,12 +94,14 @@ def dashed(page: nodes.document) -> None:
 
 
 def shortened(*given: object) -> Signature:
-    """Return the signature and the return annotation, the last two of what is given, with short names of arrays."""
+    """Return the signature and the return annotation, the last two of what is given, with short names of types."""
     name = r"~?(?:\w+\.)*"
     long = rf"{name}ndarray\[{name}tuple\[{name}Any, \.\.\.\], {name}dtype\[{name}\w+\]\]"
     like = rf"{name}_Buffer \| .*?{name}_NestedSequence\[{name}complex \| {name}bytes \| {name}str\]"
+    field = rf"{name}Checked\[([^\]]*)\]"  # of a study: readers see what it holds
     signature, annotation = (
-        each and re.sub(like, "ArrayLike", re.sub(long, "ndarray", str(each))) for each in given[-2:]
+        each and re.sub(field, r"\1", re.sub(like, "ArrayLike", re.sub(long, "ndarray", str(each))))
+        for each in given[-2:]
     )
     return signature, annotation
 
