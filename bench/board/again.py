@@ -33,7 +33,8 @@ def make_again(path: Path, trials: int, choice: str) -> tuple[Again, ...]:
         every = [(row["problem"], row["optimizer"], row["trial"]) for row in reader.sound("status = 'ok'")]
     finished = sorted(key for key in every if key[1] in labels)
     chosen = random.Random(choice).sample(finished, min(trials, len(finished)))
-    return tuple(_again(folder, study, Trial(*key, trial_seed(study.seed, *key))) for key in chosen)
+    seeds = {shown: cell.labels for shown, cell in folder.store.held().by_labels.items()}
+    return tuple(_again(folder, study, Trial(*key, trial_seed(study.seed, *seeds[key[:2]], key[2]))) for key in chosen)
 
 
 def _again(folder: Folder, study: Study, trial: Trial) -> Again:
@@ -47,6 +48,7 @@ def _again(folder: Folder, study: Study, trial: Trial) -> Again:
     )
     try:
         checked = prepare(alone, folder, untrusted=True)
+        folder.require_unchanged(alone, checked.fingerprints)
         row = make_one(replace(checked.task, hash_seed=HASH_SEED), trial)
     except BenchError as error:
         return Again(name, reason=_one_line(str(error).replace(str(folder.path), "the archive")))

@@ -170,7 +170,7 @@ def read(source: Path, temporary: Path) -> Archive:
     archive = Archive(
         printable(source.name, LONGEST), sha256_of(source), study, tuple(folder.environments()),
         sum(map(len, cells.values())),
-        {cell: np.array(values) for cell, values in cells.items()}, dimensions, folder.fingerprints().data,
+        {cell: np.array(values) for cell, values in cells.items()}, dimensions, folder.data(),
     )  # fmt: skip
     try:
         _ = archive.settings

@@ -22,11 +22,15 @@ CODES = {"pass": 0, "worse": 1, "undecided": 3}
 
 def command(
     old: Annotated[
-        Path, typer.Argument(help="The folder of the old version's trials.", autocompletion=completion.folders)
+        Path,
+        typer.Argument(
+            help="The folder of the old version's trials, or of both versions.", autocompletion=completion.folders
+        ),
     ],
     new: Annotated[
-        Path, typer.Argument(help="The folder of the new version's trials.", autocompletion=completion.folders)
-    ],
+        Path | None,
+        typer.Argument(help="The folder of the new version's trials.", autocompletion=completion.folders),
+    ] = None,
     margin: Annotated[
         float,
         typer.Option("--not-worse-than", help="How much more than 50% of the pairs of trials the old version may win."),
@@ -34,7 +38,9 @@ def command(
     optimizer: Annotated[
         str | None,
         typer.Option(
-            help="The optimizer to compare, where a folder holds several.", autocompletion=completion.optimizers
+            help="The optimizer to compare, where a folder holds several; in one folder, 'mine@2' compares it with its "
+            "version 2, and 'mine' with the version before.",
+            autocompletion=completion.optimizers,
         ),
     ] = None,
     target: Annotated[

@@ -46,6 +46,12 @@ def command(
     dimension: Annotated[
         list[int] | None, typer.Option(help="Show the problems of this dimension alone; repeatable. Needs --output.")
     ] = None,
+    versions: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="OPTIMIZER", help="Show its earlier versions in the folder beside it; repeatable. Needs --output."
+        ),
+    ] = None,
     targets: Targets = None,
     rope: Rope = None,
     open_: Open = False,
@@ -58,7 +64,7 @@ def command(
     chosen = {"optimizers": optimizer or None, "problems": problem or None, "dimensions": dimension or None}
     beside, best = published(against)
     settings = {"output": output, "n_jobs": jobs, "targets": targets, "rope": rope, "reference": reference}
-    report_on([*folders, *beside], Console(), open_, beside_best=best, **settings, **chosen)
+    report_on([*folders, *beside], Console(), open_, beside_best=best, versions=versions or (), **settings, **chosen)
 
 
 def published(names: list[str] | None) -> tuple[list[Path], bool]:

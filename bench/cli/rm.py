@@ -23,6 +23,9 @@ def command(
         typer.Option(help="Remove the trials on this problem; repeatable.", autocompletion=completion.problems),
     ] = None,
     failed: Annotated[bool, typer.Option("--failed", help="Remove only trials that failed or timed out.")] = False,
+    old: Annotated[
+        bool, typer.Option("--old", help="Remove the trials that the study no longer selects, as of earlier versions.")
+    ] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print how many trials would be removed, and remove none.")
     ] = False,
@@ -31,29 +34,35 @@ def command(
     from bench.storage.folder import Folder
 
     folder = Folder(output)
-    study = folder.study()
-    if not (optimizer or problem or failed):
-        raise BenchError("name what to remove: --optimizer NAME, --problem NAME, both for one cell, or --failed")
-    chosen = [
-        _labels(wanted, [entry.label for entry in entries], kind)
-        for wanted, entries, kind in (
-            (problem, study.problems, "problem"),
-            (optimizer, study.with_controls, "optimizer"),
-        )
+    folder.study()  # refuses one that was changed
+    if not (optimizer or problem or failed or old):
+        raise BenchError("name what to remove: --optimizer NAME, --problem NAME, both for one cell, --failed or --old")
+    held = folder.store.held()
+    labels = {
+        number: held.selected.get(number, cell.labels)
+        for number, cell in held.all.items()
+        if (number not in held.selected) == old
+    }
+    wanted = [
+        _labels(names, sorted({pair[place] for pair in labels.values()}), kind)
+        for place, (names, kind) in enumerate(((problem, "problem"), (optimizer, "optimizer")))
     ]
+    cells = {number: pair for number, pair in labels.items() if pair[0] in wanted[0] and pair[1] in wanted[1]}
     if dry_run:
-        cells = [cell for cell in folder.store.cells() if cell.problem in chosen[0] and cell.optimizer in chosen[1]]
-        count = sum(cell.failed if failed else cell.failed + cell.done for cell in cells)
-        print_line(f"{count} trials would be removed")
+        counts = folder.store.cells(cells)
+        print_line(
+            f"{sum(cell.failed if failed else cell.failed + cell.done for cell in counts)} trials would be removed"
+        )
         return
     with folder.lock(), folder.store.writer() as writer:
-        count = writer.remove(*chosen, failed_only=failed)
-    print_line(f"{count} trials removed; 'bench run' into this folder makes them again")
+        count = writer.remove(cells, failed_only=failed)
+    again = "" if old else "; 'bench run' into this folder makes them again"
+    print_line(f"{count} trials removed{again}")
 
 
 def _labels(wanted: list[str] | None, labels: list[str], kind: str) -> list[str]:
     """Return the labels asked for, or all of them where none is given."""
     for label in wanted or []:
         if label not in labels:
-            raise BenchError(f"the study has no {kind} {label!r}{nearest(label, labels)}")
+            raise BenchError(f"the folder has no {kind} {label!r} to remove{nearest(label, labels)}")
     return wanted or labels

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import signal
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -97,6 +100,13 @@ def command(
         _protection(metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."),
     ] = None,
     untrusted: Untrusted = False,
+    reuse: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Take trials of equal cells from this folder or packed archive instead of making them; repeatable.",
+        ),
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
     check: Annotated[
         bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
@@ -150,15 +160,16 @@ def command(
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
-        planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None)
+        with _folders(reuse or []) as others:
+            planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
         _show_estimate(planned, jobs, console, untrusted)
         return
     try:
-        with Display(console) as display:
+        with Display(console) as display, _folders(reuse or []) as others:
             outcome = run(
                 chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
                 scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
-                verify=verify is None, on_plan=display.plan, on_trial=display.trial, on_look=display.look,
+                verify=verify is None, reuse=others, on_plan=display.plan, on_trial=display.trial, on_look=display.look,
             )  # fmt: skip
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -195,6 +206,22 @@ def command(
         print_error("some trials are not repeated bit by bit: what their optimizers keep from trial to trial, or time")
     if outcome.failed or unsound or outcome.different:
         sys.exit(1)
+
+
+@contextmanager
+def _folders(paths: list[Path]) -> Iterator[list[Path]]:
+    """Yield folders, those of packed archives unpacked and verified for as long."""
+    with tempfile.TemporaryDirectory(prefix="bench-reuse-") as place:
+        folders = []
+        for path in paths:
+            if path.is_file():
+                from bench.formats.archive import unpack
+
+                unpack(path, target := Path(place, path.name))
+                folders.append(target)
+            else:
+                folders.append(path)
+        yield folders
 
 
 def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from bench.storage.folder import Folder
 
 SHOWN = 20  # lines of failures
-HASHES = 20  # of data and code; environment.json holds all
 
 
 def command(
@@ -110,6 +110,7 @@ def summary(folder: Folder) -> Group:
         rows.append((entry.label, done, Text(str(lost), "red" if lost else ""), planned, mean))
     head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")
     lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
+    lines += map(Text, _kept(folder))
     if study.looks:
         at = ", ".join(f"{list(stopped.values()).count(look)} at {look}" for look in sorted({*stopped.values()}))
         lines.append(Text(f"looks at {study.looks.words} trials; cells decided: {at or 'none'}, of {len(most)}"))
@@ -117,6 +118,26 @@ def summary(folder: Folder) -> Group:
         left = sum(most.values()) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
     return Group(*lines)
+
+
+def _kept(folder: Folder) -> Iterator[str]:
+    """Yield a line on the trials of each optimizer that the study does not select: earlier versions, and others."""
+    held, trials = folder.store.held(), folder.store.trials()
+    kept: dict[str, int] = {}
+    for number, cell in held.all.items():
+        if number not in held.selected and trials.get(number):
+            kept[cell.optimizer] = kept.get(cell.optimizer, 0) + trials[number]
+    for label in dict.fromkeys(label for _, label in held.selected.values()):
+        versions = held.versions(label)
+        earlier = {place: kept.pop(record) for place, record in enumerate(versions, start=1) if record in kept}
+        if earlier:
+            parts = ", ".join(f"version {place}: {count(number, 'trial')}" for place, number in earlier.items())
+            yield f"kept of {label} and not selected: {parts}"
+    others: dict[str, int] = {}
+    for record, number in kept.items():
+        label = json.loads(record)["label"]
+        others[label] = others.get(label, 0) + number
+    yield from (f"kept of {label}, which the study does not name: {count(n, 'trial')}" for label, n in others.items())
 
 
 def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
@@ -185,14 +206,8 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
     workers = f"{_counted(record.get('jobs'), 'job')} ({record.get('backend')})"
     cores = _counted(record.get("cores"), "core")
     machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
-    noted = [*(record.get("data") or {}).items()]
-    for label, code in (record.get("code") or {}).items():  # older versions noted the hash of the file alone
-        noted += code.items() if isinstance(code, dict) else [(label, code)]
-    hashes = list(dict.fromkeys(f"{name} {value[:10]}" for name, value in noted if value))
-    more = f" and {len(hashes) - HASHES} more" if len(hashes) > HASHES else ""
     return [
         f"ran {record.get('started')}{ended}: {trials} with {workers} on {machine}, {cores}",
         f"    Python {record.get('python')}{commit}; {packages}" + (f"; BLAS {blas}" if blas else ""),
-        *([f"    data and code: {', '.join(hashes[:HASHES])}{more}"] if hashes else []),
         f"    study {record.get('study')}: {record.get('command')}",
     ]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product, takewhile
 
 from bench.errors import BenchError
 from bench.storage.store import CellCounts, Keys
 from bench.study import Study
+from bench.study.cell import Labels
 from bench.trial import Trial
 
 
@@ -37,17 +38,18 @@ class Shard:
 class Plan:
     """The trials of a study, or of one shard of it, and which of them are finished."""
 
-    study: Study  # as frozen in its folder
+    study: Study
     shard: Shard | None  # the part to run, None for the whole study
     finished: Keys  # the trials that need not be made; a run adds those that it makes
     cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
     notes: Sequence[str] = ()  # warnings to print before the run begins
     stopped: dict[tuple[str, str], int] = field(default_factory=dict)  # trials of the cells that looks stopped so far
+    seeds: Mapping[Labels, Labels] = field(default_factory=dict)  # of cells: the labels that seeds are made from
     verify: bool = False  # whether one trial of each optimizer is made again at the end
 
     def trials(self) -> Iterator[Trial]:
         """Yield every trial, finished or not, in the order in which they are to be made."""
-        plan = (trial for trial in self.study.plan() if trial.number < self.most(*trial.key[:2]))
+        plan = (trial for trial in self.study.plan(self.seeds) if trial.number < self.most(*trial.key[:2]))
         return plan if self.shard is None else islice(plan, self.shard.number - 1, None, self.shard.of)
 
     def missing(self, before: int | None = None) -> Iterator[Trial]:

@@ -26,8 +26,10 @@ from bench.plugins.files import changed
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path
+from bench.storage.merge import reusable, take
 from bench.storage.repair import repair
-from bench.study import Study
+from bench.storage.selection import Selection
+from bench.study import Fingerprints, Study
 from bench.trial import Trial
 
 StudyLike = Study | Mapping[str, Any] | str | PathLike[str]
@@ -69,6 +71,7 @@ def run(
     shard: str | None = None,
     untrusted: bool = False,
     verify: bool = True,
+    reuse: Sequence[str | PathLike[str]] = (),
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
     on_look: OnLook | None = None,
@@ -95,6 +98,7 @@ def run(
             are given.
         verify: make one trial of each optimizer again at the end, in a fresh process, and note in the folder those that
             differ (:mod:`bench.execution.again`).
+        reuse: folders whose trials of equal cells are taken instead of being made again.
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
@@ -111,18 +115,22 @@ def run(
 
     _check_limits(n_jobs, timeout, memory)
     study, folder, part = _resolved(study, output, shard)
+    others = [Folder(path) for path in reuse]
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
-            folder.extended(study)  # refuses another study before anything is loaded, and once more where it is locked
             checked = prepare(study, folder, untrusted)
+            _selected(folder, study, checked.fingerprints, others)  # raises before the folder is begun
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
-        study = folder.claim(study)
         repaired = repair(folder, study.trials)  # before anything else reads the store
+        study, selection = _selected(folder, study, checked.fingerprints, others)
         before = folder.trials_asked()
-        folder.refuse_changes(checked.fingerprints)  # once more, as they may lie in what was repaired
-        plan = _plan(study, folder, part, repaired, verify)
+        folder.claim(study, selection)
+        with folder.store.writer() as writer:
+            for other in others:
+                take(other, writer, selection.cells.values(), where=other.path.name)
+        plan = _plan(study, folder, part, selection, repaired, verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -132,7 +140,6 @@ def run(
         task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes, kept=kept)
         about = provenance.run(
             study,
-            checked.fingerprints,
             pool.jobs,
             backend,
             timeout=task.timeout,
@@ -165,24 +172,21 @@ def plan(
     shard: str | None = None,
     untrusted: bool = False,
     verify: bool = True,
+    reuse: Sequence[str | PathLike[str]] = (),
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
-    study = folder.extended(study)
-    prepare(study, folder, untrusted)
+    checked = prepare(study, folder, untrusted)
+    study, selection = _selected(folder, study, checked.fingerprints, [Folder(path) for path in reuse])
     stored = folder.store.check()
-    plan = _plan(study, folder, part, "" if stored.sound else stored.sentence, verify)
+    plan = _plan(study, folder, part, selection, "" if stored.sound else stored.sentence, verify)
     for key in stored.damaged:
         plan.finished.discard(key)
     return plan
 
 
 def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Checked:
-    """Load a study's plug-ins and return the fingerprints of its data and code, which must be those of its folder.
-
-    Raises:
-        BenchError: for a study that cannot be run, and a folder that holds other data or other code.
-    """
+    """Load a study's plug-ins; raises BenchError for a study that cannot be run, or not without a sandbox."""
     if study.imported:
         raise BenchError(
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
@@ -194,9 +198,7 @@ def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Checked:
             f"{folder.path} comes from an archive, or was made with --untrusted, and names {foreign[0]!r}, whose code "
             "nobody trusts: add --untrusted"
         )
-    checked = check(Task.of(study, untrusted))
-    folder.refuse_changes(checked.fingerprints)
-    return checked
+    return check(Task.of(study, untrusted))
 
 
 def _resolved(
@@ -213,12 +215,9 @@ def _resolved(
     return study, Folder(default_path(study) if output is None else output), part
 
 
-def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str, verify: bool) -> Plan:
-    """Return the plan of a study in its folder.
-
-    Its notes describe the store's damage, and what changed in the environment since the last run.
-    """
-    notes = [note for note in (damage, study.tuning.doubt if study.tuning else "") if note]
+def _plan(study: Study, folder: Folder, shard: Shard | None, selection: Selection, damage: str, verify: bool) -> Plan:
+    """Return the plan of a study in its folder; its notes say what is damaged, and what changed since the last run."""
+    notes = [note for note in (damage, *selection.notes, study.tuning.doubt if study.tuning else "") if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
@@ -229,8 +228,17 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str, verify
             f"so little of the level is spent by the look{'s' if len(blind) > 1 else ''} at "
             f"{', '.join(map(str, blind))} of {study.trials} trials that nothing can be decided there"
         )
-    finished, stopped = folder.store.keys(finished_only=True), stopped_cells(study, folder.store)
-    return Plan(study, shard, finished, folder.store.cells(), notes, stopped, verify)
+    store = folder.store
+    shown = selection.shown(store.held())
+    finished, stopped = store.keys(finished_only=True, shown=shown), stopped_cells(study, store)
+    return Plan(study, shard, finished, store.cells(shown), notes, stopped, selection.seeds, verify)
+
+
+def _selected(folder: Folder, study: Study, found: Fingerprints, reuse: Sequence[Folder]) -> tuple[Study, Selection]:
+    """Return a study as it is to be run in its folder, and its cells; what others hold of them is among its notes."""
+    study, selection = folder.select(study, found)
+    selection.notes.extend(reusable(source, selection.cells) for source in reuse)
+    return study, selection
 
 
 def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:

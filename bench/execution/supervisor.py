@@ -106,12 +106,13 @@ def _checked(first: ForkServer, task: Task) -> Checked:
     problems.call(trial_process.begin, study, task.files, {}, seconds=LOADING)
     answer = ask(problems, trial_process.check_problems)
     data = {entry.label: str(answer["hashes"][entry.label]) for entry in study.problems}
+    dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}
     code: dict[str, Code] = {}
-    machine, least = dict(answer["machine"]), int(answer["least"])
+    machine = dict(answer["machine"])
     packages: dict[str, ForkServer] = {}
     for package, labels in study.packages().items():
         packages[package] = problems.branch()
-        answer = ask(packages[package], trial_process.check_optimizers, labels, least)
+        answer = ask(packages[package], trial_process.check_optimizers, labels, dimensions)
         machine = provenance.united(machine, dict(answer["machine"]))
         for label in labels:
             code[label] = {printable(what, 300): printable(is_, 300) for what, is_ in answer["hashes"][label].items()}
@@ -128,7 +129,7 @@ def _checked(first: ForkServer, task: Task) -> Checked:
         if from_file.split(entry.name):  # whose own process names packages alone
             code[entry.label] = versions(code[entry.label])
         code[entry.label] |= from_file.fingerprint(entry.name, task.files)
-    fingerprints = Fingerprints(data, code)
+    fingerprints = Fingerprints(data, code, dimensions)
     return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data, code=code))
 
 

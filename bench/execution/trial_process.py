@@ -43,25 +43,25 @@ def begin(study: Study, files: Files, data: dict[str, str]) -> None:
 
 
 def check_problems() -> dict[str, Any]:
-    """Load all problems; return the hashes of their data, the smallest budget and the machine.
+    """Load all problems; return the hashes of their data, their dimensions and the machine.
 
     The machine's record is that of :func:`bench.storage.provenance.machine`. Where one cannot be loaded, return a
     sentence on why.
     """
     try:
         study = _study()
-        hashes, least = study.data(_problem)
+        hashes, dimensions = study.data(_problem)
         modules = defining([_problem(entry.label).unscored for entry in study.problems])
-        return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
+        return {"hashes": hashes, "dimensions": dimensions, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 
 
-def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
+def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str, Any]:
     """Load the optimizers of one package; return what decides their trials and the machine, as for problems."""
     try:
         study = _study()
-        hashes = study.code(labels, least)
+        hashes = study.code(labels, dimensions)
         modules = defining([study.optimizer(label) for label in labels])
         return {"hashes": hashes, "machine": provenance.machine(modules)}
     except BenchError as error:

@@ -54,7 +54,7 @@ class Gate:
 
 def gate(
     old: AnyPath,
-    new: AnyPath,
+    new: AnyPath | None = None,
     *,
     margin: float = MARGIN,
     alpha: float = ALPHA,
@@ -67,7 +67,8 @@ def gate(
 
     Args:
         old: the folder of the old version.
-        new: the folder of the new version.
+        new: the folder of the new version; None where ``old`` holds both: then the version that its study selects is
+            compared with the one before, or with version 2 where ``optimizer`` is such as ``"mine@2"``.
         margin: by which the chance that a trial of the old version ends lower may exceed 0.5.
         alpha: the chance of a false alarm, at most.
         optimizer: the label of the optimizer in both folders; not needed where each holds one only.
@@ -79,17 +80,13 @@ def gate(
         BenchError: where a folder holds no such optimizer, the folders differ in problems, budget or data, or there is
             too little to compare.
     """
-    studies = [Folder(path).study() for path in (old, new)]
-    places = [_place(study, optimizer, path) for study, path in zip(studies, (old, new), strict=True)]
-    findings = Findings(Results(old, new))
-    entries = findings.results.study.optimizers  # those of the old folder first
-    chosen = entries[places[0]].label, entries[len(studies[0].optimizers) + places[1]].label
+    findings, chosen = _of_one(old, optimizer) if new is None else _of_two(old, new, optimizer)
     frame = findings.trials.frame[findings.trials.frame["optimizer"].isin(chosen)]
     missing = _missing(frame, chosen)
     if len(missing) == len(labels(frame, "problem")):
-        raise BenchError(f"{old} and {new} have no problem in common on which both versions have trials")
+        raise BenchError(f"{' and '.join(chosen)} have no problem in common on which both have trials")
     if missing and not common:
-        where = listing([f"{problem} in {(old, new)[place]}" for problem, place in missing.items()], at_most=4)
+        where = listing([f"{problem} of {chosen[place]}" for problem, place in missing.items()], at_most=4)
         raise BenchError(f"there are no trials on {where}; run them, or compare the other problems with --common")
     frame = frame[~frame["problem"].isin(list(missing))]
     if target is not None:
@@ -98,6 +95,34 @@ def gate(
     left_out = [instance for label in missing for instance in findings.trials.pooled.members[label]]
     same = _identical(findings.results.frame, chosen, left_out)
     return _worded(test, findings, frame, chosen, missing, same, target)
+
+
+def _of_two(old: AnyPath, new: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, str]]:
+    """Return what was found in two folders, and the labels of the old and the new version."""
+    studies = [Folder(path).study() for path in (old, new)]
+    places = [_place(study, optimizer, path) for study, path in zip(studies, (old, new), strict=True)]
+    findings = Findings(Results(old, new))
+    entries = findings.results.study.optimizers  # those of the old folder first
+    return findings, (entries[places[0]].label, entries[len(studies[0].optimizers) + places[1]].label)
+
+
+def _of_one(path: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, str]]:
+    """Return likewise what was found of two versions of one optimizer in one folder."""
+    study = Folder(path).study()
+    label, _, number = (optimizer or "").rpartition("@")
+    if not number.isdigit():
+        label, number = study.optimizers[_place(study, optimizer, path)].label, ""
+    results = Results(path, versions=[label])
+    shown = {
+        entry.label.rpartition("@")[2]: entry.label
+        for entry in results.study.optimizers
+        if entry.label.rpartition("@")[0] == label
+    }
+    new = next(name for name in shown.values() if results.planned[name])  # only the selected one follows a plan
+    earlier = [name for name in shown.values() if name != new]
+    if number and shown.get(number) not in earlier:
+        raise BenchError(f"{path} holds no earlier version {number} of {label!r}; it has {listing(earlier)}")
+    return Findings(results), (shown[number] if number else earlier[-1], new)
 
 
 def _place(study: Study, optimizer: str | None, path: AnyPath) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from bench.analysis.comparable import Comparable
 from bench.report.wording import count, listing
 from bench.study import Study
@@ -31,6 +33,17 @@ def selection(whole: Study, shown: Study, *, by_instance: bool) -> str:
         parts.append(f"{fewer:,} of {count(len(whole.problems), 'instance')}")
     every = [count(len(labels), kind) for kind, (labels, _) in groups.items()]
     return f"Selected from {listing(every)} after the results were seen; left out: {listing(parts)}." if parts else ""
+
+
+def versions(numbers: Mapping[str, tuple[int, int]]) -> str:
+    """Return how often optimizers were changed in the folder, in a sentence; "" where each has one version.
+
+    ``numbers`` are the version that is shown and the number of versions, by label (:attr:`bench.Results.versions`).
+    """
+    parts = [
+        f"{label} is version {number} of {every} run here" for label, (number, every) in numbers.items() if every > 1
+    ]
+    return f"{listing(parts, NAMED)}; the others are not shown." if parts else ""
 
 
 def left_out(found: Comparable) -> tuple[str, ...]:

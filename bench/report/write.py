@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
@@ -64,6 +64,7 @@ def write_report(
     optimizers: Patterns = None,
     problems: Patterns = None,
     dimensions: Dimensions = None,
+    versions: Sequence[str] = (),
     on_progress: OnStep | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
@@ -86,6 +87,7 @@ def write_report(
             methods and the answer say what was left out, and a selection needs an ``output`` of its own.
         problems: likewise of problems.
         dimensions: the only dimensions of problems to show.
+        versions: labels or patterns of optimizers whose earlier versions stand beside them, as ``label@1``.
         on_progress: called before every step.
 
     Raises:
@@ -96,7 +98,7 @@ def write_report(
     """
     chosen = None if targets is None else Targets.read(targets, "the targets of a report")
     equal = None if rope is None else Rope.read(rope, "the rope of a report")
-    results = Results(path, *others)
+    results = Results(path, *others, versions=versions)
     if (optimizers, problems, dimensions) != (None, None, None):
         results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
     findings = Findings(results, chosen, equal, beside_best, reference)
@@ -120,7 +122,7 @@ def write_report(
 def _folder(results: Results, output: Path | None) -> Path:
     paths = results.paths
     own = {path.resolve() for path in paths}
-    if results.study is not results.whole and (output is None or output.resolve() in own):
+    if results.partial and (output is None or output.resolve() in own):
         raise BenchError(
             "a selection is another report than that of the whole folder, which it would replace; give it a folder of "
             "its own by --output"

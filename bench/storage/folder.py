@@ -1,4 +1,4 @@
-"""A study's folder: its frozen study, environments, fingerprints, notes and lock; it refuses another study."""
+"""A study's folder: the study that was run there last, its cells, environments, notes and lock."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from time import sleep
@@ -19,13 +18,15 @@ from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
-from bench.plugins import code
 from bench.storage import provenance, under_way
+from bench.storage.cells import Cells
 from bench.storage.migrations import LOCK
 from bench.storage.reading import StoreCheck
+from bench.storage.selection import Selection, changed, select
 from bench.storage.store import DamagedStoreError, Store
 from bench.storage.under_way import UnderWay
 from bench.study import Fingerprints, Study
+from bench.study.cell import read
 
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
@@ -38,7 +39,6 @@ KILLED = "killed.json"
 ANSWER = "answer.json"  # of the report
 CRATE = "ro-crate-metadata.json"  # of the archive that a folder was unpacked from
 
-_CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
 
 
@@ -55,21 +55,20 @@ class Folder:
         self.store = Store(self.path)
 
     def study(self) -> Study:
-        """Return the frozen study.
+        """Return the study that was run here last.
 
         Raises:
-            BenchError: where the folder holds none, or another one than the store's trials were made with.
+            BenchError: where the folder holds none, or another one than the store's trials are selected by.
         """
         if not self._begun:
             raise BenchError(f"{self.path} holds no {STUDY}; give the folder that 'bench run' wrote")
         study = Study.load(self.path / STUDY)
-        for record in self._readable_environments():
-            if (made := record.get("study", study.identity())) != study.identity():
-                raise BenchError(
-                    f"{self.path / STUDY} was changed: the trials beside it were made with the study of hash {made}, "
-                    f"and its hash is {study.identity()} now; put back the {STUDY} that the run wrote, and give a "
-                    "changed study another --output"
-                )
+        if (ran := self._readable().study) not in ("", study.identity()):
+            raise BenchError(
+                f"{self.path / STUDY} was changed: the trials beside it were made with the study of hash {ran}, and "
+                f"its hash is {study.identity()} now; put back the {STUDY} that the run wrote, or run the changed one: "
+                f"bench run {self.path / STUDY} --output {self.path}"
+            )
         return study
 
     @property
@@ -94,69 +93,69 @@ class Folder:
         noted = self.environments()
         return provenance.differences(noted[-1], machine) if noted else []
 
-    def extended(self, study: Study) -> Study:
-        """Return the study joined with the folder's (:meth:`bench.Study.joined`); refuse another study."""
-        if not self._begun:
-            return study
-        present = self.study()
-        if present.looks != study.looks and present.identity() == replace(study, looks=present.looks).identity():
-            begun = f"with looks at {present.looks.words} trials" if present.looks else "without looks"
+    def select(self, study: Study, found: Fingerprints) -> tuple[Study, Selection]:
+        """Return a study as it is to be run here, and its cells, of which the folder may hold some; write nothing.
+
+        Fewer trials than before do not shrink a folder.
+
+        Raises:
+            BenchError: where looks were declared before, or are declared now, and trials were made of another study.
+        """
+        held, trials = self._readable(), {}
+        with suppress(DamagedStoreError):
+            trials = self.store.trials()
+        if not study.looks and not held.looks:
+            with suppress(BenchError):
+                study = study.override(trials=max(study.trials, Study.load(self.path / STUDY).trials))
+        selection = select(study.cells(found), study.trials, held, trials)
+        if (study.looks or held.looks) and any(trials.get(number) for number in held.selected):
+            begun = f"with looks at {held.looks.words} trials" if held.looks else "without looks"
+            if study.looks != held.looks or selection.cells != held.by_labels:
+                other = f" of another study ({'; '.join(selection.notes)})" if study.looks == held.looks else ""
+                raise BenchError(
+                    f"{self.path} was begun {begun}{other}: looks are declared before the first trial, since what is "
+                    "declared after it may follow the results; keep study and looks as they are, or give another "
+                    "--output"
+                )
+        return study, selection
+
+    def require_unchanged(self, study: Study, found: Fingerprints) -> None:
+        """Raise BenchError where code, data or options are others now than those that trials here were made with."""
+        if phrases := changed(study.cells(found), self.store.held()):
             raise BenchError(
-                f"{self.path} was begun {begun}: looks are declared before the first trial, since what is declared "
-                "after it may follow the results; keep them as they are or give another --output"
+                f"{self.path} holds no trials of what would be made now: {listed(phrases, between='; ')}; 'bench run' "
+                "makes them, or put back what was changed"
             )
-        if present.identity() != study.identity():
-            named = " or the study another name" if self.path == default_path(study) else ""
-            how = listed(study.differences(present), between="; ")
-            raise BenchError(f"{self.path} holds another study ({how}); give another --output{named}")
-        return study.joined(present)
 
     def trials_asked(self) -> int:
         """Return the largest number of trials of each cell that a run here was asked for, 0 before the first trial."""
         noted = [record.get("trials") for record in self.environments()]
         return max((number for number in noted if isinstance(number, int)), default=0)
 
-    def claim(self, study: Study) -> Study:
-        """Freeze ``study`` in the folder, which must be locked, and return the frozen study.
+    def claim(self, study: Study, selection: Selection | None = None) -> None:
+        """Make a study the one of this folder, which must be locked: note in the store the cells that it selects.
 
-        A folder of the same study is continued; more trials or controls than before extend it, fewer do not shrink it.
+        Cells that it does not select keep their trials. Without a selection, nothing is known of code and data.
 
         Raises:
-            BenchError: when the folder holds another study or cannot be written.
+            BenchError: when the folder cannot be written.
         """
-        frozen = self.extended(study)
-        self._write(STUDY, frozen.to_toml())
-        return frozen
+        with replacing(self.path / STUDY) as temporary:
+            temporary.write_text(study.to_toml(), encoding="utf-8")
+            with self.store.writer() as writer:
+                chosen = selection or Selection(study.cells(Fingerprints({}, {}, {})))
+                writer.complete(chosen.completed)
+                writer.select(study, chosen.cells)
 
-    def fingerprints(self) -> Fingerprints:
-        """Return the fingerprints of the data and the code that trials were made with, as the store notes them."""
-        fingerprints: tuple[dict[str, Any], dict[str, Any]] = {}, {}
-        for record in self._readable_environments():
-            for key, labels in zip(("data", "code"), fingerprints, strict=True):
-                noted = record.get(key)
-                for label, fingerprint in noted.items() if isinstance(noted, dict) else ():
-                    labels.setdefault(label, fingerprint)
-        return Fingerprints(*fingerprints)
+    def data(self) -> dict[str, str]:
+        """Return the hash of each problem's data that trials were made with, by the label shown; "" for none."""
+        return {labels[0]: read(cell.problem)["data"] or "" for labels, cell in self._readable().by_labels.items()}
 
-    def _readable_environments(self) -> list[dict[str, Any]]:
-        """Return the environments, none where the store is damaged: a run repairs it before it makes trials."""
+    def _readable(self) -> Cells:
+        """Return the cells of the store, none where it is damaged: a run repairs it before it makes trials."""
         with suppress(DamagedStoreError):
-            return self.environments()
-        return []
-
-    def refuse_changes(self, found: Fingerprints) -> None:
-        """Raise BenchError for data or code that changed since trials were made with it."""
-        before = self.fingerprints()
-        both: list[tuple[dict[str, Any], dict[str, Any]]] = [(before.data, found.data), (before.code, found.code)]
-        for (what, kinds), (noted, now) in zip(_CHANGED, both, strict=True):
-            for label in now.keys() & noted.keys():
-                first, other = noted[label], now[label]
-                if type(first) is type(other) and first != other:  # older versions noted the hash of the file alone
-                    names = f" ({listed(code.differences(first, other))})" if isinstance(first, dict) else ""
-                    raise BenchError(
-                        f"the {what} {label!r} changed since {self.path} was begun{names}, and its trials would mix "
-                        f"two {kinds}; put it back or give another --output"
-                    )
+            return self.store.held()
+        return Cells()
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.

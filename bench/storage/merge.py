@@ -1,7 +1,8 @@
-"""Merge the stores of one study that was run on different machines."""
+"""Take trials of equal cells from other folders: to merge the parts of a study, or to reuse what was run elsewhere."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -9,11 +10,16 @@ from typing import Any
 
 from bench.columns import Row
 from bench.errors import BenchError
-from bench.helpers.text import listed
+from bench.helpers.text import count, listed
+from bench.storage.cells import Cells
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.rows import disagreement
+from bench.storage.selection import Selection
 from bench.storage.writing import Writer
 from bench.study import Study
+from bench.study.cell import Cell, Labels, differences
+
+AnyPath = str | PathLike[str]
 
 
 @dataclass(frozen=True)
@@ -29,59 +35,134 @@ class Merged:
     notes: tuple[str, ...] = ()
 
 
-def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -> Merged:
+def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
     """Write the trials of all folders into one, with the environments that made them.
 
-    The folders' numbers of trials may differ. The output may hold some of them already: a merge that was interrupted is
-    continued by the same call. Every trial is compared with its digest; damaged ones are left out.
+    The study is that of the first folder, with the problems and optimizers of all. The folders' numbers of trials may
+    differ. The output may hold some of the trials already: a merge that was interrupted is continued by the same call.
+    Every trial is compared with its digest; damaged ones are left out.
 
     Raises:
-        BenchError: when the folders hold different studies, data or code, or a trial with different outcomes, and when
-            the output holds damaged trials.
+        BenchError: when a label means different cells in two folders, or one trial has different outcomes, and when the
+            output holds damaged trials.
     """
     sources, target = [Folder(path) for path in folders], Folder(output)
     if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
         raise BenchError("a folder is given twice; give folders that differ, and another one to write")
-    study = _common([(source, source.study()) for source in sources])
+    study, cells = _common([(source, source.study()) for source in sources])
     with target.lock():
         if not (present := target.store.check(structure=True)).sound:
             raise BenchError(f"{target.path}: {present.sentence}")
-        target.claim(study)
+        target.claim(study, Selection(cells))
         added = same = 0
         notes = []
         with target.store.writer() as writer:
             for source in sources:
-                target.refuse_changes(source.fingerprints())
                 check = source.check_store()
-                with source.store.reader() as reader:
-                    new, old = copy(reader.sound(), reader.environments(), writer, str(source.path))
+                new, old = take(source, writer)
                 added, same = added + new, same + old
                 if not check.sound:
                     notes.append(f"{source.path}: {check.sentence}")
         target.write_environments()
         if described := {label: about for source in sources for label, about in source.noted(DESCRIPTIONS).items()}:
             target.note(DESCRIPTIONS, described)
-        rows = sum(cell.done + cell.failed for cell in target.store.cells())
+        rows = sum(target.store.trials().values())
     return Merged(rows, added, same, tuple(notes))
 
 
-def _common(studies: list[tuple[Folder, Study]]) -> Study:
-    """Return the study of all folders, with the largest number of trials and the controls of all."""
+def _common(studies: list[tuple[Folder, Study]]) -> tuple[Study, dict[Labels, Cell]]:
+    """Return the study of all folders, with the largest number of trials and the controls of all, and its cells."""
     first, study = studies[0]
+    cells = first.store.held().by_labels
+    controls = {entry.label: entry for entry in study.controls}
     for folder, other in studies[1:]:
-        if other.identity() != study.identity():
-            how = listed(study.differences(other), between="; ")
+        theirs = folder.store.held().by_labels
+        different = any(cells.get(labels, cell) != cell for labels, cell in theirs.items())
+        if different or other.identity() != study.identity():
             raise BenchError(
-                f"{folder.path} holds another study than {first.path} ({how}); only parts of one study can be merged"
+                f"{folder.path} holds another study than {first.path}, or trials of other code or data; only parts of "
+                "one study can be merged: run the study with --reuse to take the trials that it shares with others"
             )
-        study = study.joined(other)
-    return study
+        cells |= theirs
+        controls |= {entry.label: entry for entry in other.controls}
+        study = study.override(trials=max(study.trials, other.trials))
+    return study.override(controls=tuple(controls.values())), cells
+
+
+def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
+    """Return in a sentence which of these cells another folder holds, and why not the others.
+
+    Raises:
+        BenchError: where it holds none of them, or damaged trials, or a run is writing to it.
+    """
+    source.study()
+    if running := source.running():
+        raise BenchError(f"process {running['pid']} is writing to {source.path}; reuse its trials when that has ended")
+    if not (check := source.store.check()).sound:
+        raise BenchError(f"{source.path}: {check.sentence}")
+    there, trials = source.store.held(), source.store.trials()
+    held = {cell: trials[number] for number, cell in there.all.items() if trials.get(number)}
+    shared = [cell for cell in cells.values() if cell in held]
+    by_labels = {cell.labels: cell for cell in held}  # the last version of each
+    reasons = Counter(_difference(cell, by_labels) for cell in cells.values() if cell not in held)
+    others = listed([f"{reason} ({count(number, 'cell')})" for reason, number in reasons.most_common()], between="; ")
+    sentence = f"{len(shared):,} of the study's {count(len(cells), 'cell')} are in {source.path}"
+    sentence += f"; of the others {others}" if others else ""
+    if not shared:
+        raise BenchError(f"{sentence}; leave out --reuse {source.path}")
+    return sentence
+
+
+def _difference(cell: Cell, there: Mapping[Labels, Cell]) -> str:
+    """Return why a cell is none of those of another folder, which are given by their labels."""
+    if (other := there.get(cell.labels)) is None:
+        known = cell.labels[1] in {optimizer for _, optimizer in there}
+        return f"no trial of {cell.labels[1]}" + (" on that problem" if known else "") + " is there"
+    parts = [
+        f"the {key} is {getattr(other, key):,}, not {getattr(cell, key):,}"
+        for key in ("seed", "evaluations")
+        if getattr(other, key) != getattr(cell, key)
+    ]
+    for label, before, now in zip(cell.labels, other.records, cell.records, strict=True):
+        parts += [f"{label} is another one ({how})" for how in differences(before, now)]
+    return ", ".join(parts)
+
+
+def take(source: Folder, writer: Writer, wanted: Iterable[Cell] | None = None, where: str = "") -> tuple[int, int]:
+    """Add the sound trials of a folder; return the numbers of those added and of those present already.
+
+    Args:
+        source: the folder.
+        writer: of the store to add them to.
+        wanted: the cells whose trials are taken; by default all.
+        where: the name of the folder in the environments that are noted here; "" where none is noted.
+
+    Raises:
+        BenchError: when a trial has two outcomes.
+    """
+    with source.store.reader() as reader:
+        chosen = reader.cells.all if wanted is None else _among(reader.cells, wanted)
+        rows = ((cell, row) for cell, row in reader.whole() if cell in chosen)
+        made = {environment for cell, environment in reader.made_by() if cell in chosen}
+        environments = {number: record for number, record in reader.environments().items() if number in made}
+        if where:
+            environments = {number: record | {"reused": where} for number, record in environments.items() if record}
+        return copy(rows, reader.cells, environments, writer, str(source.path))
+
+
+def _among(cells: Cells, wanted: Iterable[Cell]) -> dict[int, Cell]:
+    asked = set(wanted)
+    return {number: cell for number, cell in cells.all.items() if cell in asked}
 
 
 def copy(
-    rows: Iterable[Row], environments: Mapping[int, Mapping[str, Any]], writer: Writer, name: str
+    rows: Iterable[tuple[int, Row]],
+    cells: Cells,
+    environments: Mapping[int, Mapping[str, Any]],
+    writer: Writer,
+    name: str,
 ) -> tuple[int, int]:
-    """Add the rows of another store, which is called ``name``; return the numbers added and present already.
+    """Add rows of the cells of another store, called ``name``; return the numbers added and present already.
 
     Rows refer to an environment only where its record is known.
 
@@ -91,17 +172,19 @@ def copy(
     numbers = {number: writer.environment(record) for number, record in environments.items() if record}
     added = same = 0
     with writer.transaction():
-        for row in rows:
-            present = writer.find(row["problem"], row["optimizer"], row["trial"])
+        for cell, row in rows:
+            number = writer.number(cells.all[cell])
+            present = writer.find(number, row["trial"])
             if present is None or (present["status"] != "ok" and row["status"] == "ok"):
-                writer.put(row | {"environment": numbers.get(row["environment"])})
+                writer.put(row | {"environment": numbers.get(row["environment"])}, number)
                 added += 1
             else:
                 same += 1
                 if row["status"] == "ok" and (different := disagreement(present, row)):
+                    problem, optimizer = cells.shown(cell)
                     raise BenchError(
-                        f"trial {row['trial']} of {row['optimizer']} on {row['problem']} has another {different} in "
-                        f"{name} than in the folders before it, though both were made from one seed; find out "
-                        "which is right ('bench verify') and remove the other ('bench rm')"
+                        f"trial {row['trial']} of {optimizer} on {problem} has another {different} in {name} than in "
+                        f"{writer.path.parent}, though both were made from one seed; find out which is right ('bench "
+                        "verify') and remove the other ('bench rm')"
                     )
     return added, same

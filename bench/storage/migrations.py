@@ -6,6 +6,8 @@ the schema that it replaces.
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -16,8 +18,15 @@ from typing import Any, NamedTuple
 
 from filelock import FileLock, Timeout
 
+from bench.errors import BenchError
+from bench.helpers.parsing import parse_json
+from bench.plugins import from_file
+from bench.plugins.loading import is_imported
+from bench.storage.cells import binding_of, selection_digest
 from bench.storage.rows import VALUES, binding, digest
 from bench.storage.schema import SCHEMA, create, layout, readable
+from bench.study import Entry, Study
+from bench.study.cell import Cell, Labels, record
 
 LOCK = ".lock"
 """The file that a run locks in its folder."""
@@ -45,11 +54,13 @@ class Older:
 
     Attributes:
         connection: to the store.
+        folder: of the store.
         prefix: what stands before the names of its tables.
         rescue: None, or read what can be read of a damaged store (:func:`bench.storage.schema.readable`).
     """
 
     connection: sqlite3.Connection
+    folder: Path
     prefix: str = ""
     rescue: int | None = None
 
@@ -93,15 +104,16 @@ def current(
     Raises:
         sqlite3.Error: where the store cannot be read, or not be written as it must.
     """
+    folder = path.parent
     if writing:
-        _migrate(connection)
-    if layout(connection) not in STEPS or (rescue is None and _migrated(connection, path.parent)):
+        _migrate(connection, folder)
+    if layout(connection) not in STEPS or (rescue is None and _migrated(connection, folder)):
         yield connection
     else:
         with closing(sqlite3.connect("")) as copy:  # a file that SQLite removes
             with copy:
-                _take(Older(connection, rescue=rescue), int(layout(connection) or 0), copy)
-            _migrate(copy)
+                _take(Older(connection, folder, rescue=rescue), int(layout(connection) or 0), copy)
+            _migrate(copy, folder)
             yield copy
 
 
@@ -110,12 +122,12 @@ def _migrated(connection: sqlite3.Connection, folder: Path) -> bool:
     with suppress(OSError, NotImplementedError, Timeout, sqlite3.OperationalError):  # such as a disk that is full
         if os.access(folder, os.W_OK):
             with FileLock(folder / LOCK, timeout=0):
-                _migrate(connection)
+                _migrate(connection, folder)
                 return True
     return False
 
 
-def _migrate(connection: sqlite3.Connection) -> None:
+def _migrate(connection: sqlite3.Connection, folder: Path) -> None:
     """Bring an open store to this layout, in one transaction; a kill leaves the older store or the new one."""
     if layout(connection) not in STEPS:
         return
@@ -127,7 +139,7 @@ def _migrate(connection: sqlite3.Connection) -> None:
             connection.execute("DROP VIEW IF EXISTS trials")
             for table in tables:
                 connection.execute(f"ALTER TABLE {table} RENAME TO old_{table}")
-            _take(Older(connection, "old_"), version, connection)
+            _take(Older(connection, folder, "old_"), version, connection)
             for table in tables:
                 connection.execute(f"DROP TABLE old_{table}")
     with suppress(sqlite3.OperationalError):
@@ -149,7 +161,7 @@ def _take(older: Older, version: int, target: sqlite3.Connection) -> None:
     older.connection.text_factory = str
 
 
-# from layout 3, in which trials had no calls
+# from layout 3, in which trials had no calls, and cells were labels
 
 _VALUES_3 = (
     "environment", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "outside_box", "error",
@@ -181,8 +193,25 @@ PRAGMA user_version = 3
 
 def _from_3(older: Older, put: Put) -> None:
     """Fill the tables of layout 4; a row that does not fit its digest gets none, and stays damaged."""
-    older.move(put, "committed", "environments", "names", "cells")
+    older.move(put, "committed", "environments", "names")
     labels, names = older.texts("cells"), older.texts("names")
+    cells, selected, study = _cells_3(
+        older, {number: (_text(one), _text(two)) for number, (one, two) in labels.items()}
+    )
+    places: list[dict[str, int]] = [{}, {}]
+    for place, table in enumerate(("problems", "optimizers")):
+        for cell in cells.values():
+            places[place].setdefault(cell.records[place], len(places[place]) + 1)
+        put(table, "id, record", [(number, record) for record, number in places[place].items()])
+    rows_of_cells = [
+        (number, *(of[text] for of, text in zip(places, cell.records, strict=True)), *cell.conditions)
+        for number, cell in cells.items()
+    ]
+    put("cells", "id, problem, optimizer, evaluations, seed", rows_of_cells)
+    if study is not None:
+        about = study.identity(), json.dumps(study.looks)
+        put("selected", "cell, problem, optimizer", [(number, *labels) for number, labels in selected.items()])
+        put("study", "identity, looks, digest", [(*about, selection_digest(*about, selected))])
 
     def rows() -> Iterator[tuple[Any, ...]]:
         for noted, cell, number, trial, *values in older.results(f"digest, cell, names, trial, {', '.join(_VALUES_3)}"):
@@ -191,9 +220,77 @@ def _from_3(older: Older, put: Put) -> None:
             row = dict(zip(_VALUES_3, values, strict=True))
             moved = [row.get(name) for name in VALUES]
             sound = known and digest(bound, (trial, *values)) == noted
-            yield cell, trial, digest(bound, (trial, *moved)) if sound else None, number, *moved
+            now = binding_of(cells[cell], names.get(number, (None, None))) if sound else b""
+            yield cell, trial, digest(now, (trial, *moved)) if sound else None, number, *moved
 
     put("results", f"cell, trial, digest, names, {', '.join(VALUES)}", rows())
+
+
+def _cells_3(older: Older, labels: dict[int, Labels]) -> tuple[dict[int, Cell], dict[int, Labels], Study | None]:
+    """Return the cells, those that the study beside the store selects, and this study, where it can be read.
+
+    What is not known is null in a record: the code of installed optimizers was not noted, and that of files as a hash
+    of their bytes, which is known to have changed where the file has others now.
+    """
+    study = None
+    with suppress(BenchError):
+        study = Study.load(older.folder / "study.toml")
+    data, code = ({label: value for noted in notes for label, value in noted.items()} for notes in _noted_3(older))
+    dimensions: dict[str, int] = {}
+    with suppress(sqlite3.DatabaseError):
+        sizes = f"SELECT cell, max(length(x)) FROM {older.prefix}results WHERE status = 'ok' GROUP BY cell"
+        dimensions = {labels[cell][0]: size // 8 for cell, size in older.connection.execute(sizes) if cell in labels}
+    entries = [
+        {entry.label: entry for entry in group}
+        for group in ((study.problems, study.with_controls) if study else ((), ()))
+    ]
+
+    def problem(label: str) -> str:
+        entry = entries[0].get(label, Entry(label, label))
+        handled = {key: getattr(study, key, None) for key in ("constraints", "on_error")}
+        known = data.get(label, "") if label in entries[0] else None
+        hashed = _of_file_3(entry.name, known)
+        return record(label=label, name=entry.name, options=entry.options, data=hashed, **handled)
+
+    def optimizer(label: str) -> str:
+        entry = entries[1].get(label, Entry(label, label))
+        hashed = {} if is_imported(entry.name) else _of_file_3(entry.name, code.get(label))
+        return record(label=label, name=entry.name, options=entry.options, code=hashed)
+
+    cells = {}
+    for number, (one, other) in labels.items():
+        spent = study.evaluations(dimensions[one]) if study and one in dimensions and not study.imported else 0
+        cells[number] = Cell(problem(one), optimizer(other), spent, study.seed if study else 0)
+    selected = {number: pair for number, pair in labels.items() if pair[0] in entries[0] and pair[1] in entries[1]}
+    return cells, selected, study
+
+
+def _of_file_3(name: str, noted: Any) -> Any:
+    """Return what a record has of the code or the data of a plug-in, whose hash was noted if it is in a file."""
+    if (parts := from_file.split(name)) is None:
+        return noted
+    try:
+        same = hashlib.sha256(parts[0].read_bytes()).hexdigest()[:16] == noted
+    except OSError:
+        same = True  # nobody knows
+    return None if same else noted
+
+
+def _noted_3(older: Older) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
+    """Return what each run noted of data and of code by label, the last one first."""
+    notes: tuple[list[dict[str, str]], list[dict[str, str]]] = [], []
+    with suppress(sqlite3.DatabaseError):
+        query = f"SELECT record FROM {older.prefix}environments ORDER BY id DESC"
+        for (text,) in older.connection.execute(query).fetchall():
+            with suppress(ValueError):
+                noted = parse_json(text)
+                for key, found in zip(("data", "code"), notes, strict=True):
+                    found.append(dict(noted.get(key) or {}))
+    return notes
+
+
+def _text(text: bytes) -> str:
+    return text.decode(errors="replace")
 
 
 STEPS = {3: Step(_SCHEMA_3, _from_3)}

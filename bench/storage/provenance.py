@@ -26,7 +26,7 @@ from threadpoolctl import threadpool_info
 from bench.helpers.text import printable
 from bench.plugins import registry
 from bench.storage.versions import checkout_states, content_hash, own_state, package_versions
-from bench.study import Fingerprints, Study
+from bench.study import Study
 
 LONGEST = 10_000
 """Characters noted of a text, such as a command with all its arguments."""
@@ -61,7 +61,6 @@ def united(record: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any
 
 def run(
     study: Study,
-    fingerprints: Fingerprints,
     jobs: int,
     backend: str,
     *,
@@ -82,8 +81,6 @@ def run(
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),
-        "data": fingerprints.data,
-        "code": fingerprints.code,
         "timeout": timeout,
         "shard": shard,
         "strict": untrusted,  # two keys, as there were two modes

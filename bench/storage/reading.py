@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -13,13 +13,14 @@ from typing import Any
 
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
+from bench.storage.cells import binding_of, read
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, TEXTS, VALUES, binding, digest
+from bench.storage.rows import COLUMNS, TEXTS, VALUES, digest
 from bench.storage.schema import readable
 from bench.storage.traces import Key
+from bench.study.cell import Labels
 
 NAMED = 3  # damaged trials that a sentence names
-UNKNOWN = "an unknown problem", "an unknown optimizer"
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
 LONGEST = 100  # characters of a label, which may be damaged too
 
@@ -83,36 +84,39 @@ class Reader:
     """The rows of an open store at one moment, and which of them fit their digests.
 
     Attributes:
-        labels: problem and optimizer of each cell, by its number.
+        cells: the cells, and which of them are selected under which labels.
         names: the names of variables and of metrics, by their number.
 
     Args:
         connection: to the store.
         noted: what was noted beside the store, before it was opened.
+        rescue: whether to read what can be read of a damaged store.
     """
 
-    def __init__(self, connection: sqlite3.Connection, noted: Committed) -> None:
+    def __init__(self, connection: sqlite3.Connection, noted: Committed, *, rescue: bool = False) -> None:
         self._connection, self._noted = connection, noted
         connection.text_factory = bytes  # damage may leave texts that are no UTF-8
         connection.execute("BEGIN")  # cells, names and rows of one moment, while a run adds to all
-        labels, names = (
-            {number: texts for number, *texts in connection.execute(f"SELECT * FROM {table}")}
-            for table in ("cells", "names")
-        )
+        self.cells = read(connection, rescue=rescue)
+        names = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
 
         @cache
-        def bound(cell: object, number: object) -> bytes | None:
-            labelled = cell in labels and (number is None or number in names)
-            return binding(*labels[cell], *names.get(number, (None, None))) if labelled else None
+        def bound(cell: int, number: object) -> bytes | None:
+            if cell not in self.cells.all or not (number is None or number in names):
+                return None
+            return binding_of(self.cells.all[cell], names.get(number, (None, None)))
 
         self._bound = bound
-        self.labels: dict[Any, tuple[str, str]] = {cell: (_text(a), _text(b)) for cell, (a, b) in labels.items()}
         self.names: dict[Any, tuple[str, str]] = {number: (_text(a), _text(b)) for number, (a, b) in names.items()}
 
     @property
     def rows(self) -> int:
         """The number of rows, damaged ones included."""
         return int(self._connection.execute("SELECT count(*) FROM results").fetchone()[0])
+
+    def made_by(self) -> list[tuple[int, int | None]]:
+        """Return each cell with each environment that made rows of it, by their numbers."""
+        return self._connection.execute("SELECT DISTINCT cell, environment FROM results").fetchall()
 
     def count(self, check: StoreCheck, rows: int) -> StoreCheck:
         """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
@@ -169,8 +173,23 @@ class Reader:
         check.environments = sorted(number for number in {*records, *referred} - {None} if not records.get(number))
         self.count(check, rows)
 
-    def sound(self, where: str = "", *values: object) -> Iterator[dict[str, Any]]:
+    def sound(
+        self, where: str = "", *values: object, shown: Mapping[int, Labels] | None = None
+    ) -> Iterator[dict[str, Any]]:
         """Yield every row that meets an SQL condition and fits its digest, as a dictionary of ``COLUMNS``.
+
+        ``shown`` are the labels of the cells that count, by their numbers; by default those selected.
+
+        Raises:
+            sqlite3.Error: where a part of the rows cannot be read.
+        """
+        labels = self.cells.selected if shown is None else shown
+        for cell, row in self.whole(where, *values):
+            if cell in labels:
+                yield row | dict(zip(COLUMNS, labels[cell], strict=False))
+
+    def whole(self, where: str = "", *values: object) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield the cell and the columns of every row, selected or not, that meets a condition and fits its digest.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
@@ -178,12 +197,12 @@ class Reader:
         for row in self._rows(where, *values):
             if self._fits(*row):
                 _, cell, names, trial, *measured = row
-                labels = *self.labels[cell], trial, *self.names.get(names, (None, None))
+                labels = *self.cells.shown(cell), trial, *self.names.get(names, (None, None))
                 columns = dict(zip(COLUMNS, (*labels, *measured), strict=True))
-                yield columns | {name: _text(columns[name]) for name in TEXTS if columns[name] is not None}
+                yield cell, columns | {name: _text(columns[name]) for name in TEXTS if columns[name] is not None}
 
-    def rescue(self, trials: int) -> Iterator[dict[str, Any]]:
-        """Yield every sound row that can be read, some perhaps twice.
+    def rescue(self, trials: int) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield cell and columns of every sound row that can be read, some perhaps twice.
 
         Where SQLite cannot read all rows of a cell, its first ``trials`` trials are looked up one by one.
 
@@ -191,7 +210,7 @@ class Reader:
             sqlite3.OperationalError: where SQLite does not even find the table.
         """
         self._rows("0")
-        return readable(self.sound, self.labels, trials)
+        return readable(self.whole, self.cells.all, trials)
 
     def environments(self, copies: Sequence[object] = ()) -> dict[int, dict[str, Any]]:
         """Return the environments' records by number, oldest first.
@@ -217,7 +236,7 @@ class Reader:
 
     def _place(self, row: Sequence[Any]) -> Key:
         _, cell, _, trial, *_ = row
-        return (*self.labels.get(cell, UNKNOWN), trial if isinstance(trial, int) else -1)
+        return (*self.cells.shown(cell), trial if isinstance(trial, int) else -1)
 
 
 def record_digest(number: int, record: bytes) -> bytes:

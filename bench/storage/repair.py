@@ -45,7 +45,9 @@ def repair(folder: Folder, trials: int) -> str:
     try:
         with replacing(store.path) as temporary:
             with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=trials) as reader:
-                kept, _ = copy(reader.rescue(trials), _environments(folder, reader), writer, str(store.path))
+                cells, environments = reader.cells, _environments(folder, reader)
+                kept, _ = copy(reader.rescue(trials), cells, environments, writer, str(store.path))
+                writer.restore(cells.study, cells.looks, cells.by_labels)
             if there:
                 shutil.copy(store.path, folder.path / ASIDE)
             for beside in ("-wal", "-shm"):  # of the damaged store; the new one has none

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import warnings
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, cached_property
 from itertools import compress
@@ -19,7 +19,7 @@ import pandas as pd
 from bench.columns import FEATURES, PRECISION
 from bench.errors import BenchError
 from bench.families import dimension_in
-from bench.helpers.text import html_table, unique
+from bench.helpers.text import html_table
 from bench.numbers import is_whole
 from bench.objective import integer_flags
 from bench.plugins import selection
@@ -28,17 +28,15 @@ from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.scoring import Scored
 from bench.storage.folder import DESCRIPTIONS, VERIFICATION, Folder
-from bench.storage.reading import READ, StoreCheck
+from bench.storage.reading import StoreCheck
+from bench.storage.sources import Source, by_label, sources
 from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
-from bench.study import Study
-from bench.study.budget import Budget
 from bench.study.selection import Dimensions, Patterns, selected
 
 AnyPath = str | PathLike[str]
 
-CELL = READ.index("cell")
 KINDS = tuple(column.name for column in FEATURES)
 
 
@@ -85,6 +83,8 @@ class Results:
         differences: sentences on how the folders differ where imported results are among them; else none.
         checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
+        versions: which version of an optimizer is shown and how many there are, where some are not shown: it was
+            changed after trials of it were made.
         fingerprints: the hash of each problem's data when it ran, by label; "" where its name determines the data.
 
     Raises:
@@ -92,8 +92,9 @@ class Results:
             or imported results share no problem with the others.
     """
 
-    def __init__(self, path: AnyPath, *others: AnyPath) -> None:
-        self._sources = _sources([Folder(folder) for folder in (path, *others)])
+    def __init__(self, path: AnyPath, *others: AnyPath, versions: Sequence[str] = ()) -> None:
+        self._versions = versions
+        self._sources = sources([Folder(folder) for folder in (path, *others)], versions)
         self.names = [source.name for source in self._sources]
         self.study = self.whole = united([source.study for source in self._sources], self.names, self._stored_dimension)
         shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
@@ -104,18 +105,25 @@ class Results:
             for source in self._sources
         }
         self.planned = {
-            label: 0 if is_imported(name) else trials[source.name] for label, (name, source) in shown.items()
+            label: 0 if is_imported(name) or label not in source.shown.values() else trials[source.name]
+            for label, (name, source) in shown.items()
         }
+        self.versions = {label: number for source in self._sources for label, number in source.versions.items()}
         self._problems = {
             label: {entry.label for entry in source.study.problems} for label, (_, source) in shown.items()
         }
         self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
-        self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
-        self.checks = _by_label(self._sources, Folder.checks)
+        self.fingerprints = _agreed([source.folder.data() for source in self._sources], self.paths)
+        self.checks = by_label(self._sources, Folder.checks)
         self.verifications = [source.folder.noted(VERIFICATION) for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
+
+    @property
+    def partial(self) -> bool:
+        """Whether this is another view than that of the folders as they are: a selection, or with earlier versions."""
+        return self.study is not self.whole or bool(self._versions)
 
     def select(
         self, *, optimizers: Patterns = None, problems: Patterns = None, dimensions: Dimensions = None
@@ -133,7 +141,7 @@ class Results:
         Raises:
             BenchError: for a pattern or a dimension that no optimizer or problem has, and where nothing is selected.
         """
-        chosen = Results(*self.paths)
+        chosen = Results(*self.paths, versions=self._versions)
         chosen._problem, chosen._facts = self._problem, self._facts
         chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
         kept, labels = ({entry.label for entry in group} for group in (chosen.study.optimizers, chosen.study.problems))
@@ -204,7 +212,7 @@ class Results:
             source.folder.note_store(source.found)
 
     @property
-    def _read_sources(self) -> list[_Source]:
+    def _read_sources(self) -> list[Source]:
         """The folders, whose stores are checked while the frame is read."""
         _ = self._frame_and_origins
         return self._sources
@@ -218,7 +226,7 @@ class Results:
     @cached_property
     def descriptions(self) -> dict[str, Any]:
         """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
-        return _by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
+        return by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
 
     @cached_property
     def _parts(self) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -248,10 +256,10 @@ class Results:
         shared, optimizers = self._labels[0], set(self.planned)
         return Traces(
             {
-                (problem, source.shown[optimizer]): cell
+                (problem, optimizer): cell
                 for source in self._read_sources
-                for (problem, optimizer), cell in source.folder.store.traces().cells.items()
-                if problem in shared and source.shown[optimizer] in optimizers
+                for (problem, optimizer), cell in source.folder.store.traces(source.cells).cells.items()
+                if problem in shared and optimizer in optimizers
             }
         )
 
@@ -360,116 +368,6 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     for sentence in results.damage:
         warnings.warn(sentence, stacklevel=2)
     return results.frame
-
-
-# several folders as one study
-
-
-@dataclasses.dataclass
-class _Source:
-    """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments."""
-
-    folder: Folder
-    name: str
-    study: Study
-    shown: dict[str, str]
-    environments: list[dict[str, Any]]
-    environment_places: dict[int, int]
-    found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
-
-    @cached_property
-    def budgets(self) -> dict[str, Budget]:
-        """What a run of each optimizer may spend, by its label: of imported runs, the most that any of them spent.
-
-        That is by dimension where the study's budget is. Where a run declared why it ended, it may have spent less than
-        its budget, which is then taken for the study's.
-        """
-        whole, budgets = self.study.budget, dict.fromkeys(self.shown.values(), self.study.budget)
-        if not self.study.imported:
-            return budgets
-        spent: dict[str, Counter[int | None]] = {}
-        ended = set[str]()
-        for problem, optimizer, most, declared in self.folder.store.spent():
-            of_optimizer, dimension = spent.setdefault(optimizer, Counter()), dimension_in(problem)
-            of_optimizer[dimension] = max(most, of_optimizer[dimension], 1)
-            ended |= {optimizer} if declared else set()
-        for optimizer, most_in in spent.items():
-            if optimizer in self.shown and optimizer not in ended:
-                budgets[self.shown[optimizer]] = whole.spent(most_in)
-        return budgets
-
-    def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> None:
-        """Add the sound trials of these problems and shown optimizers, with environments' numbers of all folders."""
-        labels = {entry.label for entry in self.study.problems}
-        self.found = StoreCheck()
-        self.folder.store.require()
-        with self.folder.store.reader() as reader:
-            tidy.reserve(reader.rows)
-            cells = {
-                cell: (self.study.name, problem, self.shown[optimizer])
-                for cell, (problem, optimizer) in reader.labels.items()
-                if problem in labels and optimizer in self.shown
-            }
-            wanted = {cell for cell, (_, *where) in cells.items() if where[0] in problems and where[1] in optimizers}
-            for rows in reader.chunks(self.found):
-                if strange := {row[CELL] for row in rows} - cells.keys():
-                    problem, optimizer = reader.labels[min(strange)]
-                    label = optimizer if problem in labels else problem
-                    raise BenchError(
-                        f"{self.folder.path} holds trials of {label!r}, which its "
-                        "study.toml does not name; put back the study.toml that the run wrote"
-                    )
-                if chosen := [row for row in rows if row[CELL] in wanted]:
-                    tidy.add(chosen, cells, reader.names, self.environment_places)
-
-
-def _by_label(sources: Iterable[_Source], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:
-    """Return the notes of the folders on their optimizers, by the label shown."""
-    return {
-        source.shown[label]: noted
-        for source in sources
-        for label, noted in read(source.folder).items()
-        if label in source.shown
-    }
-
-
-def _sources(folders: list[Folder]) -> list[_Source]:
-    """Read the folders' studies and environments; make folder names and optimizer labels distinct."""
-    studies = [folder.study() for folder in folders]
-    names = _short_names([folder.path for folder in folders])
-    labels = Counter(entry.label for study in studies for entry in study.with_controls)
-    labelled = [
-        f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
-        for study, name in zip(studies, names, strict=True)
-        for entry in study.with_controls
-    ]
-    distinct = iter(unique(labelled))  # a label may already equal another one with its folder
-    sources: list[_Source] = []
-    for folder, study, name in zip(folders, studies, names, strict=True):
-        shown = {entry.label: next(distinct) for entry in study.with_controls}
-        optimizers, controls = (
-            tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in entries)
-            for entries in (study.optimizers, study.controls)
-        )
-        noted = folder.store.environments()
-        environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
-        before = sum(len(source.environments) for source in sources)
-        places = {number: before + place for place, number in enumerate(noted, start=1)}
-        renamed = dataclasses.replace(study, optimizers=optimizers, controls=controls)
-        sources.append(_Source(folder, name, renamed, shown, environments, places))
-    return sources
-
-
-def _short_names(paths: list[Path]) -> list[str]:
-    """Return the folders' names, with as many parents as make them distinct."""
-    parts = [path.resolve().parts for path in paths]
-    if len(set(parts)) < len(parts):
-        raise BenchError(f"{paths[0]} is given twice; give folders that differ")
-    for depth in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(path_parts[-depth:]) for path_parts in parts]
-        if len(set(names)) == len(names):
-            break
-    return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
 
 
 def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:

@@ -17,8 +17,11 @@ VERSION = 4
 
 Read = TypeVar("Read")
 
-ONE = "problem = ? AND optimizer = ? AND trial = ?"
+ONE = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
 """The SQL condition of one trial."""
+
+SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN names ON names.id = results.names"
+"""The SQL tables of the trials that the last study selects, under the labels that it shows."""
 
 _KINDS = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
 
@@ -32,8 +35,17 @@ def _definition(column: Column) -> str:
 SCHEMA = f"""
 CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
 CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
+CREATE TABLE problems (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
+CREATE TABLE optimizers (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
 CREATE TABLE cells (
-    id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
+    id INTEGER PRIMARY KEY, problem INTEGER NOT NULL REFERENCES problems,
+    optimizer INTEGER NOT NULL REFERENCES optimizers, evaluations INTEGER NOT NULL, seed INTEGER NOT NULL,
+    UNIQUE (problem, optimizer, evaluations, seed)
+);
+CREATE TABLE study (identity TEXT NOT NULL, looks TEXT NOT NULL, digest BLOB NOT NULL);
+CREATE TABLE selected (
+    cell INTEGER PRIMARY KEY REFERENCES cells, problem TEXT NOT NULL, optimizer TEXT NOT NULL,
+    UNIQUE (problem, optimizer)
 );
 CREATE TABLE names (
     id INTEGER PRIMARY KEY, {", ".join(f"{name} TEXT NOT NULL" for name in NAMES)}, UNIQUE ({", ".join(NAMES)})
@@ -44,7 +56,7 @@ CREATE TABLE results (
 ) WITHOUT ROWID;
 CREATE VIEW trials AS
     SELECT problem, optimizer, trial, {", ".join(NAMES)}, {", ".join(VALUES)}
-    FROM results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names;
+    FROM {SELECTED};
 PRAGMA user_version = {VERSION}
 """
 
@@ -101,9 +113,8 @@ def prepare(connection: sqlite3.Connection, begun: Committed) -> None:
 def found(
     connection: sqlite3.Connection, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
 ) -> Iterator[dict[str, Any]]:
-    """Yield the columns of the rows that meet an SQL condition, cell by cell, damaged or not."""
-    tables = "results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names"
-    query = f"SELECT {', '.join(columns)} FROM {tables} WHERE {where} ORDER BY cell, trial"
+    """Yield the columns of the selected rows that meet an SQL condition, cell by cell, damaged or not."""
+    query = f"SELECT {', '.join(columns)} FROM {SELECTED} WHERE {where} ORDER BY results.cell, trial"
     return (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))
 
 

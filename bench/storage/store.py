@@ -6,22 +6,23 @@ import os
 import shutil
 import sqlite3
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bench.columns import KEY
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.storage import committed, migrations
+from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS
-from bench.storage.schema import ONE, SCHEMA, VERSION, found, layout, prepare, strange
+from bench.storage.schema import ONE, SCHEMA, SELECTED, VERSION, found, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
+from bench.study.cell import Labels
 
 FILE = "trials.sqlite"
 LARGEST = 100_000_000  # number of a trial; a larger one is damaged
@@ -123,13 +124,16 @@ class Store:
         """
         noted = committed.read(self.path.parent)  # before the store is opened, which a run may write to
         with self._read(rescue=rescue) as connection:
-            yield Reader(connection, noted)
+            yield Reader(connection, noted, rescue=rescue is not None)
 
-    def traces(self) -> Traces:
-        """Return the anytime traces of sound trials by (problem, optimizer, trial); failed trials have none."""
+    def traces(self, shown: Mapping[int, Labels] | None = None) -> Traces:
+        """Return the anytime traces of sound trials by (problem, optimizer, trial); failed trials have none.
+
+        ``shown`` are the labels of the cells that count, by their numbers; by default those selected.
+        """
         try:
             with self.reader() as reader:
-                return Traces.read(reader.sound())
+                return Traces.read(reader.sound(shown=shown))
         except ValueError as error:
             raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
 
@@ -143,7 +147,7 @@ class Store:
     def rows(
         self, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
     ) -> Iterator[dict[str, Any]]:
-        """Yield the columns of every row that meets an SQL condition, cell by cell, damaged or not."""
+        """Yield the columns of every selected row that meets an SQL condition, cell by cell, damaged or not."""
         with self._read() as connection:
             yield from found(connection, where, values, columns)
 
@@ -151,25 +155,36 @@ class Store:
         """Return the row of one trial, as :meth:`rows` yields it, or None."""
         return next(self.rows(ONE, (problem, optimizer, trial)), None)
 
-    def keys(self, *, finished_only: bool = False) -> Keys:
-        """Return the stored trials, or the finished ones only; damaged ones are not left out."""
-        keys = Keys()
+    def held(self) -> Cells:
+        """Return the cells of the store, and which of them its last study selects."""
+        with self._read() as connection:
+            return read(connection)
+
+    def keys(self, *, finished_only: bool = False, shown: Mapping[int, Labels] | None = None) -> Keys:
+        """Return the stored trials, or the finished ones only, damaged or not; ``shown`` as in :meth:`traces`."""
+        keys, labels = Keys(), self.held().selected if shown is None else shown
         condition = f"trial BETWEEN 0 AND {LARGEST}" + (" AND status = 'ok'" if finished_only else "")
-        for row in self.rows(condition, columns=KEY):
-            keys.add(*row.values())
+        for cell, trial in self._select(f"SELECT cell, trial FROM results WHERE {condition}"):
+            if cell in labels:
+                keys.add(*labels[cell], trial)
         return keys
 
-    def cells(self) -> list[CellCounts]:
-        """Return the counts of each cell."""
-        cells: dict[tuple[str, str], CellCounts] = {}
-        for problem, optimizer, status, count, wall in self._select(
-            "SELECT problem, optimizer, status, count(*), coalesce(sum(wall_s), 0)"
-            " FROM results JOIN cells ON cells.id = cell GROUP BY cell, status"
+    def cells(self, shown: Mapping[int, Labels] | None = None) -> list[CellCounts]:
+        """Return the counts of each cell that has trials; ``shown`` as in traces."""
+        labels = self.held().selected if shown is None else shown
+        cells: dict[int, CellCounts] = {}
+        for number, status, count, wall in self._select(
+            "SELECT cell, status, count(*), coalesce(sum(wall_s), 0) FROM results GROUP BY cell, status"
         ):
-            cell = cells.setdefault((problem, optimizer), CellCounts(problem, optimizer))
-            cell.status[status] = count
-            cell.wall_s += wall
+            if number in labels:
+                cell = cells.setdefault(number, CellCounts(*labels[number]))
+                cell.status[status] = count
+                cell.wall_s += wall
         return list(cells.values())
+
+    def trials(self) -> dict[int, int]:
+        """Return the number of rows of each cell that has any, selected or not, by the cell's number."""
+        return dict(self._select("SELECT cell, count(*) FROM results GROUP BY cell"))
 
     def spent(self) -> list[tuple[str, str, int, bool]]:
         """Return problem, optimizer, the most evaluations of a finished trial, and whether any declared its end."""
@@ -177,7 +192,7 @@ class Store:
             (problem, optimizer, int(most), bool(declared))
             for problem, optimizer, most, declared in self._select(
                 "SELECT problem, optimizer, max(nfev), max(coalesce(stop NOT IN ('budget', 'undeclared'), 0))"
-                " FROM results JOIN cells ON cells.id = cell WHERE status = 'ok' AND nfev IS NOT NULL GROUP BY cell"
+                f" FROM {SELECTED} WHERE status = 'ok' AND nfev IS NOT NULL GROUP BY results.cell"
             )
         ]
 
@@ -185,7 +200,7 @@ class Store:
         """Return the number of finished trials that ended within the budget and declared no reason, by optimizer."""
         return dict(
             self._select(
-                "SELECT optimizer, count(*) FROM results JOIN cells ON cells.id = cell"
+                f"SELECT optimizer, count(*) FROM {SELECTED}"
                 " WHERE status = 'ok' AND stop = 'undeclared' GROUP BY optimizer ORDER BY optimizer"
             )
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,17 +12,18 @@ from typing import Any
 from bench.columns import Row
 from bench.errors import BenchError
 from bench.storage import committed
+from bench.storage.cells import Cells, binding_of, read, selection_digest
 from bench.storage.committed import Committed
 from bench.storage.reading import record_digest
-from bench.storage.rows import NAMES, VALUES, binding, digest, typed
-from bench.storage.schema import ONE, found
+from bench.storage.rows import NAMES, VALUES, digest, typed
+from bench.study import Study
+from bench.study.cell import Cell, Labels
+from bench.study.looks import Looks
 from bench.trial import Trial
 
 _INTO = ("cell", "trial", "digest", "names", *VALUES)
 _INSERT = f"INSERT INTO results ({', '.join(_INTO)}) VALUES ({', '.join('?' * len(_INTO))})"
 _TWICE = "SQLITE_CONSTRAINT_PRIMARYKEY", "SQLITE_CONSTRAINT_UNIQUE"  # of a row that is there already
-_NUMBERED = {"cells": ("problem", "optimizer"), "names": NAMES}
-"""The tables of texts that rows refer to by number, and their columns."""
 
 
 class Writer:
@@ -35,10 +36,13 @@ class Writer:
     """
 
     def __init__(self, connection: sqlite3.Connection, path: Path, *, noted: bool = True) -> None:
-        self._connection, self._path, self._noted = connection, path, noted
+        self._connection, self.path, self._noted = connection, path, noted
         self._file = _identity(path)
         self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
-        self._numbers: dict[str, dict[tuple[Any, ...], int]] = {}
+        self._names: dict[tuple[str | None, ...], int] = {}
+        self._numbers: dict[Cell, int] = {}
+        self._selected: dict[Labels, int] = {}
+        self.cells = Cells()
         self._read()
         self._note()
 
@@ -68,27 +72,32 @@ class Writer:
             if getattr(error, "sqlite_errorname", "") not in _TWICE:
                 raise
             raise BenchError(
-                f"another run writes to the store {self._path}, as where .lock was removed from its folder; what it "
+                f"another run writes to the store {self.path}, as where .lock was removed from its folder; what it "
                 "holds is kept: wait for the end of the other run, and run the same command again"
             ) from error
-        if _identity(self._path) != self._file:
+        if _identity(self.path) != self._file:
             raise BenchError(
-                f"the store {self._path} was removed or replaced while it was written, and its last trials are lost; "
+                f"the store {self.path} was removed or replaced while it was written, and its last trials are lost; "
                 "run the same command again to make them"
             )
         self._note()
 
-    def put(self, row: Mapping[str, Any]) -> None:
+    def put(self, row: Mapping[str, Any], cell: int | None = None) -> None:
         """Add a row as :meth:`bench.storage.store.Store.rows` yields it, within :meth:`transaction`.
 
+        Args:
+            row: the columns.
+            cell: the number of its cell; by default that which is selected under the labels of the row.
+
         Raises:
+            KeyError: for labels that the study does not select.
             ValueError: for a column that the store does not have.
         """
         values = typed(row)
-        texts = [None if row.get(name) is None else str(row[name]) for name in ("problem", "optimizer", *NAMES)]
-        cell = self._number("cells", *texts[:2])
-        names = self._number("names", *texts[2:]) if texts[2] is not None else None
-        bound = binding(*(text if text is None else text.encode() for text in texts))
+        texts = [None if row.get(name) is None else str(row[name]) for name in NAMES]
+        cell = self._selected[row["problem"], row["optimizer"]] if cell is None else cell
+        names = self._named(*texts) if texts[0] is not None else None
+        bound = binding_of(self.cells.all[cell], [text if text is None else text.encode() for text in texts])
         hashed = [value.encode() if isinstance(value, str) else value for value in values]
         noted = digest(bound, (row["trial"], *hashed))
         replaced = self._connection.execute(
@@ -97,9 +106,60 @@ class Writer:
         self._connection.execute(_INSERT, (cell, row["trial"], noted, names, *values))
         self._more += 1 - replaced.rowcount
 
-    def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
-        """Return the row of one trial, as :meth:`bench.storage.store.Store.rows` yields it, or None."""
-        return next(found(self._connection, ONE, (problem, optimizer, trial)), None)
+    def find(self, cell: int, trial: int) -> dict[str, Any] | None:
+        """Return the columns of one trial but its labels, or None."""
+        columns = (*NAMES, *VALUES)
+        query = f"SELECT {', '.join(columns)} FROM results LEFT JOIN names ON names.id = names"
+        row = self._connection.execute(f"{query} WHERE cell = ? AND trial = ?", (cell, trial)).fetchone()
+        return None if row is None else dict(zip(columns, row, strict=True))
+
+    def number(self, cell: Cell) -> int:
+        """Return the number of a cell, which is added where it is new, within :meth:`transaction`."""
+        if cell not in self._numbers:
+            parts = [self._part(*part) for part in (("problems", cell.problem), ("optimizers", cell.optimizer))]
+            made = self._connection.execute(
+                "INSERT INTO cells (problem, optimizer, evaluations, seed) VALUES (?, ?, ?, ?)", (*parts, *cell[2:])
+            )
+            self._numbers[cell] = int(made.lastrowid or 0)
+            self.cells.all[self._numbers[cell]] = cell
+        return self._numbers[cell]
+
+    def select(self, study: Study, cells: Mapping[Labels, Cell]) -> None:
+        """Commit which cells a study selects, by the labels that it shows, in place of what was selected before."""
+        self.restore(study.identity(), study.looks, cells)
+
+    def restore(self, identity: str, looks: Looks, cells: Mapping[Labels, Cell]) -> None:
+        """Commit a selection as :meth:`select` does, that of a store which this one takes the place of."""
+        with self.transaction():
+            selected = {self.number(cell): labels for labels, cell in cells.items()}
+            self._connection.execute("DELETE FROM selected")
+            self._connection.executemany(
+                "INSERT INTO selected VALUES (?, ?, ?)", [(number, *labels) for number, labels in selected.items()]
+            )
+            about = identity, json.dumps(looks)
+            self._connection.execute("DELETE FROM study")
+            self._connection.execute("INSERT INTO study VALUES (?, ?, ?)", (*about, selection_digest(*about, selected)))
+        self._read()
+
+    def complete(self, cells: Mapping[Cell, Cell]) -> None:
+        """Commit what is known now of cells of which an older version noted less.
+
+        Rows that fit their digests get others, which bind them to what is noted now.
+        """
+        with self.transaction():
+            bound = {self._numbers[before]: (before, now) for before, now in cells.items()}
+            rebind(
+                self._connection,
+                lambda number, names: binding_of(bound[number][0], names) if number in bound else None,
+                lambda number, names: binding_of(bound[number][1], names),
+            )
+            for number, (_, now) in bound.items():
+                parts = [self._part(*part) for part in (("problems", now.problem), ("optimizers", now.optimizer))]
+                values = *parts, now.evaluations, now.seed, number
+                self._connection.execute(
+                    "UPDATE cells SET problem = ?, optimizer = ?, evaluations = ?, seed = ? WHERE id = ?", values
+                )
+        self._read()
 
     def environment(self, record: Mapping[str, Any]) -> int:
         """Commit an environment's record and return its number; equal records have one number."""
@@ -118,42 +178,72 @@ class Writer:
         with self.transaction():
             self._record(number, json.dumps(record))
 
-    def remove(self, problems: list[str], optimizers: list[str], *, failed_only: bool = False) -> int:
-        """Remove the rows of all cells of these problems and optimizers, or only failed rows; return their number."""
-        cells = [(self._numbers["cells"].get((problem, label)),) for problem in problems for label in optimizers]
+    def remove(self, cells: Iterable[int], *, failed_only: bool = False) -> int:
+        """Remove the rows of cells, by their numbers, or only failed rows; return the number of rows."""
         with self.transaction():
             condition = " AND status != 'ok'" if failed_only else ""
-            done = self._connection.executemany(f"DELETE FROM results WHERE cell = ?{condition}", cells)
+            numbers = [(number,) for number in cells]
+            done = self._connection.executemany(f"DELETE FROM results WHERE cell = ?{condition}", numbers)
             self._more -= done.rowcount
         return int(done.rowcount)
 
     def _note(self) -> None:
         if self._noted:
-            committed.write(self._path.parent, self._committed)
+            committed.write(self.path.parent, self._committed)
 
     def _record(self, number: int, text: str) -> None:
         values = text, record_digest(number, text.encode()), number
         self._connection.execute("UPDATE environments SET record = ?, digest = ? WHERE id = ?", values)
 
     def _read(self) -> None:
-        """Read the numbers of cells and names, and what was committed."""
+        """Read the cells, the numbers of names, and what was committed."""
         self._more = 0
         self._committed = Committed(*self._connection.execute("SELECT commits, trials FROM committed").fetchone())
-        self._numbers = {
-            table: {
-                tuple(texts): int(number)
-                for number, *texts in self._connection.execute(f"SELECT id, {', '.join(columns)} FROM {table}")
-            }
-            for table, columns in _NUMBERED.items()
-        }
+        query = "SELECT id, variables, metric_names FROM names"
+        self._names = {tuple(texts): int(number) for number, *texts in self._connection.execute(query)}
+        self.cells = read(self._connection)
+        self._numbers = {cell: number for number, cell in self.cells.all.items()}
+        self._selected = {labels: number for number, labels in self.cells.selected.items()}
 
-    def _number(self, table: str, *texts: str | None) -> int:
-        """Return the number of a cell or of names, which are added where they are new."""
-        numbers = self._numbers[table]
-        if texts not in numbers:
-            made = self._connection.execute(f"INSERT INTO {table} ({', '.join(_NUMBERED[table])}) VALUES (?, ?)", texts)
-            numbers[texts] = int(made.lastrowid or 0)
-        return numbers[texts]
+    def _named(self, *texts: str | None) -> int:
+        """Return the number of names, which are added where they are new."""
+        if texts not in self._names:
+            made = self._connection.execute("INSERT INTO names (variables, metric_names) VALUES (?, ?)", texts)
+            self._names[texts] = int(made.lastrowid or 0)
+        return self._names[texts]
+
+    def _part(self, table: str, record: str) -> int:
+        """Return the number of the record of a problem or an optimizer, which is added where it is new."""
+        self._connection.execute(f"INSERT OR IGNORE INTO {table} (record) VALUES (?)", (record,))
+        return int(self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (record,)).fetchone()[0])
+
+
+Bound = Callable[[int, Sequence[bytes | None]], bytes | None]
+
+
+def rebind(connection: sqlite3.Connection, before: Bound, now: Bound) -> None:
+    """Write other digests for rows that fit theirs; damaged rows, and those of other cells, stay as they are.
+
+    Args:
+        connection: to the store.
+        before: what the digests of rows of a cell, by its number, with these names begin with; None for other cells.
+        now: what they are to begin with.
+    """
+    factory, connection.text_factory = connection.text_factory, bytes
+    try:
+        rows = connection.execute(
+            f"SELECT digest, cell, trial, variables, metric_names, {', '.join(VALUES)} FROM results"
+            " LEFT JOIN names ON names.id = names"
+        )
+        changed = [
+            (digest(now(cell, names) or b"", (trial, *values)), cell, trial)
+            for noted, cell, trial, *rest in rows
+            for names, values in ((rest[:2], rest[2:]),)
+            if (bound := before(cell, names)) is not None and digest(bound, (trial, *values)) == noted
+        ]
+    finally:
+        connection.text_factory = factory
+    connection.executemany("UPDATE results SET digest = ? WHERE cell = ? AND trial = ?", changed)
 
 
 def _identity(path: Path) -> tuple[int, int] | None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from bench.errors import BenchError
-from bench.helpers.text import is_formula, listed
+from bench.helpers.text import is_formula
 from bench.plugins import loading, selection
 from bench.study.sweep import expanded
 
@@ -113,19 +113,3 @@ def _as_lists(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _as_lists(inner) for key, inner in value.items()}
     return [_as_lists(inner) for inner in value] if isinstance(value, list | tuple) else value
-
-
-def differences(key: str, these: Mapping[str, Entry], those: Mapping[str, Entry]) -> Iterator[str]:
-    """Yield in phrases how the problems or optimizers of another study differ, by label."""
-    for verb, one, two in (("lacks", these, those), ("also has", those, these)):
-        if only := [repr(label) for label in one if label not in two]:
-            yield f"it {verb} the {key if len(only) > 1 else key[:-1]} {listed(only)}"
-    both = [label for label in these if label in those]
-    for label in both:
-        this, that = ({"plug-in": entry.name} | entry.options for entry in (these[label], those[label]))
-        for name in dict.fromkeys([*this, *that]):
-            values = [repr(options[name]) if name in options else "the default" for options in (that, this)]
-            if values[0] != values[1]:
-                yield f"{name} of its {label!r} is {values[0]}, not {values[1]}"
-    if both and both != [label for label in those if label in these]:
-        yield f"its {key} have another order"

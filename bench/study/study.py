@@ -30,6 +30,7 @@ from bench.seeds import trial_seed
 from bench.study import entries, tuned
 from bench.study.blocks import Blocks, pooled
 from bench.study.budget import Budget
+from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
 from bench.study.looks import Looks
 from bench.study.rope import Rope
@@ -47,15 +48,17 @@ TRIALS = 30
 
 
 class Fingerprints(NamedTuple):
-    """The hashes of data and code that decide a study's results beside its text.
+    """What decides a study's trials beside its text, by label; what is not known is left out.
 
     Attributes:
-        data: the hash of every problem's data, by label; "" where the problem's name determines its data.
-        code: what decides the trials of every optimizer, by label (:mod:`bench.plugins.code`).
+        data: the hash of every problem's data; "" where the problem's name determines its data.
+        code: what decides the trials of every optimizer (:mod:`bench.plugins.code`).
+        dimensions: the number of variables of every problem.
     """
 
     data: dict[str, str]
     code: dict[str, Code]
+    dimensions: dict[str, int]
 
 
 def _whole(value: Any, what: str, *, least: int, most: int) -> int:
@@ -171,19 +174,6 @@ class Study:
         study.looks.require_fit(study.trials, len(study.optimizers), (entry.label for entry in study.problems))
         return study
 
-    def joined(self, other: Study) -> Study:
-        """Return a copy with the larger number of trials, and with the controls, of this study and an equal one.
-
-        Raises:
-            BenchError: where a control of one label has two meanings.
-        """
-        controls = {entry.label: entry for entry in self.controls}
-        for entry in other.controls:
-            if controls.setdefault(entry.label, entry) != entry:
-                raise BenchError(f"the control {entry.label!r} of study {self.name!r} has two sets of options")
-        study = dataclasses.replace(self, controls=tuple(controls.values()))
-        return study.override(trials=max(self.trials, other.trials))
-
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
         return self.budget.evaluations(dimension)
@@ -274,41 +264,74 @@ class Study:
             BenchError: for the first name, parameter, recording or budget that cannot work, and for targets that no
                 problem has.
         """
-        data, least = self.data()
-        return Fingerprints(data, self.code((entry.label for entry in self.with_controls), least))
+        data, dimensions = self.data()
+        return Fingerprints(data, self.code((entry.label for entry in self.with_controls), dimensions), dimensions)
 
-    def data(self, load: Callable[[str], Problem] | None = None) -> tuple[dict[str, str], int]:
-        """Load every problem; return the hashes of their data and the smallest budget; raises as :meth:`check`.
+    def data(self, load: Callable[[str], Problem] | None = None) -> tuple[dict[str, str], dict[str, int]]:
+        """Load every problem; return the hashes of their data and their dimensions; raises as :meth:`check`.
 
         ``load`` returns the problem of a label.
         """
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
         if self.targets is not None:
             self.targets.require_metric(any(problem.expected for problem in problems.values()))
-        least = min(self.evaluations(dimension) for dimension in {problem.dimension for problem in problems.values()})
-        return {label: problem.fingerprint() for label, problem in problems.items()}, least
+        dimensions = {label: problem.dimension for label, problem in problems.items()}
+        self._least(dimensions)
+        return {label: problem.fingerprint() for label, problem in problems.items()}, dimensions
 
-    def code(self, labels: Iterable[str], least: int) -> dict[str, Code]:
+    def code(self, labels: Iterable[str], dimensions: Mapping[str, int]) -> dict[str, Code]:
         """Load these optimizers; return what decides the trials of each; raises as :meth:`check`.
 
-        ``least`` is the smallest budget of any problem.
+        ``dimensions`` are those of the problems, by label.
         """
-        code = {}
+        code, least = {}, self._least(dimensions)
         for label in labels:
             optimizer = self.optimizer(label)
             optimizer.check_budget(least, label)
             code[label] = identity(optimizer)
         return code
 
-    def plan(self) -> Iterator[Trial]:
+    def _least(self, dimensions: Mapping[str, int]) -> int:
+        """Return the smallest budget of any problem; raises BenchError where a dimension has none."""
+        return min(self.evaluations(dimension) for dimension in {*dimensions.values()})
+
+    def cells(self, found: Fingerprints) -> dict[Labels, Cell]:
+        """Return the cells of the study by the labels of problem and optimizer, in their order."""
+        problems = {
+            entry.label: record(
+                label=entry.label, name=entry.name, options=entry.options, data=found.data.get(entry.label, ""),
+                constraints=self.constraints, on_error=self.on_error,
+            )
+            for entry in self.problems
+        }  # fmt: skip
+        optimizers = {
+            entry.label: record(
+                label=entry.label, name=entry.name, options=entry.options, code=found.code.get(entry.label, {})
+            )
+            for entry in self.with_controls
+        }
+        evaluations = {
+            label: self.evaluations(found.dimensions[label]) if label in found.dimensions else 0 for label in problems
+        }
+        return {
+            (problem, optimizer): Cell(problems[problem], optimizers[optimizer], evaluations[problem], self.seed)
+            for problem in problems
+            for optimizer in optimizers
+        }
+
+    def plan(self, seeds: Mapping[Labels, Labels] | None = None) -> Iterator[Trial]:
         """Yield every trial of the study in randomised complete blocks: one trial of each cell, in random order.
 
         A machine that is busy for a while then slows all algorithms alike. The order is that of the seeds, which are
         hashes, so that it is random and stays the same when trials are added.
+
+        Args:
+            seeds: the labels from which the seeds of a cell are made, where they are others than it is shown with.
         """
+        cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.with_controls]
+        labels = {cell: (seeds or {}).get(cell, cell) for cell in cells}
         for number in range(self.trials):
-            cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.with_controls]
-            block = [Trial(*cell, number, trial_seed(self.seed, *cell, number)) for cell in cells]
+            block = [Trial(*cell, number, trial_seed(self.seed, *labels[cell], number)) for cell in cells]
             yield from sorted(block, key=lambda trial: trial.seed)
 
     def to_toml(self) -> str:
@@ -347,26 +370,6 @@ class Study:
         if self.looks:
             content["looks"] = self.looks
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
-
-    def differences(self, other: Study) -> list[str]:
-        """Return in phrases how another study differs from this one in what :meth:`identity` covers.
-
-        A phrase describes the other study, such as ``"its budget is 2000, not 3000"``.
-        """
-        words = {key: key for key in ("name", "budget", "seed", "on_error")} | {
-            "constraints": "handling of constraints"
-        }
-        phrases = []
-        for key, word in words.items():
-            this, that = getattr(self, key), getattr(other, key)
-            if this != that:
-                phrases.append(f"its {word} is {that!r}, not {this!r}")
-        if self.looks != other.looks:
-            phrases.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
-        for key in ("problems", "optimizers"):
-            these, those = ({entry.label: entry for entry in getattr(study, key)} for study in (self, other))
-            phrases += entries.differences(key, these, those)
-        return phrases
 
     def _handling(self) -> dict[str, str]:
         """Return the handlings of constraints and of failures where they are not the default ones.

@@ -128,7 +128,6 @@ def _checked(temporary: Path, source: Path) -> tuple[int, str]:
     folder = Folder(temporary)
     try:
         study = folder.study()
-        folder.fingerprints()
         health = folder.store.check(structure=True)
         cells = folder.store.cells()
     except BenchError as error:

@@ -23,7 +23,7 @@ from bench.report.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Disp
 from bench.report.findings.final import Final
 from bench.report.findings.trials import MANY_PROBLEMS, Trials
 from bench.report.landscapes import Landscapes, landscapes
-from bench.report.left_out import selection
+from bench.report.left_out import selection, versions
 from bench.storage.results import Results
 from bench.study import Study
 from bench.study.blocks import pooled
@@ -90,10 +90,19 @@ class Findings:
 
     @cached_property
     def selection(self) -> str:
-        """A sentence on what the study was selected from and what is left out; "" where it is whole."""
+        """Sentences on what the study was selected from, and on versions that are not shown; "" where it is whole."""
         shown = self.results.study
         functions = {pooled(entry.label) for entry in shown.problems}
-        return selection(self.results.whole, shown, by_instance=len(functions) < len(self.study.problems))
+        sentences = (
+            selection(self.results.whole, shown, by_instance=len(functions) < len(self.study.problems)),
+            self.versions,
+        )
+        return " ".join(filter(None, sentences))
+
+    @property
+    def versions(self) -> str:
+        """A sentence on optimizers that were changed after results of theirs were seen; "" where none was."""
+        return versions(self.results.versions)
 
     @cached_property
     def descriptions(self) -> Descriptions:

@@ -43,7 +43,7 @@ def packed(path, scores, record=RECORD, **study):
         "name": "small", "trials": 2, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
         "optimizers": [{"name": "scatter", "label": label, "agents": number} for label, number in agents.items()],
     }  # fmt: skip
-    (folder.path / "study.toml").write_text(Study.from_dict(content | study).to_toml())
+    folder.claim(Study.from_dict(content | study))
     with folder.store.writer() as writer:
         number = writer.environment(record)
         for problem in PROBLEMS:
@@ -113,7 +113,7 @@ def test_an_optimizer_without_trials_on_a_problem_has_no_rank(tmp_path):
     folder = Folder(tmp_path / "part")
     folder.path.mkdir()
     study = {"name": "part", "trials": 1, "budget": 60, "optimizers": [{"name": "scatter"}, {"name": "early"}]}
-    (folder.path / "study.toml").write_text(Study.from_dict(study | only).to_toml())
+    folder.claim(Study.from_dict(study | only))
     with folder.store.writer() as writer:
         number = writer.environment(RECORD)
         for problem, label in (

@@ -7,6 +7,7 @@ import pytest
 import typer
 
 from bench.cli.app import app
+from bench.storage.folder import Folder
 
 STUDY = """
 name = "tiny"
@@ -238,13 +239,12 @@ def test_files_that_are_no_study(bench_here, tmp_path):
     assert "unknown optimizer 'hillclimber'; did you mean 'hill-climber'?" in done.stderr
 
 
-def test_another_study_s_folder_is_left_alone(bench_here, tiny, tmp_path):
+def test_another_budget_is_named_and_the_trials_before_are_kept(bench_here, tiny, tmp_path):
     bench_here("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
-    before = (tmp_path / "out" / "study.toml").read_text()
-    done = bench_here("run", tiny, "--output", tmp_path / "out", "--budget", 50)
-    assert done.returncode == 2
-    assert "holds another study (its budget is 40, not 50); give another --output\n" in done.stderr
-    assert (tmp_path / "out" / "study.toml").read_text() == before
+    trials = Folder(tmp_path / "out").store.trials()
+    done = bench_here("run", tiny, "--output", tmp_path / "out", "--budget", 50, "--dry-run")
+    assert f"evaluations changed: {sum(trials.values())} trials to make" in done.stdout
+    assert Folder(tmp_path / "out").store.trials() == trials
 
 
 def test_every_command_with_an_output_takes_o_for_it():

@@ -34,12 +34,9 @@ def made(bench, tmp_path_factory):
 
 
 def test_the_plan_has_the_controls(bench_here, made):
-    for arguments in (["--matched"], []):  # the folder keeps them
-        done = bench_here("run", "mine.toml", "--output", "out", "--dry-run", *arguments, cwd=made)
-        assert (
-            "2 optimizers and 2 controls x 2 trials = 8 runs of 60 evaluations, 8 of them already done" in done.stdout
-        )
-        assert "  gwo (box): 0 to run" in done.stdout
+    done = bench_here("run", "mine.toml", "--output", "out", "--dry-run", "--matched", cwd=made)
+    assert "2 optimizers and 2 controls x 2 trials = 8 runs of 60 evaluations, 8 of them already done" in done.stdout
+    assert "  gwo (box): 0 to run" in done.stdout
 
 
 @pytest.mark.slow

@@ -10,8 +10,8 @@ import pytest
 from bench import BenchError, Results, Study, load_results, run, solve
 from bench.execution.runner import plan
 from bench.storage.folder import Folder
+from bench.storage.selection import Selection
 from bench.study import Entry, Fingerprints
-from tests.bench.storage.filled import change_record
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -73,10 +73,7 @@ def test_a_rerun_makes_nothing_and_more_trials_extend(small_study, tmp_path):
     same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
 
 
-def test_another_study_s_folder_is_refused(small_study, tmp_path):
-    run(small_study, tmp_path / "out", n_jobs=1)
-    with pytest.raises(BenchError, match="holds another study"):
-        run(small_study.override(budget=70), tmp_path / "out", n_jobs=1)
+def test_a_folder_that_no_run_wrote_is_refused(small_study, tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.docx").write_text("my life's work")
     with pytest.raises(BenchError, match="is not empty and holds no study"):
@@ -160,7 +157,7 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     (tmp_path / file).write_text(content, encoding="latin-1")
     uses = {
         "verification.json": lambda: folder.noted(file), "checks.json": folder.checks,
-        "study.toml": lambda: folder.claim(small_study),
+        "study.toml": folder.study,
     }  # fmt: skip
     with pytest.raises(BenchError) as caught:
         uses[file]()
@@ -169,17 +166,15 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     assert "\n" not in str(caught.value)
 
 
-def test_other_data_or_code_than_that_of_stored_trials_is_refused(small_study, tmp_path):
-    run(small_study.override(trials=1), tmp_path, n_jobs=1)
+def test_trials_of_other_data_or_code_are_no_trials_of_what_would_be_made_now(small_study, tmp_path):
     folder = Folder(tmp_path)
-    change_record(tmp_path, data={"sphere-2": "f00"}, code={"scatter": {"mine.py": "ba7"}, "old": "ba7"})
-    (tmp_path / "environment.json").unlink()
-    assert folder.fingerprints() == ({"sphere-2": "f00"}, {"scatter": {"mine.py": "ba7"}, "old": "ba7"})
-    with pytest.raises(BenchError, match="the data of problem 'sphere-2' changed since"):
-        folder.refuse_changes(Fingerprints({"sphere-2": "f01"}, {}))
-    with pytest.raises(BenchError, match=r"the code of optimizer 'scatter' changed since .* \(mine.py, helper.py\)"):
-        folder.refuse_changes(Fingerprints({}, {"scatter": {"mine.py": "f01", "helper.py": "f00"}}))
-    folder.refuse_changes(Fingerprints({"sphere-2": "f00", "sphere-3": "new"}, {"old": {"mine.py": "f00"}}))
+    found = Fingerprints({"sphere-2": "f00"}, {"scatter": {"a.py": "ba7", "b.py": "b"}}, {})
+    folder.claim(small_study, Selection(small_study.cells(found)))
+    folder.require_unchanged(small_study, found)
+    with pytest.raises(BenchError, match=r"what would be made now: sphere-2 changed \(data\); 'bench run' makes them"):
+        folder.require_unchanged(small_study, found._replace(data={"sphere-2": "f01"}))
+    with pytest.raises(BenchError, match=r"scatter changed \(a.py\)"):
+        folder.require_unchanged(small_study, found._replace(code={"scatter": {"a.py": "f01", "b.py": "b"}}))
 
 
 @pytest.mark.slow

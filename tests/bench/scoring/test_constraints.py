@@ -10,7 +10,7 @@ from bench.execution.verify import verify
 from bench.scoring import Scored, objective, scored
 from bench.scoring.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS
 from bench.storage.folder import Folder
-from tests.bench.storage.filled import change_record
+from tests.bench.storage.filled import change_data
 
 POINTS = np.array([[1.0, 2.0], [-1.0, 1.0], [-2.0, -1.0], [0.5, 0.0], [9.0, 0.0]])  # the last one outside the box
 FEASIBLE = np.array([True, False, False, True, False])
@@ -252,7 +252,7 @@ def test_another_handling_is_another_study_and_older_folders_are_not_mixed(tmp_p
     with pytest.raises(BenchError, match="holds another study"):
         run(study.override(constraints="death"), path, n_jobs=1)
     folder = Folder(path)
-    change_record(path, data={"ring-2": "", "sphere-2": ""})  # as of problems without a handling
+    change_data(path, {"ring-2": "", "sphere-2": ""})  # as of problems without a handling
     with pytest.raises(BenchError, match="'ring-2' changed since"):
         run(study.override(trials=3), path, n_jobs=1)
     assert folder.study() == study

@@ -3,11 +3,13 @@
 import sqlite3
 from contextlib import closing
 
+from bench.storage.cells import binding_of
 from bench.storage.committed import Committed
 from bench.storage.reading import READ, Reader
-from bench.storage.rows import binding, digest
+from bench.storage.rows import digest
 
-SCATTER = "(SELECT id FROM cells WHERE problem = 'sphere-2' AND optimizer = 'scatter')"
+EARLY = "(SELECT cell FROM selected WHERE problem = 'sphere-2' AND optimizer = 'early')"
+SCATTER = "(SELECT cell FROM selected WHERE problem = 'sphere-2' AND optimizer = 'scatter')"
 
 
 def change(path, *statements):
@@ -23,7 +25,7 @@ def forge(path, *statements):
     with closing(sqlite3.connect(path)) as connection, connection:
         reader = Reader(connection, Committed())
         for _, cell, names, trial, *values in connection.execute(f"SELECT {', '.join(READ)} FROM results").fetchall():
-            texts = *reader.labels[cell], *reader.names.get(names, (None, None))
-            bound = binding(*(None if text is None else text.encode() for text in texts))
+            texts = [None if text is None else text.encode() for text in reader.names.get(names, (None, None))]
+            bound = binding_of(reader.cells.all[cell], texts)
             written = digest(bound, (trial, *values)), cell, trial
             connection.execute("UPDATE results SET digest = ? WHERE cell = ? AND trial = ?", written)

@@ -16,7 +16,7 @@ def filled(tmp_path_factory):
         "name": "small", "trials": TRIALS, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
         "optimizers": [{"name": name} for name in OPTIMIZERS],
     }  # fmt: skip
-    (folder.path / "study.toml").write_text(Study.from_dict(study).to_toml())
+    folder.claim(Study.from_dict(study))
     add_missing(folder)
     folder.write_environments()
     return folder

@@ -5,11 +5,12 @@ import random
 import numpy as np
 import pandas as pd
 
-from bench import BenchError, Results
+from bench import BenchError, Results, Study
 from bench.columns import packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
 from bench.storage.repair import repair
+from bench.study.cell import read, record
 from bench.trial import Trial
 
 PROBLEMS, OPTIMIZERS, TRIALS = ("sphere-2", "sphere-3"), ("scatter", "early"), 30
@@ -58,9 +59,22 @@ def change_record(path, **changes):
         writer.change(1, folder.environments()[0] | changes)
 
 
+def change_data(path, data):
+    """Have the trials of a folder be of problems with other data, by the hash of each."""
+    store = Folder(path).store
+    changed = {
+        cell: cell._replace(problem=record(**read(cell.problem) | {"data": data[problem]}))
+        for (problem, _), cell in store.held().by_labels.items()
+        if problem in data
+    }
+    with store.writer() as writer:
+        writer.complete(changed)
+
+
 def assert_repaired(folder, whole):
     """Mend a store, add what is missing, and compare all of it with the original."""
     repair(folder, TRIALS)
+    folder.claim(Study.load(folder.path / "study.toml"))
     add_missing(folder)
     assert folder.store.check(structure=True).sound
     results, original = Results(folder.path), Results(whole.path)

@@ -23,7 +23,7 @@ def killed(filled, tmp_path_factory):
     place = tmp_path_factory.mktemp("killed")
     folder, every = Folder(place / "run"), list(rows())
     folder.path.mkdir()
-    shutil.copy(filled.path / "study.toml", folder.path)
+    folder.claim(filled.study())
     for some, last in ((every[:-MORE], False), (every[-MORE:], True)):
         with folder.store.writer() as writer:
             number = writer.environment(RECORD)
@@ -146,7 +146,7 @@ def test_a_note_that_lags_behind_after_a_kill_is_no_damage(spoilt):
 
 def test_removed_trials_are_not_missing(spoilt):
     with spoilt.store.writer() as writer:
-        assert writer.remove(["sphere-2"], ["early"]) == 30
+        assert writer.remove([2]) == 30
     assert spoilt.store.check().sentence == "all 90 trials are as they were written"
 
 
@@ -154,7 +154,7 @@ def test_removed_trials_are_not_missing(spoilt):
 def test_a_store_that_is_taken_away_while_it_is_written_ends_the_writing(how, spoilt, tmp_path):
     trial, row = next(rows())
     with spoilt.store.writer() as writer:
-        writer.remove(["sphere-2"], ["scatter"])
+        writer.remove([1])
         if how == "moved with its folder":
             spoilt.path.rename(tmp_path / "elsewhere")
         else:

@@ -7,6 +7,7 @@ import pytest
 from bench import BenchError, Study, load_results, run
 from bench.columns import packed
 from bench.storage.folder import Folder
+from bench.study import Entry
 from bench.trial import Trial
 
 STUDY = {
@@ -41,7 +42,7 @@ def edited(folder):
     "command",
     [
         ["report", "out"], ["status", "out"], ["export", "out", "--format", "csv"], ["verify", "out"], ["check", "out"],
-        ["run", "out/study.toml", "-o", "out"], ["merge", "out", "-o", "merged"], ["pack", "out"], ["rm", "out"],
+        ["merge", "out", "-o", "merged"], ["pack", "out"], ["rm", "out", "--failed"],
     ],
     ids=lambda words: words[0],
 )  # fmt: skip
@@ -94,7 +95,7 @@ def test_a_run_whose_lock_was_removed_still_keeps_others_out(tmp_path):
 def test_two_writers_of_one_trial_end_in_one_sentence_and_lose_nothing(tmp_path):
     trial = Trial("sphere", "gwo", 3, seed=99)
     row = {"status": "ok", "fun": 1.0, "nfev": 5, "x": {"a": 1.0}, "metrics": {}}
-    (tmp_path / "study.toml").touch()
+    Folder(tmp_path).claim(Study("tiny", (Entry("sphere", "sphere"),), (Entry("gwo", "gwo"),)))
     store = Folder(tmp_path).store
     with store.writer() as first, store.writer() as second:
         first.add(trial, packed(row))

@@ -11,7 +11,7 @@ from bench.storage.folder import Folder
 from bench.storage.merge import merge
 from bench.storage.store import Store
 from tests.bench.storage.changes import SCATTER, change, forge
-from tests.bench.storage.filled import change_record
+from tests.bench.storage.filled import change_data
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -115,8 +115,8 @@ def test_what_cannot_be_merged_is_refused(whole, tmp_path):
 
 def test_other_data_is_refused(copied, tmp_path):
     _, place = copied
-    change_record(place / "shard-2", data={"sphere-2": "f00"})
-    with pytest.raises(BenchError, match="data of problem 'sphere-2' changed"):
+    change_data(place / "shard-2", {"sphere-2": "f00"})
+    with pytest.raises(BenchError, match="or trials of other code or data; only parts of one study can be merged"):
         merge([place / "shard-1", place / "shard-2"], tmp_path / "united")
 
 
@@ -171,7 +171,7 @@ def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
     _, place = copied
     with pytest.raises(BenchError, match="at least 1"):
         verify(place / "whole", trials=0)
-    change_record(place / "whole", data={"sphere-2": "f00"})
+    change_data(place / "whole", {"sphere-2": "f00"})
     with pytest.raises(BenchError, match="data of problem 'sphere-2' changed"):
         verify(place / "whole")
     faulty = Study.from_dict({"name": "f", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],

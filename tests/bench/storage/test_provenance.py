@@ -16,7 +16,6 @@ from bench import load_optimizer, load_problem
 from bench.plugins.code import defining
 from bench.storage import provenance, versions
 from bench.storage.provenance import differences, machine, run
-from bench.study import Fingerprints
 
 RECORD = {
     "packages": {"numpy": "2.4.6", "scipy": "1.17.1"},
@@ -156,30 +155,29 @@ class TestCheckouts:
 class TestRun:
     def test_it_records_the_study_and_the_command(self, small_study, monkeypatch):
         monkeypatch.setattr(sys, "argv", ["/usr/bin/bench", "run", "my study.toml", "\udcff"])
-        found = Fingerprints({"p": "f00"}, {"a": {"mine.py": "ba7"}})
-        record = run(small_study, found, 4, "local", timeout=9.5, shard="1/2")
+        record = run(small_study, 4, "local", timeout=9.5, shard="1/2")
         assert shlex.split(record["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
         assert record["started"].endswith("+00:00")
         assert record["ended"] is None
         assert {key: value for key, value in record.items() if key not in ("started", "ended", "command")} == {
-            "jobs": 4, "backend": "local", "study": small_study.identity(), "data": found.data, "code": found.code,
+            "jobs": 4, "backend": "local", "study": small_study.identity(),
             "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3, "extends": None,
         }  # fmt: skip
 
     def test_a_module_s_command_can_be_typed_again(self, small_study, monkeypatch):
         monkeypatch.setattr(sys, "argv", ["/somewhere/bench/__main__.py", "run", "thesis"])
-        assert run(small_study, Fingerprints({}, {}), 1, "local")["command"] == "python -m bench run thesis"
+        assert run(small_study, 1, "local")["command"] == "python -m bench run thesis"
 
     def test_it_has_no_name_in_common_with_a_machine(self, small_study):
-        assert not machine().keys() & run(small_study, Fingerprints({}, {}), 1, "local").keys()
+        assert not machine().keys() & run(small_study, 1, "local").keys()
 
     def test_every_key_is_documented(self, small_study):
         page = (Path(__file__).parents[3] / "ARCHITECTURE.md").read_text(encoding="utf-8")
         table = page.partition("#### `environment.json`")[2].partition("\n#")[0]
         rows = [line.partition("|")[2].partition("|")[0] for line in table.splitlines() if line.startswith("| `")]
         documented = re.findall(r"`(\w+)`", " ".join(rows))
-        imported = {"imported", "format", "sha256", "licence", "importer", "left_out"}  # tests of importing hold these
-        assert (machine() | run(small_study, Fingerprints({}, {}), 1, "local")).keys() | imported == set(documented)
+        imported = {"imported", "format", "sha256", "licence", "importer", "left_out", "reused"}  # of other tests
+        assert (machine() | run(small_study, 1, "local")).keys() | imported == set(documented)
 
 
 class TestDifferences:

@@ -9,7 +9,7 @@ from bench import BenchError, Results, Study, load_results, run
 from bench.storage.folder import Folder
 from bench.study import Entry
 from tests.bench.formats.made import make, some_fail
-from tests.bench.storage.filled import TRIALS, change_record
+from tests.bench.storage.filled import TRIALS, change_data
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def made_up(path, study):
     """Write a study's folder with one trial a cell, which no optimizer made."""
     path.mkdir()
     folder = Folder(path)
-    (path / "study.toml").write_text(study.to_toml())
+    folder.claim(study)
     with folder.store.writer() as writer:
         number = writer.environment({"host": "here"})
         for trial in replace(study, trials=1).plan():
@@ -118,8 +118,8 @@ def test_what_cannot_be_compared_is_refused(ran):
     with pytest.raises(BenchError, match="given twice"):
         Results(one, one)
     other = ran("data")
-    change_record(other, data={"sphere-2": "f00"})
-    change_record(one, data={"sphere-2": "ba7"})
+    change_data(other, {"sphere-2": "f00"})
+    change_data(one, {"sphere-2": "ba7"})
     with pytest.raises(BenchError, match="other data"):
         Results(one, other)
 
@@ -127,8 +127,9 @@ def test_what_cannot_be_compared_is_refused(ran):
 @pytest.mark.slow
 def test_a_problem_whose_options_differ_is_refused(ran):
     one, two = ran("one"), ran("two")
-    text = (two / "study.toml").read_text()
-    (two / "study.toml").write_text(text.replace('name = "sphere-2"', 'name = "sphere-2", shift = 1'))
+    study = Folder(two).study()
+    shifted = tuple(replace(entry, options={"shift": 1}) for entry in study.problems)
+    Folder(two).claim(replace(study, problems=shifted))
     with pytest.raises(BenchError, match="problem 'sphere-2' has other options"):
         Results(one, two)
 
@@ -136,7 +137,7 @@ def test_a_problem_whose_options_differ_is_refused(ran):
 def test_a_problem_whose_data_changed_is_not_loaded(ran):
     folder = ran("one")
     assert Results(folder).problem("sphere-2").dimension == 2
-    change_record(folder, data={"sphere-2": "f00"})
+    change_data(folder, {"sphere-2": "f00"})
     with pytest.raises(BenchError, match="no longer what the trials were made with"):
         Results(folder).problem("sphere-2")
 

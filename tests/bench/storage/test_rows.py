@@ -6,14 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import Results, load_results
+from bench import BenchError, Results, load_results
 from bench.storage.repair import repair
 from bench.storage.rows import FORMAT, typed
-from tests.bench.storage.changes import SCATTER, change
-from tests.bench.storage.filled import OPTIMIZERS, TRIALS, assert_repaired
+from tests.bench.storage.changes import EARLY, SCATTER, change
+from tests.bench.storage.filled import OPTIMIZERS, PROBLEMS, TRIALS, assert_repaired
 
 ONE = f"cell = {SCATTER} AND trial = 7"
-EARLY = "(SELECT id FROM cells WHERE problem = 'sphere-2' AND optimizer = 'early')"
 CHANGED = {("sphere-2", "scatter", 7)}
 TEXTS = ("status", "stop", "error")
 BLOBS = ("x", "metrics", "trace")
@@ -108,19 +107,21 @@ OTHERS = {
         [f"DELETE FROM results WHERE cell = {EARLY} AND trial = 7", f"UPDATE results SET cell = {EARLY} WHERE {ONE}"],
         {("sphere-2", "early", 7)},
     ),
-    "optimizers that changed their labels": (
-        ["UPDATE cells SET optimizer = 'x' WHERE problem = 'sphere-2' AND optimizer = 'scatter'",
-         "UPDATE cells SET optimizer = 'scatter' WHERE problem = 'sphere-2' AND optimizer = 'early'",
-         "UPDATE cells SET optimizer = 'early' WHERE optimizer = 'x'"],
-        {("sphere-2", optimizer, trial) for optimizer in OPTIMIZERS for trial in range(TRIALS)},
+    "optimizers that changed their records": (
+        ["UPDATE optimizers SET id = -id", "UPDATE optimizers SET id = 3 + id"],
+        {(problem, optimizer, trial) for problem in PROBLEMS for optimizer in OPTIMIZERS for trial in range(TRIALS)},
     ),
-    "a label of no optimizer": (
-        ["UPDATE cells SET optimizer = 'gwo' WHERE problem = 'sphere-2' AND optimizer = 'scatter'"],
-        {("sphere-2", "gwo", trial) for trial in range(TRIALS)},
+    "an option that was edited": (
+        ["UPDATE optimizers SET record = replace(record, '{}', '{{}}') WHERE record LIKE '%scatter%'"],
+        {(problem, "scatter", trial) for problem in PROBLEMS for trial in range(TRIALS)},
+    ),
+    "evaluations that were edited": (
+        [f"UPDATE cells SET evaluations = 7 WHERE id = {SCATTER}"],
+        {("sphere-2", "scatter", trial) for trial in range(TRIALS)},
     ),
     "a cell removed": (
-        ["DELETE FROM cells WHERE problem = 'sphere-2' AND optimizer = 'scatter'"],
-        {("an unknown problem", "an unknown optimizer", trial) for trial in range(TRIALS)},
+        [f"DELETE FROM cells WHERE id = {SCATTER}"],
+        {("sphere-2", "scatter", trial) for trial in range(TRIALS)},
     ),
     "a trial beyond all numbers": (
         [f"UPDATE results SET trial = {2**62} WHERE {ONE}"],
@@ -133,6 +134,23 @@ OTHERS = {
          for trial in range(TRIALS) if trial % 10 != 3},
     ),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE selected SET optimizer = 'gwo' WHERE optimizer = 'scatter'",
+        f"DELETE FROM selected WHERE cell = {EARLY}",
+        "UPDATE selected SET cell = -cell", "UPDATE study SET looks = '[6, 30]'", "DELETE FROM study",
+    ],
+)  # fmt: skip
+def test_a_selection_that_another_program_changed_is_not_read_and_is_made_again(statement, spoilt, filled):
+    change(spoilt.store.path, statement)
+    with pytest.raises(
+        BenchError, match="the selection of cells is not as it was written; 'bench run' into this folder"
+    ):
+        Results(spoilt.path)
+    assert_repaired(spoilt, filled)
 
 
 @pytest.mark.parametrize("what", OTHERS)

@@ -9,13 +9,15 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from bench import BenchError, load_results
+from bench import BenchError, Study, load_results
 from bench.columns import STORED, named, packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
 from bench.storage.rows import COLUMNS, disagreement
 from bench.storage.schema import SCHEMA, VERSION
 from bench.storage.store import Keys, Store
+from bench.study.cell import Cell, record
+from bench.study.looks import Looks
 from bench.trial import Trial
 from tests.bench.storage.changes import forge
 
@@ -36,7 +38,10 @@ LOST = {"status": "failed", "error": "RuntimeError: no"}
 
 @pytest.fixture
 def store(tmp_path):
-    return Store(tmp_path)
+    folder = Folder(tmp_path)
+    entries = {"problems": ["sphere-2", "sphere-3"], "optimizers": ["scatter", "early"]}
+    folder.claim(Study.from_dict({"name": "small"} | entries))
+    return folder.store
 
 
 def fill(store, *numbers, row=None):
@@ -122,8 +127,7 @@ def test_what_is_put_at_once_is_committed_whole_or_not_at_all(store):
             writer.put(packed(finished()) | trial(1).columns)
             writer.put(packed(finished()) | trial(0, problem="sphere-3").columns)
             raise BenchError("as merge does where trials differ")
-        assert writer.find("sphere-2", "scatter", 1) is None
-        # The cell of sphere-3 was rolled back too: what is added to it now must not hang in the air.
+        assert writer.find(1, 1) is None
         writer.add(trial(7, problem="sphere-3"), packed(finished()))
     assert [(row["problem"], row["trial"]) for row in store.rows()] == [("sphere-2", 0), ("sphere-3", 7)]
 
@@ -155,8 +159,8 @@ def test_removed_rows_are_gone_with_their_traces_and_can_be_made_again(store):
             for optimizer in ("scatter", "early"):
                 writer.add(trial(number, optimizer=optimizer), packed(finished()))
         writer.add(trial(2), LOST)
-        assert writer.remove(["sphere-2"], ["scatter", "early"], failed_only=True) == 1
-        assert writer.remove(["sphere-2", "sphere-3"], ["scatter", "nobody"]) == 2
+        assert writer.remove([1, 2], failed_only=True) == 1
+        assert writer.remove([1, 3]) == 2
     assert {row["optimizer"] for row in store.rows()} == {"early"}
     assert {key[1] for key in store.traces()} == {"early"}
     fill(store, 0)
@@ -167,6 +171,8 @@ def test_texts_of_any_kind_are_data(store):
     label = "'; DROP TABLE results; --\u2028ä\U0001f600"
     row = finished(metrics={'"]}': 1.0, "NaN": math.nan}, error="\x00\x1b[31m'\"")
     with store.writer() as writer:
+        cell = Cell(record(label=label, name="p"), record(label=label, name="o"), 40, 0)
+        writer.restore(label, Looks(), {(label, label): cell})
         writer.add(trial(0, problem=label, optimizer=label), packed(row))
     assert store.find(label, label, 0)["error"] == row["error"]
     (read,) = store.rows()
@@ -197,7 +203,7 @@ from bench.trial import Trial
 
 with Store(Path(sys.argv[1])).writer() as writer:
     for number in range(int(sys.argv[2])):
-        writer.add(Trial("p", "o", number, number), {"status": "ok", "fun": float(number)})
+        writer.add(Trial("sphere-2", "scatter", number, number), {"status": "ok", "fun": float(number)})
         if number % 20 == 0:
             print(number, flush=True)
 """
@@ -214,7 +220,8 @@ def test_what_another_process_commits_is_read_while_it_goes_on(store):
     assert len(list(store.rows())) == 400
 
 
-def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(store, tmp_path):
+def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(tmp_path):
+    store = Store(tmp_path)
     for _ in range(2):
         assert store.cells() == []
         assert store.environments() == store.made() == store.traces() == {}
@@ -335,7 +342,7 @@ def study_of_store(tmp_path):
     study = tmp_path / "tiny.toml"
     study.write_text(text)
     folder.path.mkdir()
-    (folder.path / "study.toml").write_text(text)
+    folder.claim(Study.load(study))
     with folder.store.writer() as writer:
         number = writer.environment({"host": "here", "started": "2026-01-01T00:00:00+00:00"})
         for each in range(100):

@@ -145,36 +145,6 @@ def test_a_list_of_names_is_enough():
     assert short == long
 
 
-@pytest.mark.parametrize(
-    ("changes", "found"),
-    [
-        ({}, []),
-        ({"trials": 9, "title": "Another"}, []),
-        ({"name": "other"}, ["its name is 'other', not 's'"]),
-        ({"budget": "10 * d", "seed": 4}, ["its budget is '10 * d', not 50", "its seed is 4, not 0"]),
-        ({"constraints": "penalty"}, ["its handling of constraints is 'penalty', not 'lexicographic'"]),
-        ({"trials": 9, "looks": {"trials": [6, 9]}}, ["its looks are [6, 9], not []"]),
-        (
-            {"problems": [{"names": ["sphere-2", "sphere-4"]}]},
-            ["it lacks the problem 'sphere-3'", "it also has the problem 'sphere-4'"],
-        ),
-        ({"problems": [{"names": ["sphere-3", "sphere-2"]}]}, ["its problems have another order"]),
-        (
-            {"optimizers": [{"name": "scatter", "agents": 7}, {"name": "early", "label": "b"}]},
-            ["agents of its 'scatter' is 7, not the default", "plug-in of its 'b' is 'early', not 'hill-climber'"],
-        ),
-    ],
-)
-def test_what_differs_between_two_studies_is_named(changes, found):
-    one = {
-        "name": "s", "trials": 3, "budget": 50, "problems": [{"names": ["sphere-2", "sphere-3"]}],
-        "optimizers": [{"name": "scatter"}, {"name": "hill-climber", "label": "b"}],
-    }  # fmt: skip
-    mine, other = Study.from_dict(one), Study.from_dict(one | changes)
-    assert mine.differences(other) == found
-    assert bool(found) == (mine.identity() != other.identity())
-
-
 def test_unknown_and_malformed_files(tmp_path):
     with pytest.raises(BenchError, match="unknown study 'thesys'; did you mean 'thesis'"):
         Study.load("thesys")

@@ -19,7 +19,7 @@ def whole(tmp_path_factory):
         "name": "small", "title": "A small study", "trials": TRIALS, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
         "optimizers": [{"name": name} for name in OPTIMIZERS],
     }  # fmt: skip
-    (folder.path / "study.toml").write_text(Study.from_dict(study).to_toml())
+    folder.claim(Study.from_dict(study))
     add_missing(folder)
     folder.write_environments()
     (folder.path / "tables").mkdir()

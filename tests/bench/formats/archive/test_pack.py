@@ -32,7 +32,7 @@ def test_the_same_folder_gives_the_same_bytes(whole, tmp_path):
 def test_the_trials_are_those_of_the_folder_also_while_it_is_written(copied, tmp_path):
     """Rows that are committed in the write-ahead log alone are packed; those of an open transaction are not."""
     with copied.store.writer() as writer:
-        writer.remove(["sphere-3"], ["early"])
+        writer.remove([4])
         connection = sqlite3.connect(copied.store.path)
         connection.execute("DELETE FROM results WHERE trial = 28")
         done = pack(copied.path, tmp_path / "a.zip")

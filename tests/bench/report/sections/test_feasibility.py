@@ -12,7 +12,8 @@ from bench.report.findings import Findings
 from bench.report.methods import methods
 from bench.report.sections import comparison, feasibility
 from bench.storage.folder import Folder
-from bench.study import Entry
+from bench.storage.selection import Selection
+from bench.study import Entry, Fingerprints
 from tests.bench.report.conftest import finished
 
 NONE = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
@@ -26,10 +27,9 @@ def written(path, noted=True):
     study = Study("made", problems, optimizers, trials=4, budget=100)
     folder, rng = Folder(path), np.random.default_rng(0)
     path.mkdir()
-    folder.claim(study)
+    found = Fingerprints({"ring-2": study.problem("ring-2").fingerprint()} if noted else {}, {}, {})
+    folder.claim(study, Selection(study.cells(found)))
     with folder.store.writer() as writer:
-        if noted:
-            writer.environment({"data": {"ring-2": study.problem("ring-2").fingerprint()}})
         for trial in study.plan():
             lost = trial.key == ("ring-2", "scatter", 0)
             writer.add(trial, packed(finished(10.0, rng) | (NONE if lost else {})))
@@ -65,6 +65,6 @@ def test_two_handlings_are_not_compared(testing_plugins, tmp_path):
     """As their values mean the same, but their optimizers saw other problems."""
     written(tmp_path / "one")
     other = written(tmp_path / "two").results.study
-    (tmp_path / "two" / "study.toml").write_text(replace(other, constraints="death").to_toml())
+    Folder(tmp_path / "two").claim(replace(other, constraints="death"))
     with pytest.raises(BenchError, match="handles constraints by 'lexicographic' and 'made' by 'death'"):
         Results(tmp_path / "one", tmp_path / "two")

@@ -8,6 +8,7 @@ import pytest
 from bench import Results
 from bench.report.findings import Findings
 from bench.report.sections import integrity, methods, trials, verdict
+from bench.storage.folder import Folder
 
 
 @pytest.fixture(scope="module")
@@ -127,9 +128,8 @@ def test_of_very_many_pairs_only_those_with_the_leader_are_meant():
 
 
 def test_several_folders_are_not_judged_at_looks(make, tmp_path, folder):
-    text = (folder / "study.toml").read_text()
     other = make(tmp_path / "other", trials=12)
-    (other / "study.toml").write_text("looks = {trials = [8, 12]}\n" + text)
+    Folder(other).claim(Folder(other).study().override(looks=(8, 12)))
     known = Findings(Results(folder, other))
     assert known.results.study.looks == ()
     assert known.results.looked == ["other"]

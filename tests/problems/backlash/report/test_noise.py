@@ -13,6 +13,7 @@ from bench.study import Entry
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import noise, sections
 from problems.backlash.signature.problem import Fit, SignatureFit
+from tests.bench.storage.filled import change_data
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"
 
@@ -180,8 +181,7 @@ def test_other_problems_have_no_such_section_whatever_their_label(tmp_path):
 
 def test_a_problem_whose_data_changed_has_no_best_fit(tmp_path):
     make(tmp_path / "s", [at(2), at(3)], lambda a, trial: a)
-    with Folder(tmp_path / "s").store.writer() as writer:
-        writer.environment({"data": {"noisy-02": "of other data"}})
+    change_data(tmp_path / "s", {"noisy-02": "of other data"})
     results = Results(tmp_path / "s")
     assert table(results, "table-7-3-best-fit").index.tolist() == ["noisy-03"]
 

@@ -13,6 +13,7 @@ from bench.storage.folder import Folder
 from bench.study import Entry
 from problems.backlash.report import reference, sections
 from problems.backlash.signature.problem import TOLERANCE_RPM, Fit, SignatureFit
+from tests.bench.storage.filled import change_data
 
 BOX, CONSTRAINED = 2.0, 2.2  # rpm, the RMSE of the best fit
 CMA, GWO = Entry("cma-es", "cma", {"handling": "box"}), Entry("gwo", "wolves")
@@ -118,8 +119,7 @@ def test_who_kept_to_the_constraints_is_told_by_the_handling_also_without_the_pl
 
 def test_a_problem_whose_data_changed_is_left_out(tmp_path):
     make(tmp_path / "s", {"cma": [2.0], "wolves": [2.0]})
-    with Folder(tmp_path / "s").store.writer() as writer:
-        writer.environment({"data": {"set 3": "of other data"}})
+    change_data(tmp_path / "s", {"set 3": "of other data"})
     shown = section(Results(tmp_path / "s"))
     assert table(shown, "reference-fit").index.tolist() == ["set 12"]
     assert table(shown, "reference-fit-by-optimizer")["trials"].tolist() == [1, 1]

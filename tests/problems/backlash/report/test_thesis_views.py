@@ -24,6 +24,7 @@ from problems.backlash.report import (
     sections,
 )
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
+from tests.bench.storage.filled import change_data
 
 SWARMS = ("alo", "goa", "da", "gwo")
 
@@ -305,8 +306,7 @@ def test_the_simulated_datasets_have_steps_like_the_thesis_s():
 
 def test_data_that_changed_is_said_and_left_out(tmp_path):
     make(tmp_path / "s")
-    with Folder(tmp_path / "s").store.writer() as writer:
-        writer.environment({"data": {"signature-03": "of other data"}})
+    change_data(tmp_path / "s", {"signature-03": "of other data"})
     results = Results(tmp_path / "s")
     (warning,) = views(results, levels)[0].warnings
     assert warning.startswith("The expected values of signature-03 are not known here and left out: the data of")

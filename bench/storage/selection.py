@@ -1,0 +1,162 @@
+"""Find the cells of a study in a store: which are there, which are other ones by now, and what that means in words."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from bench.errors import BenchError
+from bench.helpers.text import count, listed
+from bench.storage.cells import Cells
+from bench.study.cell import Cell, Labels, alike, differences, read, relabelled
+
+KINDS = "problem", "optimizer"
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The cells of a study, as a store has them or will have them.
+
+    Attributes:
+        cells: by the labels that the study shows. The labels in a cell are those that its seeds are made from: an entry
+            that was renamed keeps its trials.
+        completed: cells of which an older version noted less, and what is known of them now.
+        notes: sentences on what changed since the study that ran here before.
+    """
+
+    cells: dict[Labels, Cell]
+    completed: dict[Cell, Cell] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def seeds(self) -> dict[Labels, Labels]:
+        """The labels that seeds are made from, by the labels shown."""
+        return {labels: cell.labels for labels, cell in self.cells.items()}
+
+    def shown(self, held: Cells) -> dict[int, Labels]:
+        """Return the labels of the cells that a store has, by their number in it."""
+        known = {cell: number for number, cell in held.all.items()}
+        known |= {now: known[cell] for cell, now in self.completed.items() if cell in known}  # not completed yet
+        return {known[cell]: labels for labels, cell in self.cells.items() if cell in known}
+
+
+def select(wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mapping[int, int]) -> Selection:
+    """Return the selection of a study's cells from a store that holds some of them.
+
+    Args:
+        wanted: the study's cells by the labels that it shows, with these labels in them.
+        most: the number of trials that each is to have.
+        held: the cells of the store.
+        trials: the number of trials that each cell of the store has, by its number.
+
+    Raises:
+        BenchError: where a new label may stand for cells of two labels.
+    """
+    stored = {cell: trials[number] for number, cell in held.all.items() if trials.get(number)}
+    renamed = [_seed_labels(place, wanted, held, stored) for place in range(2)]
+    named = {
+        (problem, optimizer): Cell(
+            relabelled(cell.problem, renamed[0][problem]),
+            relabelled(cell.optimizer, renamed[1][optimizer]),
+            *cell.conditions,
+        )
+        for (problem, optimizer), cell in wanted.items()
+    }
+    now = {(cell.labels, cell.conditions): cell for cell in named.values()}
+    completed = {
+        cell: found
+        for cell in stored
+        if any(None in read(text).values() for text in cell.records)
+        if (found := now.get((cell.labels, cell.conditions), cell)) != cell and found not in stored
+        if all(alike(*texts) for texts in zip(cell.records, found.records, strict=True))
+    }
+    for before, found in completed.items():
+        stored[found] = stored[before]
+    changes = _Changes(named, most, held.by_labels, stored, set(completed))
+    return Selection(named, completed, [*changes.notes()])
+
+
+def changed(wanted: Mapping[Labels, Cell], held: Cells) -> list[str]:
+    """Return in phrases how cells that are selected under these labels are others by now, whatever their labels."""
+    before = held.by_labels
+    phrases = {
+        f"{label} changed ({'; '.join(differences(*pair))})": None
+        for labels, cell in wanted.items()
+        if labels in before
+        for label, pair in zip(labels, zip(before[labels].records, cell.records, strict=True), strict=True)
+        if not alike(*pair)
+    }
+    return [*phrases]
+
+
+def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored: Iterable[Cell]) -> dict[str, str]:
+    """Return the label that seeds are made from for each label shown, of problems (0) or optimizers (1).
+
+    It is that under which the entry was run here before, or that of an equal entry which the study no longer names.
+    """
+    now = {labels[place]: cell.records[place] for labels, cell in wanted.items()}
+    before = {labels[place]: cell.labels[place] for labels, cell in held.by_labels.items()}
+    records = {text: str(read(text)["label"]) for text in {cell.records[place] for cell in stored}}
+    chosen = {}
+    for label in now.keys() & {*before, *records.values()}:
+        seed = before.get(label, label)
+        chosen[label] = seed if seed not in now else label
+    for label, text in now.items():
+        if label not in chosen:
+            taken = {*chosen.values(), *now}
+            twins = sorted({twin for other, twin in records.items() if twin not in taken and alike(other, text)})
+            if len(twins) > 1:
+                raise BenchError(
+                    f"the {KINDS[place]} {label!r} is new to the folder, and may be {listed(list(map(repr, twins)))}, "
+                    "which the study no longer names; give it the label of the one that it is"
+                )
+            chosen[label] = twins[0] if twins else label
+    return chosen
+
+
+@dataclass(frozen=True)
+class _Changes:
+    """What changed since the study that ran in a folder before."""
+
+    now: Mapping[Labels, Cell]
+    most: int
+    before: Mapping[Labels, Cell]
+    stored: Mapping[Cell, int]
+    completed: Collection[Cell]
+
+    def notes(self) -> Iterator[str]:
+        """Yield a sentence, without a full stop, for each change of which a reader of the plan must know."""
+        same = self.now.keys() & self.before.keys()
+        different = [labels for labels in same if self.now[labels].conditions != self.before[labels].conditions]
+        if different:
+            keys = [key for key in ("evaluations", "seed") if any(self._differ(labels, key) for labels in different)]
+            yield f"{listed(keys)} changed: {self._numbers(different)}"
+        for place, kind in enumerate(KINDS):
+            yield from self._of(place, kind, [labels for labels in same if labels not in different])
+
+    def _of(self, place: int, kind: str, same: Collection[Labels]) -> Iterator[str]:
+        groups: dict[str, list[Labels]] = {}
+        for labels in same:
+            groups.setdefault(labels[place], []).append(labels)
+        for label, cells in groups.items():
+            old, new = self.before[cells[0]], self.now[cells[0]]
+            if old.records[place] != new.records[place] and old not in self.completed:
+                how = "; ".join(differences(old.records[place], new.records[place]))
+                yield f"{label} changed ({how or 'its label was that of another one'}): {self._numbers(cells)}"
+        shown = {labels[place] for labels in self.now}
+        seeds = {cell.labels[place]: labels[place] for labels, cell in self.now.items()}
+        for label in dict.fromkeys(labels[place] for labels in self.before if labels[place] not in shown):
+            gone = [cell for labels, cell in self.before.items() if labels[place] == label]
+            kept = count(sum(self.stored.get(cell, 0) for cell in gone), "trial")
+            if renamed := seeds.get(gone[0].labels[place]):
+                yield f"the {kind} {label} is called {renamed} now, and keeps its {kept}"
+            else:
+                yield f"the {kind} {label} is no longer in the study: its {kept} are kept"
+
+    def _numbers(self, cells: Collection[Labels]) -> str:
+        left = sum(max(self.most - self.stored.get(self.now[labels], 0), 0) for labels in cells)
+        kept = sum(self.stored.get(self.before[labels], 0) for labels in cells)
+        return f"{count(left, 'trial')} to make; the {kept:,} of the version before are kept"
+
+    def _differ(self, labels: Labels, key: str) -> bool:
+        return bool(getattr(self.now[labels], key) != getattr(self.before[labels], key))

@@ -1,0 +1,174 @@
+"""The folders that results are read from: their studies, cells and environments, under distinct labels."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from fnmatch import fnmatchcase
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from bench.errors import BenchError, nearest
+from bench.families import dimension_in
+from bench.helpers.text import unique
+from bench.storage.cells import Cells
+from bench.storage.folder import Folder
+from bench.storage.reading import READ, StoreCheck
+from bench.storage.tidy import Tidy
+from bench.study import Entry, Study
+from bench.study.budget import Budget
+from bench.study.cell import Labels, read
+
+CELL = READ.index("cell")
+
+
+@dataclasses.dataclass
+class Source:
+    """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments.
+
+    ``cells`` has the labels of problem and optimizer that each cell is shown under, by its number in the store, and
+    ``versions`` the number of its version, and the number of versions, of each optimizer with some that are not shown.
+    """
+
+    folder: Folder
+    name: str
+    study: Study
+    shown: dict[str, str]
+    cells: dict[int, Labels]
+    versions: dict[str, tuple[int, int]]
+    environments: list[dict[str, Any]]
+    environment_places: dict[int, int]
+    found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
+
+    @cached_property
+    def budgets(self) -> dict[str, Budget]:
+        """What a run of each optimizer may spend, by its label: of imported runs, the most that any of them spent.
+
+        That is by dimension where the study's budget is. Where a run declared why it ended, it may have spent less than
+        its budget, which is then taken for the study's.
+        """
+        whole = self.study.budget
+        budgets = dict.fromkeys((entry.label for entry in self.study.with_controls), whole)
+        if not self.study.imported:
+            return budgets
+        spent: dict[str, Counter[int | None]] = {}
+        ended = set[str]()
+        for problem, optimizer, most, declared in self.folder.store.spent():
+            of_optimizer, dimension = spent.setdefault(optimizer, Counter()), dimension_in(problem)
+            of_optimizer[dimension] = max(most, of_optimizer[dimension], 1)
+            ended |= {optimizer} if declared else set()
+        for optimizer, most_in in spent.items():
+            if optimizer in self.shown and optimizer not in ended:
+                budgets[self.shown[optimizer]] = whole.spent(most_in)
+        return budgets
+
+    def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> None:
+        """Add the sound trials of these problems and shown optimizers, with environments' numbers of all folders."""
+        self.found = StoreCheck()
+        self.folder.store.require()
+        with self.folder.store.reader() as reader:
+            tidy.reserve(reader.rows)
+            cells = {
+                cell: (self.study.name, problem, optimizer)
+                for cell, (problem, optimizer) in self.cells.items()
+                if problem in problems and optimizer in optimizers
+            }
+            for rows in reader.chunks(self.found):
+                if chosen := [row for row in rows if row[CELL] in cells]:
+                    tidy.add(chosen, cells, reader.names, self.environment_places)
+
+
+def by_label(sources: Iterable[Source], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:
+    """Return the notes of the folders on their optimizers, by the label shown."""
+    return {
+        source.shown[label]: noted
+        for source in sources
+        for label, noted in read(source.folder).items()
+        if label in source.shown
+    }
+
+
+def sources(folders: list[Folder], versions: Sequence[str]) -> list[Source]:
+    """Read the folders' studies, cells and environments; make folder names and optimizer labels distinct."""
+    studies = [folder.study() for folder in folders]
+    names = _short_names([folder.path for folder in folders])
+    labels = Counter(entry.label for study in studies for entry in study.with_controls)
+    labelled = [
+        f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
+        for study, name in zip(studies, names, strict=True)
+        for entry in study.with_controls
+    ]
+    distinct = iter(unique(labelled))  # a label may already equal another one with its folder
+    found: list[Source] = []
+    for folder, study, name in zip(folders, studies, names, strict=True):
+        shown = {entry.label: next(distinct) for entry in study.with_controls}
+        held = folder.store.held()
+        older, cells, numbers = _versions(held, folder.store.trials(), shown, versions)
+        cells |= {n: (problem, shown[label]) for n, (problem, label) in held.selected.items() if label in shown}
+        optimizers, controls = (
+            tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in entries)
+            for entries in (study.optimizers, study.controls)
+        )
+        noted = folder.store.environments()
+        environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
+        before = sum(len(source.environments) for source in found)
+        places = {number: before + place for place, number in enumerate(noted, start=1)}
+        renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), controls=controls)
+        found.append(Source(folder, name, renamed, shown, cells, numbers, environments, places))
+    return found
+
+
+def _versions(
+    held: Cells, trials: Mapping[int, int], shown: dict[str, str], wanted: Sequence[str]
+) -> tuple[list[Entry], dict[int, Labels], dict[str, tuple[int, int]]]:
+    """Return earlier versions of optimizers as entries, their cells, and the numbers of versions that stand alone.
+
+    A version has its number behind its label, the one that the study selects too, which ``shown`` gets. Only trials
+    under the conditions of the selected ones are comparable: on the same problems, from one seed and of one budget.
+
+    Raises:
+        BenchError: where an optimizer of which versions are wanted has none.
+    """
+    entries: list[Entry] = []
+    cells: dict[int, Labels] = {}
+    numbers: dict[str, tuple[int, int]] = {}
+    problems = {(cell.problem, cell.conditions): labels[0] for labels, cell in held.by_labels.items()}
+    matched = {label for label in shown for pattern in wanted if fnmatchcase(label, pattern)}
+    if unmatched := [pattern for pattern in wanted if not any(fnmatchcase(label, pattern) for label in shown)]:
+        raise BenchError(f"no optimizer is called {unmatched[0]!r}{nearest(unmatched[0], shown)}")
+    for label, name in list(shown.items()):
+        versions = {
+            record: numbered
+            for record, numbered in held.versions(label).items()
+            if any(trials.get(number) for number in numbered) or any(number in held.selected for number in numbered)
+        }
+        selected = [any(held.selected.get(number, "")[1:] == (label,) for number in of) for of in versions.values()]
+        if label not in matched:
+            numbers |= {name: (selected.index(True) + 1, len(selected))} if selected[1:] and True in selected else {}
+            continue
+        if len(versions) < 2:
+            raise BenchError(f"{label!r} has one version in the folder, so there is none to show beside it")
+        for place, (record, numbered) in enumerate(versions.items(), start=1):
+            if selected[place - 1]:
+                shown[label] = f"{name}@{place}"
+                continue
+            about = read(record)
+            entries.append(Entry(about["name"], f"{name}@{place}", about["options"]))
+            for number in numbered:
+                if problem := problems.get((held.all[number].problem, held.all[number].conditions)):
+                    cells[number] = problem, f"{name}@{place}"
+    return entries, cells, numbers
+
+
+def _short_names(paths: list[Path]) -> list[str]:
+    """Return the folders' names, with as many parents as make them distinct."""
+    parts = [path.resolve().parts for path in paths]
+    if len(set(parts)) < len(parts):
+        raise BenchError(f"{paths[0]} is given twice; give folders that differ")
+    for depth in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(path_parts[-depth:]) for path_parts in parts]
+        if len(set(names)) == len(names):
+            break
+    return ["".join(c if c.isprintable() else "?" for c in name) for name in names]

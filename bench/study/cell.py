@@ -1,0 +1,108 @@
+"""A cell: an optimizer on a problem, with all that decides the bits of its trials but their numbers."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from functools import cache
+from typing import Any, NamedTuple
+
+Labels = tuple[str, str]
+"""The labels of a problem and of an optimizer."""
+
+
+class Cell(NamedTuple):
+    """An optimizer on a problem, as a store keeps it; cells that are equal give equal trials.
+
+    Attributes:
+        problem: the record of the problem as JSON: ``label``, ``name``, ``options``, ``data`` (a hash, "" where the
+            name determines it), and the handlings ``constraints`` and ``on_error``.
+        optimizer: the record of the optimizer: ``label``, ``name``, ``options`` and ``code``, by file its hash and by
+            package its version (:mod:`bench.plugins.code`).
+        evaluations: what a trial may spend; 0 where that is not known of imported results.
+        seed: the study's, from which with both labels all seeds derive.
+
+    A hash that an older version did not note is null (:func:`alike`).
+    """
+
+    problem: str
+    optimizer: str
+    evaluations: int
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """A hash of all of it."""
+        return hashlib.sha256(json.dumps(self).encode()).hexdigest()[:16]
+
+    @property
+    def records(self) -> tuple[str, str]:
+        """The records of problem and optimizer."""
+        return self.problem, self.optimizer
+
+    @property
+    def conditions(self) -> tuple[int, int]:
+        """The evaluations and the seed."""
+        return self.evaluations, self.seed
+
+    @property
+    def labels(self) -> Labels:
+        """The labels from which seeds are made; a study may show others (:mod:`bench.storage.selection`)."""
+        return read(self.problem)["label"], read(self.optimizer)["label"]
+
+
+def record(**content: Any) -> str:
+    """Return the record of a problem or an optimizer: equal content has equal texts."""
+    return json.dumps(content, sort_keys=True, default=str)
+
+
+@cache
+def read(text: str) -> dict[str, Any]:
+    """Return what a record holds, which must not be changed; of a damaged one nothing is known."""
+    content = None
+    with suppress(ValueError):
+        content = json.loads(text)
+    known = content if isinstance(content, dict) else {}
+    return {"label": "unknown", "name": "", "options": {}} | known
+
+
+def relabelled(text: str, label: str) -> str:
+    """Return a record with this label."""
+    return text if read(text)["label"] == label else record(**read(text) | {"label": label})
+
+
+def alike(one: str, other: str) -> bool:
+    """Return whether two records agree in all but their labels, as far as both are known."""
+    first, second = read(one), read(other)
+    return all(
+        first.get(key) == second.get(key) or first.get(key) is None or second.get(key) is None
+        for key in {*first, *second} - {"label"}
+    )
+
+
+def differences(before: str, now: str) -> Iterator[str]:
+    """Yield in phrases how a record differs from the one before: the files that changed, or options."""
+    old, new = read(before), read(now)
+    for key in ("data", "code"):
+        if old.get(key) not in (new.get(key), None):
+            files = _different(old[key], new.get(key))
+            yield f"{', '.join(files)}" if files else key
+    if old["name"] != new["name"]:
+        yield f"it is {new['name']!r}, not {old['name']!r}"
+    for name in _different(old["options"], new["options"]):
+        values = [
+            repr(record["options"][name]) if name in record["options"] else "the default" for record in (new, old)
+        ]
+        yield f"{name} = {values[0]}, not {values[1]}"
+    for key in ("constraints", "on_error"):
+        if old.get(key) != new.get(key):
+            yield f"{key} = {new.get(key)!r}, not {old.get(key)!r}"
+
+
+def _different(before: Any, now: Any) -> list[str]:
+    """Return the keys in which two mappings differ; none where they are no mappings."""
+    if not isinstance(before, Mapping) or not isinstance(now, Mapping):
+        return []
+    return [key for key in dict.fromkeys([*before, *now]) if before.get(key) != now.get(key)]

@@ -1,0 +1,120 @@
+"""A study selects cells of a store: what is there is kept, what changed is another one, what is renamed is the same."""
+
+from dataclasses import replace
+
+import pytest
+
+from bench import BenchError, Study
+from bench.storage.cells import Cells
+from bench.storage.selection import changed, select
+from bench.study import Entry, Fingerprints
+
+FOUND = Fingerprints({}, {label: {"f.py": label} for label in "abcd"}, {"p": 2, "q": 3})
+
+
+def study(*labels, problems=("p", "q"), **changes):
+    entries = tuple(Entry("x", label) if isinstance(label, str) else label for label in labels)
+    return Study("s", tuple(Entry(label, label) for label in problems), entries, trials=3, budget=10, **changes)
+
+
+def held(ran, found=FOUND, trials=3):
+    """Return the cells of a store in which a study ran, and the number of their trials."""
+    cells = ran.cells(found)
+    numbered = dict(enumerate(cells.values(), start=1))
+    return Cells(numbered, dict(enumerate(cells, start=1)), "id"), dict.fromkeys(numbered, trials)
+
+
+def again(ran, now, found=FOUND, now_found=None):
+    return select(now.cells(now_found or found), now.trials, *held(ran, found))
+
+
+def test_the_same_study_selects_the_same_cells_and_says_nothing():
+    chosen = again(study("a", "b"), study("a", "b"))
+    assert chosen.cells == study("a", "b").cells(FOUND)
+    assert chosen.notes == []
+    assert chosen.shown(held(study("a", "b"))[0]) == {1: ("p", "a"), 2: ("p", "b"), 3: ("q", "a"), 4: ("q", "b")}
+
+
+def test_changed_code_is_another_cell_and_the_file_is_named():
+    chosen = again(study("a", "b"), study("a", "b"), now_found=FOUND._replace(code=FOUND.code | {"a": {"f.py": "new"}}))
+    assert chosen.notes == ["a changed (f.py): 6 trials to make; the 6 of the version before are kept"]
+    assert chosen.shown(held(study("a", "b"))[0]) == {2: ("p", "b"), 4: ("q", "b")}
+
+
+def test_a_version_that_is_there_already_is_taken_up_again():
+    cells, trials = held(study("a"))
+    new = FOUND._replace(code={"a": {"f.py": "new"}})
+    more = dict(enumerate(study("a").cells(new).values(), start=3))
+    cells = Cells(cells.all | more, {3: ("p", "a"), 4: ("q", "a")}, "id")
+    chosen = select(study("a").cells(FOUND), 3, cells, trials | dict.fromkeys(more, 2))
+    assert chosen.notes == ["a changed (f.py): 0 trials to make; the 4 of the version before are kept"]
+    assert chosen.shown(cells) == {1: ("p", "a"), 2: ("q", "a")}
+    assert [*cells.versions("a").values()] == [[1, 2], [3, 4]]
+
+
+def test_a_new_label_of_the_same_keeps_trials_and_seeds():
+    chosen = again(
+        study("a", "b"), study(Entry("x", "c"), "b"), now_found=FOUND._replace(code=FOUND.code | {"c": FOUND.code["a"]})
+    )
+    assert chosen.seeds["p", "c"] == ("p", "a")
+    assert chosen.notes == ["the optimizer a is called c now, and keeps its 6 trials"]
+
+
+def test_a_renamed_problem_keeps_trials_and_seeds():
+    now = replace(study("a"), problems=(Entry("p", "first"), Entry("q", "q")))
+    chosen = again(study("a"), now, now_found=FOUND._replace(dimensions={"first": 2, "q": 3}))
+    assert chosen.seeds["first", "a"] == ("p", "a")
+    assert chosen.notes == ["the problem p is called first now, and keeps its 3 trials"]
+
+
+def test_two_entries_that_differ_in_their_labels_alone_are_two_cells():
+    alike = FOUND._replace(code={"a": {}, "b": {}})
+    cells = study("a", "b").cells(alike)
+    assert len(set(cells.values())) == 4
+    assert again(study("a"), study("a", "b"), alike).seeds["p", "b"] == ("p", "b")
+
+
+def test_a_label_that_comes_back_gets_its_cells_back():
+    alike = FOUND._replace(code={"a": {}, "b": {}})
+    cells, trials = held(study("a"), alike)
+    renamed = Cells(cells.all, {1: ("p", "b"), 2: ("q", "b")}, "id")
+    chosen = select(study("a", "b").cells(alike), 3, renamed, trials)
+    assert chosen.seeds["p", "a"] == ("p", "a")
+    assert chosen.seeds["p", "b"] == ("p", "b")
+
+
+def test_a_label_that_may_mean_two_others_is_refused():
+    alike = FOUND._replace(code={label: {} for label in "abc"})
+    with pytest.raises(
+        BenchError, match="the optimizer 'c' is new to the folder, and may be 'a', 'b', which the study no"
+    ):
+        again(study("a", "b"), study("c"), alike)
+
+
+def test_what_a_study_no_longer_names_is_kept_and_counted():
+    chosen = again(study("a", "b"), study("a", problems=("p",)))
+    assert chosen.notes == [
+        "the problem q is no longer in the study: its 6 trials are kept",
+        "the optimizer b is no longer in the study: its 6 trials are kept",
+    ]
+
+
+def test_other_evaluations_and_seeds_are_named_together():
+    chosen = again(study("a"), replace(study("a"), seed=4, budget="10 * d"))
+    assert chosen.notes == ["evaluations, seed changed: 6 trials to make; the 6 of the version before are kept"]
+
+
+def test_what_an_older_version_did_not_note_is_completed_and_continued():
+    unknown = FOUND._replace(code={"a": None})
+    chosen = again(study("a"), study("a"), unknown, FOUND)
+    assert chosen.notes == []
+    assert [*chosen.completed.values()] == [*study("a").cells(FOUND).values()]
+    assert len(chosen.shown(held(study("a"), unknown)[0])) == 2
+
+
+def test_cells_that_are_others_now_are_named_whatever_their_labels():
+    cells, _ = held(study("a"))
+    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id")
+    same = FOUND._replace(code={"c": FOUND.code["a"]})
+    assert changed(study("c").cells(same), renamed) == []
+    assert changed(study("c").cells(FOUND), renamed) == ["c changed (f.py)"]

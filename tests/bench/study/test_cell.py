@@ -1,0 +1,79 @@
+"""A cell is all that decides a trial's bits but its number."""
+
+from dataclasses import replace
+
+import pytest
+
+from bench import Study
+from bench.study import Entry, Fingerprints
+from bench.study.cell import Cell, alike, differences, read, record, relabelled
+
+STUDY = Study("s", (Entry("p", "p"),), (Entry("o", "o", {"F": 0.5}),), budget="10 * d", seed=3)
+FOUND = Fingerprints({"p": "d0"}, {"o": {"o.py": "c0"}}, {"p": 4})
+
+
+def cell(study=STUDY, found=FOUND):
+    (one,) = study.cells(found).values()
+    return one
+
+
+def test_it_has_the_evaluations_and_the_labels_of_its_seeds():
+    assert (cell().evaluations, cell().seed, cell().labels) == (40, 3, ("p", "o"))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"budget": 41}, {"seed": 4}, {"constraints": "penalty"}, {"on_error": "worst"},
+        {"problems": (Entry("q", "p"),)}, {"problems": (Entry("p", "p", {"shift": 1}),)},
+        {"problems": (Entry("p", "q"),)},
+        {"optimizers": (Entry("o", "o"),)}, {"optimizers": (Entry("o", "o", {"F": 0.6}),)},
+    ],
+)  # fmt: skip
+def test_what_decides_a_trial_makes_another_cell(changes):
+    other = cell(replace(STUDY, **changes))
+    assert other != cell()
+    assert other.key != cell().key
+
+
+@pytest.mark.parametrize("changes", [{"data": {"p": "d1"}}, {"code": {"o": {"o.py": "c1"}}}, {"dimensions": {"p": 5}}])
+def test_code_and_data_make_another_cell(changes):
+    assert cell(found=FOUND._replace(**changes)) != cell()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"trials": 9}, {"title": "Another"}, {"targets": "tolerance"}, {"rope": 0.1}, {"budget": 40}, {"name": "t"}],
+)
+def test_what_decides_no_trial_makes_none(changes):
+    assert cell(replace(STUDY, **changes)) == cell()
+
+
+def test_results_of_which_no_dimension_is_known_have_no_evaluations():
+    assert cell(found=FOUND._replace(dimensions={})).evaluations == 0
+
+
+def test_a_label_alone_makes_no_difference_to_what_is_alike():
+    one = cell().optimizer
+    assert alike(one, relabelled(one, "other"))
+    assert read(relabelled(one, "other"))["label"] == "other"
+    assert relabelled(one, "o") == one
+
+
+def test_what_is_not_known_is_like_everything():
+    unknown = record(**read(cell().optimizer) | {"code": None})
+    assert alike(unknown, cell().optimizer)
+    assert not alike(unknown, record(**read(unknown) | {"options": {}}))
+
+
+def test_differences_name_files_and_options():
+    old = record(label="o", name="m.py:O", options={"F": 1}, code={"m.py": "a", "h.py": "b", "numpy": "1"})
+    new = record(label="o", name="m.py:P", options={"G": 2}, code={"m.py": "a", "h.py": "c"})
+    assert [*differences(old, new)] == [
+        "h.py, numpy", "it is 'm.py:P', not 'm.py:O'", "F = the default, not 1", "G = 2, not the default",
+    ]  # fmt: skip
+    assert [*differences(record(**read(old) | {"code": None}), old)] == []
+
+
+def test_of_a_damaged_record_nothing_is_known():
+    assert Cell("{", "[]", 1, 0).labels == ("unknown", "unknown")
