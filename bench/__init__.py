@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from bench.plugins.loading import load_optimizer, load_problem
     from bench.problem import FittedData, FunctionProblem, Problem
     from bench.report import write_report
-    from bench.storage.results import Results, load_results
+    from bench.results.results import Results, load_results
     from bench.study import Study
     from bench.trial import Result
 
@@ -58,9 +58,9 @@ __all__ = [
 _HOMES = {
     "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
     "FunctionProblem": "problem", "Grid": "families", "Objective": "objective", "Optimizer": "optimizer",
-    "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study", "Trace": "objective",
+    "Problem": "problem", "Result": "trial", "Results": "results.results", "Study": "study", "Trace": "objective",
     "check_optimizer": "check", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
-    "load_results": "storage.results", "parameter": "optimizer", "run": "execution.runner",
+    "load_results": "results.results", "parameter": "optimizer", "run": "execution.runner",
     "solve": "execution.solve", "write_report": "report",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")

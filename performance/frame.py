@@ -32,7 +32,7 @@ def measure(quick: bool) -> Rows:
         make(folder, trials)
         size = (folder.path / "trials.sqlite").stat().st_size
         frame = apart(
-            "import pandas, bench.storage.results", "bench.storage.results.load_results(sys.argv[1])", str(folder.path)
+            "import pandas, bench.results.results", "bench.results.results.load_results(sys.argv[1])", str(folder.path)
         )
         began = perf_counter()
         subprocess.run(

@@ -23,8 +23,8 @@ from bench.execution.runner import run
 from bench.execution.supervisor import check, make_one
 from bench.execution.verify import HASH_SEED
 from bench.plugins import from_file
+from bench.results.results import load_results
 from bench.sandbox import bubblewrap
-from bench.storage.results import load_results
 from bench.storage.rows import disagreement
 from bench.study import Study
 

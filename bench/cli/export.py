@@ -21,7 +21,7 @@ def command(
 ) -> None:
     """Write a study's results for other tools: for cocopp or IOHanalyzer, or as plain tables."""
     from bench.formats.exporting import export
-    from bench.storage.results import Results
+    from bench.results.results import Results
 
     folder, results = folder or output / "export" / kind, Results(output)
     results.note_stores()

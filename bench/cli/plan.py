@@ -29,7 +29,7 @@ def command(
 
     from bench.report.findings import Findings
     from bench.report.sections import trials
-    from bench.storage.results import Results
+    from bench.results.results import Results
 
     findings, console = Findings(Results(output)), Console()
     if len(findings.trials.optimizers) < 2:

@@ -9,7 +9,7 @@ from bench.errors import BenchError, nearest
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
 from bench.helpers.text import listed
-from bench.storage.results import Results
+from bench.results.results import Results
 
 README = "README.txt"
 

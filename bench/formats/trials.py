@@ -15,7 +15,7 @@ from bench.analysis.cells import variables
 from bench.errors import BenchError
 from bench.helpers.text import file_name, unique
 from bench.objective import Trace
-from bench.storage.results import Results
+from bench.results.results import Results
 from bench.typing import Floats
 
 OTHERS = "other-problems"

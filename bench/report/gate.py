@@ -16,8 +16,8 @@ from bench.errors import BenchError, nearest
 from bench.helpers.markdown import table
 from bench.report.findings import Findings, Trials
 from bench.report.wording import count, listing, p_text
+from bench.results.results import Results
 from bench.storage.folder import Folder
-from bench.storage.results import Results
 from bench.study import Study
 
 AnyPath = str | PathLike[str]

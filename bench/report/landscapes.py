@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench.analysis.landscape import describe
 from bench.errors import BenchError
-from bench.storage.results import Results
+from bench.results.results import Results
 
 POINTS = 50  # a dimension: enough for these features (Kerschke, Preuss, Wessing and Trautmann 2016, GECCO)
 LEAST, MOST = 100, 1_000  # points

@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench.report.parts import Table
 from bench.report.wording import MISSING, count, listing
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 
 Known = Mapping[str, ProblemFacts]  # by label
 

@@ -19,7 +19,7 @@ from bench.report.findings import Findings
 from bench.report.landscapes import sample
 from bench.report.portfolio import Choice, gap_sentence, selection_sentence
 from bench.report.wording import count, listing
-from bench.storage.results import Results
+from bench.results.results import Results
 from bench.study import Study
 from bench.study.budget import Budget
 

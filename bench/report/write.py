@@ -30,8 +30,8 @@ from bench.report.parts import Figure, Part, Section, Table
 from bench.report.replication import each_problem
 from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
+from bench.results.results import Results
 from bench.storage.folder import ANSWER
-from bench.storage.results import Results
 from bench.study.rope import Rope
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import Targets

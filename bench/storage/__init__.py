@@ -1,1 +1,1 @@
-"""Study folders: the trials in SQLite, the files beside them, and the tidy frame read from them."""
+"""Study folders: the trials in SQLite, and the files beside them."""

@@ -8,9 +8,9 @@ import pytest
 
 from bench import FunctionProblem, load_optimizer
 from bench.columns import COLUMNS, MEASURED, STORED, named, packed
+from bench.results.tidy import COLUMNS as FRAME_COLUMNS
 from bench.storage.rows import VALUES
 from bench.storage.schema import SCHEMA
-from bench.storage.tidy import COLUMNS as FRAME_COLUMNS
 from bench.trial import as_row, search
 
 

@@ -36,7 +36,7 @@ from bench.formats.trials import (
     folders_of,
     readme,
 )
-from bench.storage.results import ProblemFacts, Results
+from bench.results.results import ProblemFacts, Results
 from bench.typing import Floats
 
 SUITES = {

@@ -30,7 +30,7 @@ from bench.formats.trials import (
 )
 from bench.helpers.text import file_name
 from bench.objective import Trace
-from bench.storage.results import Results
+from bench.results.results import Results
 
 VERSION = "0.3.22"  # of the format
 LARGEST = 2**16 - 1  # readers store numbers of functions and instances in 16 bits

@@ -14,7 +14,7 @@ from bench.columns import FRAME
 from bench.errors import require
 from bench.formats.trials import Writer, readme
 from bench.objective import Trace
-from bench.storage.results import Results
+from bench.results.results import Results
 
 TEXTS, COUNTS = (tuple(column.name for column in FRAME if column.kind is kind) for kind in (str, int))
 WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {

@@ -24,7 +24,7 @@ from bench.report.findings.final import Final
 from bench.report.findings.trials import MANY_PROBLEMS, Trials
 from bench.report.landscapes import Landscapes, landscapes
 from bench.report.left_out import selection, versions
-from bench.storage.results import Results
+from bench.results.results import Results
 from bench.study import Study
 from bench.study.blocks import pooled
 from bench.study.rope import Rope

@@ -16,7 +16,7 @@ from bench.errors import BenchError
 from bench.families import function_of
 from bench.formats.coco.best2009 import best2009
 from bench.report.findings.trials import Trials
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 from bench.study.targets import KINDS, Targets
 
 NEAR = 0.01  # of the best known value

@@ -9,40 +9,27 @@ from itertools import product
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.comparable import Comparable, comparable
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.report.conditions import repairing
 from bench.report.problem_words import sweeps
 from bench.report.replication import Replication, replications
-from bench.storage.results import ProblemFacts, Results
-from bench.study import Entry, Study
+from bench.results.compared import Compared
+from bench.results.results import ProblemFacts, Results
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
 
 
 @dataclass(frozen=True)
-class Trials:
-    """The trials of a study; every frame has the cells of the study in the study's order."""
+class Trials(Compared):
+    """The trials of a study, and what is known of its problems and budgets."""
 
     results: Results
-
-    @cached_property
-    def pooled(self) -> analysis.Pooled:
-        """The trials with the instances of each function pooled; a study without instances stays as it is."""
-        return self._pool(self.results.frame, self.results.traces)
 
     @cached_property
     def controls(self) -> pd.DataFrame:
         """The trials of the study's controls with instances pooled, which no other frame has."""
         return self._pool(self.results.controls, {}).frame
-
-    def _pool(self, frame: pd.DataFrame, traces: analysis.Traces) -> analysis.Pooled:
-        names = [entry.label for entry in self.results.study.problems]
-        facts = {label: self.results.facts(label) for label in names}
-        optima = {label: of_problem.optimum for label, of_problem in facts.items() if of_problem.optimum is not None}
-        features = {label: of_problem.features for label, of_problem in facts.items()}
-        return analysis.pool_instances(frame, traces, names, features, optima)
 
     @property
     def precisions(self) -> list[str]:
@@ -66,32 +53,10 @@ class Trials:
         asked_for = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
         return [] if self.results.study.looks else list(dict.fromkeys(asked_for))
 
-    @cached_property
-    def study(self) -> Study:
-        """The study as it is compared: a function in a dimension is one problem, whose trials are by instance."""
-        entries = {entry.label: entry for entry in self.results.study.problems}
-        problems = tuple(entries.get(label) or Entry(label, label) for label in self.pooled.members)
-        return replace(self.results.study, problems=problems)
-
-    @cached_property
-    def whole(self) -> pd.DataFrame:
-        """The tidy frame with problems and optimizers as categories, and instances pooled."""
-        return analysis.in_study_order(self.pooled.frame, self.study)
-
-    @cached_property
-    def comparable(self) -> Comparable:
-        """The trials that are compared, and what is left out."""
-        return comparable(self.whole, self.traces, self.allowed, self.study.imported)
-
     @property
     def common(self) -> dict[str, int]:
         """The largest budget of each problem that all optimizers had, where budgets differ; else none."""
         return self.comparable.common
-
-    @property
-    def frame(self) -> pd.DataFrame:
-        """The frame whose values are ranked and tested: the whole one, or what of it can be compared."""
-        return self.comparable.frame
 
     @property
     def common_words(self) -> str:
@@ -130,16 +95,6 @@ class Trials:
     def measured_traces(self) -> analysis.Traces:
         """The traces with such values."""
         return ShiftedTraces(self.traces, self.shifts) if self.shifts else self.traces
-
-    @property
-    def traces(self) -> analysis.Traces:
-        """The traces of its trials."""
-        return self.pooled.traces
-
-    @cached_property
-    def problems(self) -> list[str]:
-        """The labels of the problems that have at least one trial."""
-        return [label for label in analysis.labels(self.whole, "problem") if (self.whole["problem"] == label).any()]
 
     @property
     def many(self) -> bool:
@@ -192,42 +147,6 @@ class Trials:
     def optima(self) -> dict[str, float]:
         """The best known objective value of the problems that have one."""
         return {label: facts.optimum for label, facts in self.known.items() if facts.optimum is not None}
-
-    @cached_property
-    def dimensions(self) -> dict[str, int]:
-        """The number of search variables of each problem, as far as a trial or the problem shows it."""
-        shown = {
-            str(label): len(analysis.variables(trials))
-            for label, trials in self.whole.groupby("problem", observed=True)
-        }
-        return {
-            label: number
-            for label in self.problems
-            if (number := shown[label] or self.results.dimension(self.pooled.members[label][0]))
-        }
-
-    @cached_property
-    def budgets(self) -> dict[str, int]:
-        """The evaluations that a trial on each problem was allowed."""
-        study = self.results.study
-        if study.budget.number:
-            return dict.fromkeys(self.problems, study.budget.number)
-        by_dimension = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
-        return {label: by_dimension.get(label, max(by_dimension.values(), default=1)) for label in self.problems}
-
-    @cached_property
-    def allowed(self) -> analysis.Budgets:
-        """The evaluations that a trial was allowed: by problem, or by problem and optimizer where budgets differ."""
-        budgets = self.results.budgets
-        if all(budget == self.results.study.budget for budget in budgets.values()):
-            return self.budgets
-        return {
-            (label, optimizer): budget.evaluations(self.dimensions.get(label, 0))
-            if label in self.dimensions or budget.number
-            else self.budgets[label]
-            for label in self.problems
-            for optimizer, budget in budgets.items()
-        }
 
     @property
     def scaled(self) -> bool:

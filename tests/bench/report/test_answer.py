@@ -9,8 +9,8 @@ from bench.cli.answer import read, shown
 from bench.report.answer import MOST, answer
 from bench.report.findings import Findings
 from bench.report.sections import verdict
+from bench.results.results import Results
 from bench.storage.folder import ANSWER
-from bench.storage.results import Results
 
 
 def noted(folder):

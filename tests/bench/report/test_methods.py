@@ -28,7 +28,7 @@ from bench.report.methods import (
 )
 from bench.report.replication import Replication
 from bench.report.winner import winner_rule
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.rope import Rope

@@ -8,7 +8,7 @@ import pytest
 from bench import Results
 from bench.objective import Trace
 from bench.report.findings import Findings
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import pytest
 
 from bench import load_problem
 from bench.report.problem_words import boxes, optima, problems_named, problems_table, suites, sweeps
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 
 BOX = {"x1": (-5.0, 5.0), "x2": (-5.0, 5.0)}
 FACTS = {

@@ -11,7 +11,7 @@ import bench
 from bench import BenchError, Results, analysis
 from bench.formats.coco import writer as coco
 from bench.formats.exporting import export
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
 from tests.bench.formats.made import HOSTILE, exported, make, read, record, some_fail
 

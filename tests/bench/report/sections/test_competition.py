@@ -7,7 +7,7 @@ from bench.report import write_report
 from bench.report.findings import Findings
 from bench.report.latex import to_latex
 from bench.report.sections import competition
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 
 
 def section(folder, reference=None, suite="cec2022", **optima):

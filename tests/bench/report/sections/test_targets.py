@@ -9,7 +9,7 @@ from bench.report.findings import Findings
 from bench.report.findings import anytime as findings_module
 from bench.report.methods import methods
 from bench.report.sections import anytime, datasets
-from bench.storage.results import ProblemFacts
+from bench.results.results import ProblemFacts
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
 

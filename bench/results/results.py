@@ -25,14 +25,15 @@ from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
+from bench.results.compared import Compared
+from bench.results.sources import Source, by_label, sources
+from bench.results.tidy import Tidy
+from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
 from bench.scoring import Scored
 from bench.storage.folder import DESCRIPTIONS, VERIFICATION, Folder
 from bench.storage.reading import StoreCheck
-from bench.storage.sources import Source, by_label, sources
-from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
-from bench.storage.union import differences, united
 from bench.study.selection import Dimensions, Patterns, selected
 
 AnyPath = str | PathLike[str]
@@ -180,6 +181,15 @@ class Results:
     def frame(self) -> pd.DataFrame:
         """The tidy frame, one row a sound trial; see :func:`load_results`."""
         return self._parts[0]
+
+    def pooled(self) -> pd.DataFrame:
+        """Return the frame that a report ranks and tests, for the functions of :mod:`bench.analysis`.
+
+        Instances of a suite's function in a dimension are one problem, whose values are precisions; where budgets
+        differ, values are those at the largest budget that all had. Problems that failed, instances that not all
+        optimizers have, and cells whose value at that budget is unknown are left out.
+        """
+        return Compared(self).frame
 
     @property
     def controls(self) -> pd.DataFrame:

@@ -13,10 +13,10 @@ from typing import Any
 from bench.errors import BenchError, nearest
 from bench.families import dimension_in
 from bench.helpers.text import unique
+from bench.results.tidy import Tidy
 from bench.storage.cells import Cells
 from bench.storage.folder import Folder
 from bench.storage.reading import READ, StoreCheck
-from bench.storage.tidy import Tidy
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.cell import Labels, read

@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError, Results, Study, run
-from bench.storage.union import united
+from bench.results.union import united
 
 CODE = """
 import bench

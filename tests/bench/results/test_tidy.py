@@ -6,9 +6,9 @@ import pytest
 
 from bench import BenchError
 from bench.columns import packed
+from bench.results.tidy import COLUMNS, Tidy
 from bench.storage.reading import READ
 from bench.storage.rows import NAMES
-from bench.storage.tidy import COLUMNS, Tidy
 
 PROBLEMS, OPTIMIZERS = ["a", "b", "c"], ["o", "p"]
 
