@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -31,11 +30,6 @@ class Cell(NamedTuple):
     optimizer: str
     evaluations: int
     seed: int
-
-    @property
-    def key(self) -> str:
-        """A hash of all of it."""
-        return hashlib.sha256(json.dumps(self).encode()).hexdigest()[:16]
 
     @property
     def records(self) -> tuple[str, str]:
