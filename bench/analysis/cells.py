@@ -248,7 +248,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
                 "optimizer": optimizer,
                 "trials": len(numbers),
                 "evaluations_median": numbers["nfev"].median(),
-                "per_call_median": (numbers["nfev"] / calls).median(),
+                "per_call_median": (numbers["nfev"] / calls).dropna().median(),
                 "wall_mean": wall.mean(),
                 **_spread("wall", wall),
                 **_spread("cpu", cpu),

@@ -43,8 +43,9 @@ def command(
         for number, cell in held.all.items()
         if (number not in held.selected) == old
     }
+    every = [{*cell.labels} for cell in held.all.values()]
     wanted = [
-        _labels(names, sorted({pair[place] for pair in labels.values()}), kind)
+        _labels(names, sorted({pair[place] for pair in labels.values()}), kind, set().union(*every))
         for place, (names, kind) in enumerate(((problem, "problem"), (optimizer, "optimizer")))
     ]
     cells = {number: pair for number, pair in labels.items() if pair[0] in wanted[0] and pair[1] in wanted[1]}
@@ -60,9 +61,10 @@ def command(
     print_line(f"{count} trials removed{again}")
 
 
-def _labels(wanted: list[str] | None, labels: list[str], kind: str) -> list[str]:
+def _labels(wanted: list[str] | None, labels: list[str], kind: str, kept: set[str]) -> list[str]:
     """Return the labels asked for, or all of them where none is given."""
     for label in wanted or []:
         if label not in labels:
-            raise BenchError(f"the folder has no {kind} {label!r} to remove{nearest(label, labels)}")
+            old = "; --old removes what the folder keeps of it" if label in kept else nearest(label, labels)
+            raise BenchError(f"the study has no {kind} {label!r}{old}")
     return wanted or labels

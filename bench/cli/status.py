@@ -108,7 +108,7 @@ def summary(folder: Folder) -> Group:
         mean = f"{seconds / done:.3g}" if done and seconds else ""
         planned = sum(trials for (_, label), trials in most.items() if label == entry.label)
         rows.append((entry.label, done, Text(str(lost), "red" if lost else ""), planned, mean))
-    head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")
+    head = Text(f"study {study.name}" + f": {study.title}" * bool(study.title)), Text(f"study hash {study.identity()}")
     lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
     lines += map(Text, _kept(folder))
     if study.looks:
@@ -129,10 +129,15 @@ def _kept(folder: Folder) -> Iterator[str]:
             kept[cell.optimizer] = kept.get(cell.optimizer, 0) + trials[number]
     for label in dict.fromkeys(label for _, label in held.selected.values()):
         versions = held.versions(label)
-        earlier = {place: kept.pop(record) for place, record in enumerate(versions, start=1) if record in kept}
-        if earlier:
-            parts = ", ".join(f"version {place}: {count(number, 'trial')}" for place, number in earlier.items())
-            yield f"kept of {label} and not selected: {parts}"
+        parts, shown = [], 0
+        for place, (record, numbers) in enumerate(versions.items(), start=1):
+            selected = any(held.selected.get(number, ("", ""))[1] == label for number in numbers)
+            shown = place if selected else shown
+            if number := kept.pop(record, 0):
+                which = "of other problems, seeds or budgets" if selected else f"version {place}"
+                parts.append(f"{count(number, 'trial')} ({which})")
+        if parts:
+            yield f"{label}: version {shown} of {len(versions)} is selected; kept beside it: {', '.join(parts)}"
     others: dict[str, int] = {}
     for record, number in kept.items():
         label = json.loads(record)["label"]

@@ -177,11 +177,14 @@ def plan(
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
     checked = prepare(study, folder, untrusted)
-    study, selection = _selected(folder, study, checked.fingerprints, [Folder(path) for path in reuse])
+    others = [Folder(path) for path in reuse]
+    study, selection = _selected(folder, study, checked.fingerprints, others)
     stored = folder.store.check()
     plan = _plan(study, folder, part, selection, "" if stored.sound else stored.sentence, verify)
     for key in stored.damaged:
         plan.finished.discard(key)
+    for other in others:
+        plan.finished.update(other.store.keys(finished_only=True, shown=selection.shown(other.store.held())))
     return plan
 
 
@@ -237,6 +240,8 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, selection: Selectio
 def _selected(folder: Folder, study: Study, found: Fingerprints, reuse: Sequence[Folder]) -> tuple[Study, Selection]:
     """Return a study as it is to be run in its folder, and its cells; what others hold of them is among its notes."""
     study, selection = folder.select(study, found)
+    if any(source.path.resolve() == folder.path.resolve() for source in reuse):
+        raise BenchError(f"{folder.path} is the folder to write; leave it out of what is reused")
     selection.notes.extend(reusable(source, selection.cells) for source in reuse)
     return study, selection
 

@@ -110,7 +110,7 @@ def _of_one(path: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, 
     """Return likewise what was found of two versions of one optimizer in one folder."""
     study = Folder(path).study()
     label, _, number = (optimizer or "").rpartition("@")
-    if not number.isdigit():
+    if not number.isdigit() or any(entry.label == optimizer for entry in study.optimizers):
         label, number = study.optimizers[_place(study, optimizer, path)].label, ""
     results = Results(path, versions=[label])
     shown = {

@@ -60,28 +60,39 @@ UNKNOWN = "an unknown problem", "an unknown optimizer"
 
 
 def read(connection: sqlite3.Connection, *, rescue: bool = False) -> Cells:
-    """Return the cells of a store; with ``rescue``, without those that cannot be read.
+    """Return the cells of a store; with ``rescue``, without a selection or all cells where these cannot be read.
 
     Raises:
-        sqlite3.DatabaseError: where the selection is not as it was written.
+        sqlite3.DatabaseError: where they cannot be read, or the selection is not as it was written.
     """
+    cells = Cells()
+    try:
+        cells.all = _all(connection)
+        cells.selected, cells.study, cells.looks = _selected(connection)
+    except sqlite3.DatabaseError:
+        if not rescue:
+            raise
+    return cells
+
+
+def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
     rows = connection.execute(
         "SELECT cells.id, problems.record, optimizers.record, evaluations, seed FROM cells"
         " JOIN problems ON problems.id = cells.problem JOIN optimizers ON optimizers.id = cells.optimizer"
     )
-    cells = Cells({number: Cell(_text(problem), _text(optimizer), *rest) for number, problem, optimizer, *rest in rows})
+    return {number: Cell(_text(problem), _text(optimizer), *rest) for number, problem, optimizer, *rest in rows}
+
+
+def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str, Looks]:
     selected = connection.execute("SELECT cell, problem, optimizer FROM selected ORDER BY cell").fetchall()
     studies = connection.execute("SELECT identity, looks, digest FROM study").fetchall()
     identity, looks, noted = studies[0] if len(studies) == 1 else (b"", b"", None)
     labelled = {number: (_text(problem), _text(optimizer)) for number, problem, optimizer in selected}
     if (labelled or studies) and selection_digest(_text(identity), _text(looks), labelled) != noted:
-        if rescue:
-            return cells
         error = sqlite3.DatabaseError("the selection of cells is not as it was written")
         error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
         raise error
-    cells.selected, cells.study, cells.looks = labelled, _text(identity), Looks(json.loads(looks or b"[]"))
-    return cells
+    return labelled, _text(identity), Looks(json.loads(looks or b"[]"))
 
 
 def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:

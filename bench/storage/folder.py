@@ -74,7 +74,14 @@ class Folder:
     @property
     def untrusted(self) -> bool:
         """Whether an archive brought the folder here, or its trials were made of code that nobody trusts."""
-        return (self.path / CRATE).exists() or any(record.get("sandbox") for record in self.environments())
+        records: Any = []
+        try:
+            records = self.environments()
+        except DamagedStoreError:  # a run will repair it; the copy for people is as good here
+            with suppress(OSError, ValueError):
+                records = parse_json((self.path / ENVIRONMENT).read_bytes())
+        sandboxed = any(isinstance(record, dict) and record.get("sandbox") for record in records)
+        return (self.path / CRATE).exists() or sandboxed
 
     @property
     def _begun(self) -> bool:
@@ -101,17 +108,24 @@ class Folder:
         Raises:
             BenchError: where looks were declared before, or are declared now, and trials were made of another study.
         """
-        held, trials = self._readable(), {}
+        held, trials, asked = self._readable(), {}, study.trials
         with suppress(DamagedStoreError):
             trials = self.store.trials()
         if not study.looks and not held.looks:
             with suppress(BenchError):
-                study = study.override(trials=max(study.trials, Study.load(self.path / STUDY).trials))
+                study = study.override(trials=max(asked, Study.load(self.path / STUDY).trials))
         selection = select(study.cells(found), study.trials, held, trials)
+        if asked < study.trials:
+            selection.notes.append(
+                f"{self.path} was asked for {study.trials} trials before, so {study.trials} and not {asked} are made "
+                "of each cell; another --output holds fewer"
+            )
         if (study.looks or held.looks) and any(trials.get(number) for number in held.selected):
             begun = f"with looks at {held.looks.words} trials" if held.looks else "without looks"
-            if study.looks != held.looks or selection.cells != held.by_labels:
-                other = f" of another study ({'; '.join(selection.notes)})" if study.looks == held.looks else ""
+            cells = held.by_labels
+            changed_code = any(cells.get(labels, cell) != cell for labels, cell in selection.cells.items())
+            if study.identity() != held.study or changed_code:
+                other = " of another study, or of other code" if study.looks == held.looks else ""
                 raise BenchError(
                     f"{self.path} was begun {begun}{other}: looks are declared before the first trial, since what is "
                     "declared after it may follow the results; keep study and looks as they are, or give another "
@@ -123,8 +137,8 @@ class Folder:
         """Raise BenchError where code, data or options are others now than those that trials here were made with."""
         if phrases := changed(study.cells(found), self.store.held()):
             raise BenchError(
-                f"{self.path} holds no trials of what would be made now: {listed(phrases, between='; ')}; 'bench run' "
-                "makes them, or put back what was changed"
+                f"trials in {self.path} are not of what would be made now: {listed(phrases, between='; ')}; 'bench "
+                "run' makes the present ones, or put back what was changed"
             )
 
     def trials_asked(self) -> int:

@@ -95,6 +95,8 @@ def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
     Raises:
         BenchError: where it holds none of them, or damaged trials, or a run is writing to it.
     """
+    if not source.path.exists():
+        raise BenchError(f"{source.path} to be reused does not exist")
     source.study()
     if running := source.running():
         raise BenchError(f"process {running['pid']} is writing to {source.path}; reuse its trials when that has ended")
@@ -106,10 +108,10 @@ def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
     by_labels = {cell.labels: cell for cell in held}  # the last version of each
     reasons = Counter(_difference(cell, by_labels) for cell in cells.values() if cell not in held)
     others = listed([f"{reason} ({count(number, 'cell')})" for reason, number in reasons.most_common()], between="; ")
-    sentence = f"{len(shared):,} of the study's {count(len(cells), 'cell')} are in {source.path}"
+    sentence = f"{len(shared):,} of the study's {count(len(cells), 'cell')} are in {source.path.name}"
     sentence += f"; of the others {others}" if others else ""
     if not shared:
-        raise BenchError(f"{sentence}; leave out --reuse {source.path}")
+        raise BenchError(f"{sentence}; leave out --reuse {source.path.name}")
     return sentence
 
 
@@ -119,7 +121,7 @@ def _difference(cell: Cell, there: Mapping[Labels, Cell]) -> str:
         known = cell.labels[1] in {optimizer for _, optimizer in there}
         return f"no trial of {cell.labels[1]}" + (" on that problem" if known else "") + " is there"
     parts = [
-        f"the {key} is {getattr(other, key):,}, not {getattr(cell, key):,}"
+        f"{key} {getattr(other, key):,}, not {getattr(cell, key):,}"
         for key in ("seed", "evaluations")
         if getattr(other, key) != getattr(cell, key)
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from bench.errors import BenchError
 from bench.helpers.text import count, listed
@@ -72,7 +73,7 @@ def select(wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mappin
     }
     for before, found in completed.items():
         stored[found] = stored[before]
-    changes = _Changes(named, most, held.by_labels, stored, set(completed))
+    changes = _Changes(named, most, held, stored, set(completed))
     return Selection(named, completed, [*changes.notes()])
 
 
@@ -120,19 +121,29 @@ class _Changes:
 
     now: Mapping[Labels, Cell]
     most: int
-    before: Mapping[Labels, Cell]
+    held: Cells
     stored: Mapping[Cell, int]
     completed: Collection[Cell]
 
+    @cached_property
+    def before(self) -> dict[Labels, Cell]:
+        """What the study before selects."""
+        return self.held.by_labels
+
     def notes(self) -> Iterator[str]:
         """Yield a sentence, without a full stop, for each change of which a reader of the plan must know."""
-        same = self.now.keys() & self.before.keys()
+        same = [labels for labels in self.now if labels in self.before]
         different = [labels for labels in same if self.now[labels].conditions != self.before[labels].conditions]
         if different:
-            keys = [key for key in ("evaluations", "seed") if any(self._differ(labels, key) for labels in different)]
-            yield f"{listed(keys)} changed: {self._numbers(different)}"
+            yield f"{listed([*self._conditions(different)])}: {self._numbers(different, 'before')}"
         for place, kind in enumerate(KINDS):
             yield from self._of(place, kind, [labels for labels in same if labels not in different])
+
+    def _conditions(self, different: Collection[Labels]) -> Iterator[str]:
+        for key in ("evaluations", "seed"):
+            pairs = {(getattr(self.before[labels], key), getattr(self.now[labels], key)) for labels in different}
+            if changed := [pair for pair in pairs if pair[0] != pair[1]]:
+                yield f"{key} changed" + (f" from {changed[0][0]:,} to {changed[0][1]:,}" if len(changed) == 1 else "")
 
     def _of(self, place: int, kind: str, same: Collection[Labels]) -> Iterator[str]:
         groups: dict[str, list[Labels]] = {}
@@ -141,22 +152,35 @@ class _Changes:
         for label, cells in groups.items():
             old, new = self.before[cells[0]], self.now[cells[0]]
             if old.records[place] != new.records[place] and old not in self.completed:
-                how = "; ".join(differences(old.records[place], new.records[place]))
-                yield f"{label} changed ({how or 'its label was that of another one'}): {self._numbers(cells)}"
+                which = f"of {self._version(old)}" if place else "before"
+                yield f"{label} {self._change(place, old, new)}: {self._numbers(cells, which)}"
         shown = {labels[place] for labels in self.now}
-        seeds = {cell.labels[place]: labels[place] for labels, cell in self.now.items()}
+        seeds = {cell.labels[place]: labels for labels, cell in self.now.items()}
         for label in dict.fromkeys(labels[place] for labels in self.before if labels[place] not in shown):
             gone = [cell for labels, cell in self.before.items() if labels[place] == label]
             kept = count(sum(self.stored.get(cell, 0) for cell in gone), "trial")
-            if renamed := seeds.get(gone[0].labels[place]):
-                yield f"the {kind} {label} is called {renamed} now, and keeps its {kept}"
-            else:
+            renamed = seeds.get(gone[0].labels[place])
+            if renamed is None:
                 yield f"the {kind} {label} is no longer in the study: its {kept} are kept"
+            elif self.now[renamed].records[place] == gone[0].records[place]:
+                yield f"the {kind} {label} is called {renamed[place]} now, and keeps its {kept}"
+            else:
+                changed = self._change(place, gone[0], self.now[renamed])
+                yield f"the {kind} {label} is called {renamed[place]} now, and {changed}: its {kept} are kept"
 
-    def _numbers(self, cells: Collection[Labels]) -> str:
+    def _change(self, place: int, old: Cell, new: Cell) -> str:
+        """Return how a problem or an optimizer changed, and which version it is by now."""
+        how = "; ".join(differences(old.records[place], new.records[place])) or "its label was that of another one"
+        return f"changed ({how})" + (f" and is {self._version(new)} now" if place else "")
+
+    def _version(self, cell: Cell) -> str:
+        """Return which version of its optimizer a cell has, as they are numbered."""
+        versions = dict.fromkeys(
+            each.optimizer for _, each in sorted(self.held.all.items()) if each.labels[1] == cell.labels[1]
+        )
+        return f"version {[*versions, cell.optimizer].index(cell.optimizer) + 1}"
+
+    def _numbers(self, cells: Collection[Labels], which: str) -> str:
         left = sum(max(self.most - self.stored.get(self.now[labels], 0), 0) for labels in cells)
         kept = sum(self.stored.get(self.before[labels], 0) for labels in cells)
-        return f"{count(left, 'trial')} to make; the {kept:,} of the version before are kept"
-
-    def _differ(self, labels: Labels, key: str) -> bool:
-        return bool(getattr(self.now[labels], key) != getattr(self.before[labels], key))
+        return f"{count(left, 'trial')} to make; the {kept:,} {which} are kept"

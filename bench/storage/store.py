@@ -44,6 +44,13 @@ class Keys:
             marks.extend(bytes(number + 1 - len(marks)))
         marks[number] = 1
 
+    def update(self, other: Keys) -> None:
+        """Add all trials of another set."""
+        for (problem, optimizer), marks in other._cells.items():
+            for number, mark in enumerate(marks):
+                if mark:
+                    self.add(problem, optimizer, number)
+
     def discard(self, key: Key) -> None:
         """Remove a trial, where it is in the set."""
         if key in self:

@@ -243,7 +243,7 @@ def test_another_budget_is_named_and_the_trials_before_are_kept(bench_here, tiny
     bench_here("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
     trials = Folder(tmp_path / "out").store.trials()
     done = bench_here("run", tiny, "--output", tmp_path / "out", "--budget", 50, "--dry-run")
-    assert f"evaluations changed: {sum(trials.values())} trials to make" in done.stdout
+    assert f"evaluations changed from 40 to 50: {sum(trials.values())} trials to make" in done.stdout
     assert Folder(tmp_path / "out").store.trials() == trials
 
 

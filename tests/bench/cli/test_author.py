@@ -71,11 +71,14 @@ def test_two_days_beside_finished_rivals(author):
     assert values(author) == first
 
     author.write(step=0.25)
-    assert f"Hops changed ({author.helper}): 4 trials to make; the 4 of the version before are kept" in author(*RUN)
+    assert (
+        f"Hops changed ({author.helper}) and is version 2 now: 4 trials to make; the 4 of version 1 are kept"
+        in author(*RUN)
+    )
     second = values(author)
     assert second["scatter"] == first["scatter"]
     assert second["Hops"] != first["Hops"]
-    assert "kept of Hops and not selected: version 1: 4 trials" in author("status", "out")
+    assert "Hops: version 2 of 2 is selected; kept beside it: 4 trials (version 1)" in author("status", "out")
 
     page = author("report", "out", "--versions", "Hops", "-o", "versions")
     assert "Hops@1" in page
@@ -104,6 +107,9 @@ def test_two_days_beside_finished_rivals(author):
     assert "12 of them already done" in author(*RUN)
     assert set(values(author)) == {"rHops", "scatter", "early"}
 
+    assert "no optimizer 'gwo'" in author("rm", "out", "--optimizer", "gwo", code=2)
+    said = author("run", "study.toml", "-o", "out", "--no-report", "--trials", "1", "--dry-run")
+    assert "out was asked for 3 trials before, so 3 and not 1 are made of each cell" in said
     author.write(step=0.75, optimizers='{name = "hops.py:Hops", label = "rHops"}, "scatter", "early"', trials=3)
     assert re.search(r"rHops changed \(step.*\)", author("verify", "out", code=2))
     assert "4 trials would be removed" in author("rm", "out", "--old", "--dry-run")
@@ -115,6 +121,9 @@ def test_rivals_of_another_folder_are_taken_and_not_made_again(author):
     author.write(optimizers='"scatter", "early"')
     author("run", "study.toml", "-o", "rivals", "--no-report", "--jobs", "1", "--verify", "0")
     author.write()
+    said = author(*RUN, "--reuse", "rivals", "--dry-run")
+    assert "scatter: 0 to run" in said
+    assert "Hops: 4 to run" in said
     said = author(*RUN, "--reuse", "rivals")
     assert "2 of the study's 4 cells are in rivals; of the others no trial of Hops is there (2 cells)" in said
     assert "4 of them already done" in said
@@ -131,8 +140,8 @@ def test_rivals_of_another_folder_are_taken_and_not_made_again(author):
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
-        (["--seed", "4"], "the seed is 0, not 4 (2 cells)"),
-        (["--budget", "50"], "the evaluations is 40, not 50 (2 cells)"),
+        (["--seed", "4"], "seed 0, not 4 (2 cells)"),
+        (["--budget", "50"], "evaluations 40, not 50 (2 cells)"),
     ],
 )
 def test_a_folder_that_has_no_equal_cell_is_refused_with_the_reason(author, changes, why):

@@ -97,8 +97,8 @@ def test_rm_makes_a_cell_new(bench_here, copied):
     ("arguments", "said"),
     [
         ([], "name what to remove"),
-        (["--optimizer", "scater"], "no optimizer 'scater' to remove; did you mean 'scatter'?"),
-        (["--problem", "sphere-4"], "no problem 'sphere-4' to remove; did you mean"),
+        (["--optimizer", "scater"], "no optimizer 'scater'; did you mean 'scatter'?"),
+        (["--problem", "sphere-4"], "no problem 'sphere-4'; did you mean"),
     ],
 )
 def test_rm_refuses_what_it_does_not_know(bench_here, made, arguments, said):

@@ -67,7 +67,9 @@ def test_an_edited_helper_changes_no_trial_of_the_run_and_is_named(study, tmp_pa
     assert load_results(tmp_path / "out").groupby("problem")["fun"].unique().map(list).to_dict() == {
         "other": [0.0625], "sphere-2": [12.5]
     }  # fmt: skip
-    assert "mine changed (helper_of_mine.py): 4 trials to make" in " ".join(plan(study, tmp_path / "out").notes)
+    assert "mine changed (helper_of_mine.py) and is version 2 now: 4 trials to make" in " ".join(
+        plan(study, tmp_path / "out").notes
+    )
     helper.write_text("SHARE = 0.25  # of the box")
     assert run(study.override(trials=3), tmp_path / "out", n_jobs=1).made == 2
 

@@ -171,7 +171,7 @@ def test_trials_of_other_data_or_code_are_no_trials_of_what_would_be_made_now(sm
     found = Fingerprints({"sphere-2": "f00"}, {"scatter": {"a.py": "ba7", "b.py": "b"}}, {})
     folder.claim(small_study, Selection(small_study.cells(found)))
     folder.require_unchanged(small_study, found)
-    with pytest.raises(BenchError, match=r"what would be made now: sphere-2 changed \(data\); 'bench run' makes them"):
+    with pytest.raises(BenchError, match=r"what would be made now: sphere-2 changed \(data\); 'bench run' makes the"):
         folder.require_unchanged(small_study, found._replace(data={"sphere-2": "f01"}))
     with pytest.raises(BenchError, match=r"scatter changed \(a.py\)"):
         folder.require_unchanged(small_study, found._replace(code={"scatter": {"a.py": "f01", "b.py": "b"}}))

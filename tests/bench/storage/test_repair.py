@@ -110,6 +110,18 @@ def test_what_can_be_read_of_a_damaged_file_is_kept(filled, spoilt):
     assert_repaired(spoilt, filled)
 
 
+@pytest.mark.parametrize(("table", "kept"), [("selected", 120), ("study", 120), ("problems", 0)])
+def test_cells_that_cannot_be_read_cost_no_more_than_they_must(table, kept, filled, spoilt):
+    with closing(sqlite3.connect(spoilt.store.path)) as connection:
+        (root,) = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = ?", (table,)).fetchone()
+    content = bytearray(spoilt.store.path.read_bytes())
+    content[4096 * (root - 1) : 4096 * root] = bytes(4096)
+    spoilt.store.path.write_bytes(content)
+    assert not spoilt.untrusted  # which a run asks first
+    assert f"{kept} sound trials are kept" in repair(spoilt, TRIALS)
+    assert_repaired(spoilt, filled)
+
+
 def test_a_store_that_was_cut_short_keeps_its_beginning(filled, spoilt):
     content = spoilt.store.path.read_bytes()
     spoilt.store.path.write_bytes(content[: len(content) * 5 // 6])

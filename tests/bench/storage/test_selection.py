@@ -37,7 +37,7 @@ def test_the_same_study_selects_the_same_cells_and_says_nothing():
 
 def test_changed_code_is_another_cell_and_the_file_is_named():
     chosen = again(study("a", "b"), study("a", "b"), now_found=FOUND._replace(code=FOUND.code | {"a": {"f.py": "new"}}))
-    assert chosen.notes == ["a changed (f.py): 6 trials to make; the 6 of the version before are kept"]
+    assert chosen.notes == ["a changed (f.py) and is version 2 now: 6 trials to make; the 6 of version 1 are kept"]
     assert chosen.shown(held(study("a", "b"))[0]) == {2: ("p", "b"), 4: ("q", "b")}
 
 
@@ -47,7 +47,7 @@ def test_a_version_that_is_there_already_is_taken_up_again():
     more = dict(enumerate(study("a").cells(new).values(), start=3))
     cells = Cells(cells.all | more, {3: ("p", "a"), 4: ("q", "a")}, "id")
     chosen = select(study("a").cells(FOUND), 3, cells, trials | dict.fromkeys(more, 2))
-    assert chosen.notes == ["a changed (f.py): 0 trials to make; the 4 of the version before are kept"]
+    assert chosen.notes == ["a changed (f.py) and is version 1 now: 0 trials to make; the 4 of version 2 are kept"]
     assert chosen.shown(cells) == {1: ("p", "a"), 2: ("q", "a")}
     assert [*cells.versions("a").values()] == [[1, 2], [3, 4]]
 
@@ -58,6 +58,15 @@ def test_a_new_label_of_the_same_keeps_trials_and_seeds():
     )
     assert chosen.seeds["p", "c"] == ("p", "a")
     assert chosen.notes == ["the optimizer a is called c now, and keeps its 6 trials"]
+
+
+def test_a_new_label_with_other_code_is_called_otherwise_and_another_version():
+    cells, trials = held(study("a"))
+    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id")
+    chosen = select(study("a").cells(FOUND._replace(code={"a": {"f.py": "new"}})), 3, renamed, trials)
+    assert chosen.notes == [
+        "the optimizer c is called a now, and changed (f.py) and is version 2 now: its 6 trials are kept"
+    ]
 
 
 def test_a_renamed_problem_keeps_trials_and_seeds():
@@ -101,7 +110,7 @@ def test_what_a_study_no_longer_names_is_kept_and_counted():
 
 def test_other_evaluations_and_seeds_are_named_together():
     chosen = again(study("a"), replace(study("a"), seed=4, budget="10 * d"))
-    assert chosen.notes == ["evaluations, seed changed: 6 trials to make; the 6 of the version before are kept"]
+    assert chosen.notes == ["evaluations changed, seed changed from 0 to 4: 6 trials to make; the 6 before are kept"]
 
 
 def test_what_an_older_version_did_not_note_is_completed_and_continued():
