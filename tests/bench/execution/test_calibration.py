@@ -41,5 +41,6 @@ def test_without_a_short_trial_that_succeeds_there_is_none(tmp_path, testing_plu
 
 def test_a_search_without_an_end_is_stopped(tmp_path, testing_plugins, monkeypatch):
     monkeypatch.setattr("bench.execution.calibration.LONGEST", 1.0)
+    monkeypatch.setattr("bench.execution.job.WARMING", 1.0)
     endless = replace(study(60, problems=("sphere-2",)), optimizers=(Entry("hostile", "hostile", {"deed": "spin"}),))
     assert calibrated_seconds(plan(endless, tmp_path / "a"), 1) is None
