@@ -16,6 +16,8 @@ from bench.objective import Trace
 from bench.plugins.registry import DISTRIBUTION
 from bench.sandbox import bubblewrap
 from bench.storage.folder import Folder
+from bench.storage.selection import Selection
+from bench.study import Fingerprints
 from bench.trial import Trial
 
 RECORD = {
@@ -43,7 +45,9 @@ def packed(path, scores, record=RECORD, **study):
         "name": "small", "trials": 2, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
         "optimizers": [{"name": "scatter", "label": label, "agents": number} for label, number in agents.items()],
     }  # fmt: skip
-    folder.claim(Study.from_dict(content | study))
+    made = Study.from_dict(content | study)
+    unknown = Fingerprints({}, dict.fromkeys(entry.label for entry in made.optimizers), {})  # as no code made them
+    folder.claim(made, Selection(made.cells(unknown)))
     with folder.store.writer() as writer:
         number = writer.environment(record)
         for problem in PROBLEMS:
@@ -336,8 +340,11 @@ def test_seeds_that_were_chosen_are_found_out(tmp_path):
         "optimizers": [{"name": "random-search"}],
     })  # fmt: skip
     run(study, tmp_path / "lucky", n_jobs=1)
-    frozen = tmp_path / "lucky" / "study.toml"
-    frozen.write_text(frozen.read_text().replace("seed = 0", "seed = 1"))
+    folder = Folder(tmp_path / "lucky")
+    chosen = {labels: cell._replace(seed=1) for labels, cell in folder.store.held().by_labels.items()}
+    with folder.store.writer() as writer:  # as only code that imports this package can
+        writer.complete({cell._replace(seed=0): cell for cell in chosen.values()})
+    folder.claim(study.override(seed=1), Selection(chosen))
     board = write_board([pack(tmp_path / "lucky", tmp_path / "lucky.zip").path], tmp_path / "board", verify=1)
     assert board.archives[0].again[0].different
 

@@ -65,14 +65,6 @@ def test_failed_trials_are_said_and_end_with_one(bench_here, tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
-@pytest.mark.slow
-def test_a_new_name_helps_in_the_default_folder(bench_here, tiny, tmp_path):
-    bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path)
-    done = bench_here("run", tiny, "--seed", 3, "--optimizer", "early", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "(its seed is 0, not 3; it lacks the optimizer 'early'); give another --output or the study" in done.stderr
-
-
 def test_the_default_output_is_named_after_the_study(bench_here, tiny, tmp_path):
     assert bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
     assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()

@@ -116,7 +116,7 @@ def edit(objective, rng):
     store = sqlite3.connect({path!r}, timeout=30)
     with store:
         store.execute(
-            "UPDATE results SET fun = fun + 1 WHERE cell IN (SELECT id FROM cells WHERE optimizer = 'scatter')"
+            "UPDATE results SET fun = fun + 1 WHERE cell IN (SELECT cell FROM selected WHERE optimizer = 'scatter')"
         )
     store.close()
 """

@@ -66,7 +66,7 @@ def test_status_of_a_run_under_way(bench_here, tmp_path):
             time.sleep(0.05)
             said = bench_here("status", tmp_path / "out").stdout if (tmp_path / "out" / "study.toml").exists() else ""
         assert f"running: process {process.pid} on " in said
-        assert "trials made" in said
+        assert " made, " in said
         assert "left" in said
     finally:
         process.kill()

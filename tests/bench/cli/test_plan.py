@@ -31,7 +31,7 @@ def test_a_run_prints_what_each_look_decided_and_the_others_know_it(bench_here, 
     assert lines[0].startswith(
         "study looked: 1 problem x 3 optimizers x at most 16 trials = 48 runs of 150 evaluations"
     )
-    assert lines[1] == "looks at 12, 16 trials: 0 of 3 cells are decided"
+    assert "looks at 12, 16 trials: 0 of 3 cells are decided" in lines
     assert "look at 12 trials: decided and stopped hill-climber on sphere-2; 1 of 3 cells is decided" in lines
     assert "look at 16 trials: 1 of 3 cells is decided" in lines
     assert "44 of 44 runs done" in lines

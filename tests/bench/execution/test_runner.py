@@ -133,7 +133,7 @@ def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
 
 
 @pytest.mark.slow
-def test_data_that_changed_under_a_study_is_refused(tmp_path):
+def test_data_that_changed_under_a_study_make_other_trials(tmp_path):
     t = np.arange(1000) * 0.002
     for frequency in (5.0, 7.0):
         table = np.column_stack([t, 100 + np.sin(frequency * t)])
@@ -145,8 +145,10 @@ def test_data_that_changed_under_a_study_is_refused(tmp_path):
         if frequency == 5.0:
             run(study, tmp_path / "out", n_jobs=1)
         else:
-            with pytest.raises(BenchError, match="changed since"):
-                run(study, tmp_path / "out", n_jobs=1)
+            assert any(
+                "changed (data): 7 trials to make; the 5 before are kept" in note
+                for note in plan(study, tmp_path / "out").notes
+            )
 
 
 @pytest.mark.parametrize("file", ["verification.json", "checks.json", "study.toml"])

@@ -8,7 +8,7 @@ from contextlib import closing
 import pandas as pd
 import pytest
 
-from bench import BenchError, Results, load_results, run
+from bench import BenchError, Results, Study, load_results, run
 from bench.execution.runner import plan
 from bench.storage.folder import Folder
 from bench.storage.repair import ASIDE, repair
@@ -70,6 +70,7 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
             spoilt.store.path.rename(tmp_path / "moved-away")
             repaired = repair(spoilt, TRIALS)  # as a run does
         assert repaired or not said, seed
+        spoilt.claim(Study.load(spoilt.path / "study.toml"))
         add_missing(spoilt)
         again = Results(spoilt.path)
         assert not again.damage, seed
