@@ -43,9 +43,9 @@ def command(
         for number, cell in held.all.items()
         if (number not in held.selected) == old
     }
-    every = [{*cell.labels} for cell in held.all.values()]
+    kept = {label for cell in held.all.values() for label in cell.labels}
     wanted = [
-        _labels(names, sorted({pair[place] for pair in labels.values()}), kind, set().union(*every))
+        _labels(names, sorted({pair[place] for pair in labels.values()}), kind, kept)
         for place, (names, kind) in enumerate(((problem, "problem"), (optimizer, "optimizer")))
     ]
     cells = {number: pair for number, pair in labels.items() if pair[0] in wanted[0] and pair[1] in wanted[1]}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from time import sleep
@@ -16,6 +16,7 @@ from rich.text import Text
 from bench.cli.console import Output, table
 from bench.helpers.console import duration, print_line
 from bench.helpers.text import count
+from bench.study.cell import read
 
 if TYPE_CHECKING:
     from bench.storage.folder import Folder
@@ -123,25 +124,24 @@ def summary(folder: Folder) -> Group:
 def _kept(folder: Folder) -> Iterator[str]:
     """Yield a line on the trials of each optimizer that the study does not select: earlier versions, and others."""
     held, trials = folder.store.held(), folder.store.trials()
-    kept: dict[str, int] = {}
+    kept: Counter[str] = Counter()
     for number, cell in held.all.items():
         if number not in held.selected and trials.get(number):
-            kept[cell.optimizer] = kept.get(cell.optimizer, 0) + trials[number]
-    for label in dict.fromkeys(label for _, label in held.selected.values()):
-        versions = held.versions(label)
-        parts, shown = [], 0
-        for place, (record, numbers) in enumerate(versions.items(), start=1):
-            selected = any(held.selected.get(number, ("", ""))[1] == label for number in numbers)
-            shown = place if selected else shown
-            if number := kept.pop(record, 0):
-                which = "of other problems, seeds or budgets" if selected else f"version {place}"
-                parts.append(f"{count(number, 'trial')} ({which})")
+            kept[cell.optimizer] += trials[number]
+    for label, selected in held.optimizers.items():
+        versions = [*held.versions(label)]
+        parts = [
+            f"{count(number, 'trial')} "
+            f"({'of other problems, seeds or budgets' if record == selected else f'version {place}'})"
+            for place, record in enumerate(versions, start=1)
+            if (number := kept.pop(record, 0))
+        ]
         if parts:
-            yield f"{label}: version {shown} of {len(versions)} is selected; kept beside it: {', '.join(parts)}"
-    others: dict[str, int] = {}
+            place = versions.index(selected) + 1
+            yield f"{label}: version {place} of {len(versions)} is selected; kept beside it: {', '.join(parts)}"
+    others: Counter[str] = Counter()
     for record, number in kept.items():
-        label = json.loads(record)["label"]
-        others[label] = others.get(label, 0) + number
+        others[read(record)["label"]] += number
     yield from (f"kept of {label}, which the study does not name: {count(n, 'trial')}" for label, n in others.items())
 
 

@@ -29,7 +29,7 @@ from bench.storage.folder import DESCRIPTIONS, Folder, default_path
 from bench.storage.merge import reusable, take
 from bench.storage.repair import repair
 from bench.storage.selection import Selection
-from bench.study import Fingerprints, Study
+from bench.study import Study
 from bench.trial import Trial
 
 StudyLike = Study | Mapping[str, Any] | str | PathLike[str]
@@ -119,18 +119,19 @@ def run(
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             checked = prepare(study, folder, untrusted)
-            _selected(folder, study, checked.fingerprints, others)  # raises before the folder is begun
+            _, selection = folder.select(study, checked.fingerprints)  # raises before the folder is begun
+            reused = _reusable(folder, selection, others)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
         repaired = repair(folder, study.trials)  # before anything else reads the store
-        study, selection = _selected(folder, study, checked.fingerprints, others)
+        study, selection = folder.select(study, checked.fingerprints)
         before = folder.trials_asked()
         folder.claim(study, selection)
-        with folder.store.writer() as writer:
-            for other in others:
+        for other in others:
+            with folder.store.writer() as writer:
                 take(other, writer, selection.cells.values(), where=other.path.name)
-        plan = _plan(study, folder, part, selection, repaired, verify)
+        plan = _plan(study, folder, part, selection, [repaired, *reused], verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -178,9 +179,10 @@ def plan(
     study, folder, part = _resolved(study, output, shard)
     checked = prepare(study, folder, untrusted)
     others = [Folder(path) for path in reuse]
-    study, selection = _selected(folder, study, checked.fingerprints, others)
+    study, selection = folder.select(study, checked.fingerprints)
+    reused = _reusable(folder, selection, others)
     stored = folder.store.check()
-    plan = _plan(study, folder, part, selection, "" if stored.sound else stored.sentence, verify)
+    plan = _plan(study, folder, part, selection, ["" if stored.sound else stored.sentence, *reused], verify)
     for key in stored.damaged:
         plan.finished.discard(key)
     for other in others:
@@ -218,9 +220,11 @@ def _resolved(
     return study, Folder(default_path(study) if output is None else output), part
 
 
-def _plan(study: Study, folder: Folder, shard: Shard | None, selection: Selection, damage: str, verify: bool) -> Plan:
-    """Return the plan of a study in its folder; its notes say what is damaged, and what changed since the last run."""
-    notes = [note for note in (damage, *selection.notes, study.tuning.doubt if study.tuning else "") if note]
+def _plan(
+    study: Study, folder: Folder, shard: Shard | None, selection: Selection, found: Iterable[str], verify: bool
+) -> Plan:
+    """Return the plan of a study in its folder; its notes are what was found, and what changed since the last run."""
+    notes = [note for note in (*found, *selection.notes, study.tuning.doubt if study.tuning else "") if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
@@ -237,13 +241,11 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, selection: Selectio
     return Plan(study, shard, finished, store.cells(shown), notes, stopped, selection.seeds, verify)
 
 
-def _selected(folder: Folder, study: Study, found: Fingerprints, reuse: Sequence[Folder]) -> tuple[Study, Selection]:
-    """Return a study as it is to be run in its folder, and its cells; what others hold of them is among its notes."""
-    study, selection = folder.select(study, found)
-    if any(source.path.resolve() == folder.path.resolve() for source in reuse):
+def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder]) -> list[str]:
+    """Return in sentences what other folders hold of a selection's cells; raises BenchError as :func:`reusable`."""
+    if any(other.path.resolve() == folder.path.resolve() for other in others):
         raise BenchError(f"{folder.path} is the folder to write; leave it out of what is reused")
-    selection.notes.extend(reusable(source, selection.cells) for source in reuse)
-    return study, selection
+    return [reusable(other, selection.cells) for other in others]
 
 
 def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:

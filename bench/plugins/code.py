@@ -99,8 +99,8 @@ def identity(optimizer: Optimizer) -> Code:
     return files | versions(names) | dict(optimizer.fingerprint)
 
 
-def differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
-    """Return the names of files and packages that are new, gone or changed."""
+def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Return the names, as of files and packages, that are new, gone or changed."""
     return [name for name in {**before, **now} if before.get(name) != now.get(name)]
 
 

@@ -139,24 +139,23 @@ def _versions(
     if unmatched := [pattern for pattern in wanted if not any(fnmatchcase(label, pattern) for label in shown)]:
         raise BenchError(f"no optimizer is called {unmatched[0]!r}{nearest(unmatched[0], shown)}")
     for label, name in list(shown.items()):
-        versions = {
-            record: numbered
-            for record, numbered in held.versions(label).items()
-            if any(trials.get(number) for number in numbered) or any(number in held.selected for number in numbered)
-        }
-        selected = [any(held.selected.get(number, "")[1:] == (label,) for number in of) for of in versions.values()]
+        versions, selected = held.versions(label), held.optimizers.get(label)
         if label not in matched:
-            numbers |= {name: (selected.index(True) + 1, len(selected))} if selected[1:] and True in selected else {}
+            if selected is not None and len(versions) > 1:
+                numbers[name] = [*versions].index(selected) + 1, len(versions)
             continue
-        if len(versions) < 2:
+        if not any(trials.get(n) for record, of in versions.items() if record != selected for n in of):
             raise BenchError(f"{label!r} has one version in the folder, so there is none to show beside it")
-        for place, (record, numbered) in enumerate(versions.items(), start=1):
-            if selected[place - 1]:
+        for place, (record, of) in enumerate(versions.items(), start=1):
+            if record == selected:
                 shown[label] = f"{name}@{place}"
+                continue
+            run = [number for number in of if trials.get(number)]
+            if not run:
                 continue
             about = read(record)
             entries.append(Entry(about["name"], f"{name}@{place}", about["options"]))
-            for number in numbered:
+            for number in run:
                 if problem := problems.get((held.all[number].problem, held.all[number].conditions)):
                     cells[number] = problem, f"{name}@{place}"
     return entries, cells, numbers

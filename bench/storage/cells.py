@@ -6,9 +6,8 @@ import json
 import sqlite3
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from bench.storage.rows import binding, digest
+from bench.storage.rows import binding, decoded, digest
 from bench.study.cell import Cell, Labels
 from bench.study.cell import read as read_record
 from bench.study.looks import Looks
@@ -35,16 +34,26 @@ class Cells:
         """The selected cells by the labels that the study shows."""
         return {labels: self.all[number] for number, labels in self.selected.items() if number in self.all}
 
-    def versions(self, optimizer: str) -> dict[str, list[int]]:
-        """Return the versions of an optimizer that is selected under a label, by record, the first one first.
+    @property
+    def optimizers(self) -> dict[str, str]:
+        """The records of the selected optimizers, by the label that the study shows."""
+        return {labels[1]: cell.optimizer for labels, cell in self.by_labels.items()}
 
-        Each has the numbers of its cells. An optimizer whose name, options or code changed is another version.
+    def versions(self, optimizer: str) -> dict[str, list[int]]:
+        """Return the versions of an optimizer that is selected under a label; see :meth:`versions_of`."""
+        record = self.optimizers.get(optimizer)
+        return self.versions_of(record) if record is not None else {}
+
+    def versions_of(self, record: str) -> dict[str, list[int]]:
+        """Return the versions of an optimizer, by record, the first one first, each with the numbers of its cells.
+
+        An optimizer whose name, options or code changed is another version. One whose trials were removed keeps its
+        place, so a number goes on meaning the same.
         """
-        named = {self.all[number].optimizer for number, labels in self.selected.items() if labels[1] == optimizer}
-        labels = {read_record(text)["label"] for text in named}
+        label = read_record(record)["label"]
         versions: dict[str, list[int]] = {}
         for number, cell in sorted(self.all.items()):
-            if read_record(cell.optimizer)["label"] in labels:
+            if read_record(cell.optimizer)["label"] == label:
                 versions.setdefault(cell.optimizer, []).append(number)
         return versions
 
@@ -80,19 +89,19 @@ def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
         "SELECT cells.id, problems.record, optimizers.record, evaluations, seed FROM cells"
         " JOIN problems ON problems.id = cells.problem JOIN optimizers ON optimizers.id = cells.optimizer"
     )
-    return {number: Cell(_text(problem), _text(optimizer), *rest) for number, problem, optimizer, *rest in rows}
+    return {number: Cell(decoded(problem), decoded(optimizer), *rest) for number, problem, optimizer, *rest in rows}
 
 
 def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str, Looks]:
     selected = connection.execute("SELECT cell, problem, optimizer FROM selected ORDER BY cell").fetchall()
     studies = connection.execute("SELECT identity, looks, digest FROM study").fetchall()
     identity, looks, noted = studies[0] if len(studies) == 1 else (b"", b"", None)
-    labelled = {number: (_text(problem), _text(optimizer)) for number, problem, optimizer in selected}
-    if (labelled or studies) and selection_digest(_text(identity), _text(looks), labelled) != noted:
+    labelled = {number: (decoded(problem), decoded(optimizer)) for number, problem, optimizer in selected}
+    if (labelled or studies) and selection_digest(decoded(identity), decoded(looks), labelled) != noted:
         error = sqlite3.DatabaseError("the selection of cells is not as it was written")
         error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
         raise error
-    return labelled, _text(identity), Looks(json.loads(looks or b"[]"))
+    return labelled, decoded(identity), Looks(json.loads(looks or b"[]"))
 
 
 def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
@@ -104,8 +113,3 @@ def selection_digest(identity: str, looks: str, selected: Mapping[int, Labels]) 
     """Return the digest of a study's identity, of its looks as JSON and of what it selects."""
     parts = (part for number in sorted(selected) for part in (number, *selected[number]))
     return digest(b"", (identity, looks, *parts))
-
-
-def _text(stored: Any) -> str:
-    """Return a text from its UTF-8, which may be damaged."""
-    return stored.decode(errors="replace") if isinstance(stored, bytes) else str(stored)

@@ -74,14 +74,11 @@ class Folder:
     @property
     def untrusted(self) -> bool:
         """Whether an archive brought the folder here, or its trials were made of code that nobody trusts."""
-        records: Any = []
         try:
             records = self.environments()
-        except DamagedStoreError:  # a run will repair it; the copy for people is as good here
-            with suppress(OSError, ValueError):
-                records = parse_json((self.path / ENVIRONMENT).read_bytes())
-        sandboxed = any(isinstance(record, dict) and record.get("sandbox") for record in records)
-        return (self.path / CRATE).exists() or sandboxed
+        except DamagedStoreError:  # a run will repair it
+            records = self.copied_environments()
+        return (self.path / CRATE).exists() or any(record.get("sandbox") for record in records)
 
     @property
     def _begun(self) -> bool:
@@ -90,6 +87,13 @@ class Folder:
     def environments(self) -> list[dict[str, Any]]:
         """Return the environments that made the store's rows, in the order of their numbers from 1 on."""
         return list(self.store.environments().values())
+
+    def copied_environments(self) -> list[dict[str, Any]]:
+        """Return the records in environment.json, which may hold what is damaged in the store; none where it is."""
+        with suppress(OSError, ValueError):
+            copies = parse_json((self.path / ENVIRONMENT).read_bytes())
+            return [copy for copy in copies if isinstance(copy, dict)] if isinstance(copies, list) else []
+        return []
 
     def write_environments(self) -> None:
         """Write a copy of the store's environments to environment.json, for people."""
@@ -159,7 +163,7 @@ class Folder:
             with self.store.writer() as writer:
                 chosen = selection or Selection(study.cells(Fingerprints({}, {}, {})))
                 writer.complete(chosen.completed)
-                writer.select(study, chosen.cells)
+                writer.select(study.identity(), study.looks, chosen.cells)
 
     def data(self) -> dict[str, str]:
         """Return the hash of each problem's data that trials were made with, by the label shown; "" for none."""

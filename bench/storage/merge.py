@@ -143,18 +143,14 @@ def take(source: Folder, writer: Writer, wanted: Iterable[Cell] | None = None, w
         BenchError: when a trial has two outcomes.
     """
     with source.store.reader() as reader:
-        chosen = reader.cells.all if wanted is None else _among(reader.cells, wanted)
+        asked = {*(reader.cells.all.values() if wanted is None else wanted)}
+        chosen = {number for number, cell in reader.cells.all.items() if cell in asked}
         rows = ((cell, row) for cell, row in reader.whole() if cell in chosen)
         made = {environment for cell, environment in reader.made_by() if cell in chosen}
         environments = {number: record for number, record in reader.environments().items() if number in made}
         if where:
             environments = {number: record | {"reused": where} for number, record in environments.items() if record}
         return copy(rows, reader.cells, environments, writer, str(source.path))
-
-
-def _among(cells: Cells, wanted: Iterable[Cell]) -> dict[int, Cell]:
-    asked = set(wanted)
-    return {number: cell for number, cell in cells.all.items() if cell in asked}
 
 
 def copy(

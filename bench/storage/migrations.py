@@ -23,7 +23,7 @@ from bench.helpers.parsing import parse_json
 from bench.plugins import from_file
 from bench.plugins.loading import is_imported
 from bench.storage.cells import binding_of, selection_digest
-from bench.storage.rows import VALUES, binding, digest
+from bench.storage.rows import VALUES, binding, decoded, digest
 from bench.storage.schema import SCHEMA, create, layout, readable
 from bench.study import Entry, Study
 from bench.study.cell import Cell, Labels, record
@@ -196,7 +196,7 @@ def _from_3(older: Older, put: Put) -> None:
     older.move(put, "committed", "environments", "names")
     labels, names = older.texts("cells"), older.texts("names")
     cells, selected, study = _cells_3(
-        older, {number: (_text(one), _text(two)) for number, (one, two) in labels.items()}
+        older, {number: (decoded(one), decoded(two)) for number, (one, two) in labels.items()}
     )
     places: list[dict[str, int]] = [{}, {}]
     for place, table in enumerate(("problems", "optimizers")):
@@ -257,10 +257,12 @@ def _cells_3(older: Older, labels: dict[int, Labels]) -> tuple[dict[int, Cell], 
         hashed = {} if is_imported(entry.name) else _of_file_3(entry.name, code.get(label))
         return record(label=label, name=entry.name, options=entry.options, code=hashed)
 
+    problems = {label: problem(label) for label in {one for one, _ in labels.values()}}
+    optimizers = {label: optimizer(label) for label in {other for _, other in labels.values()}}
     cells = {}
     for number, (one, other) in labels.items():
         spent = study.evaluations(dimensions[one]) if study and one in dimensions and not study.imported else 0
-        cells[number] = Cell(problem(one), optimizer(other), spent, study.seed if study else 0)
+        cells[number] = Cell(problems[one], optimizers[other], spent, study.seed if study else 0)
     selected = {number: pair for number, pair in labels.items() if pair[0] in entries[0] and pair[1] in entries[1]}
     return cells, selected, study
 
@@ -287,10 +289,6 @@ def _noted_3(older: Older) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
                 for key, found in zip(("data", "code"), notes, strict=True):
                     found.append(dict(noted.get(key) or {}))
     return notes
-
-
-def _text(text: bytes) -> str:
-    return text.decode(errors="replace")
 
 
 STEPS = {3: Step(_SCHEMA_3, _from_3)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -15,7 +15,7 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
 from bench.storage.cells import binding_of, read
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, TEXTS, VALUES, digest
+from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
 from bench.storage.schema import readable
 from bench.storage.traces import Key
 from bench.study.cell import Labels
@@ -107,7 +107,7 @@ class Reader:
             return binding_of(self.cells.all[cell], names.get(number, (None, None)))
 
         self._bound = bound
-        self.names: dict[Any, tuple[str, str]] = {number: (_text(a), _text(b)) for number, (a, b) in names.items()}
+        self.names: dict[Any, tuple[str, str]] = {number: (decoded(a), decoded(b)) for number, (a, b) in names.items()}
 
     @property
     def rows(self) -> int:
@@ -147,7 +147,7 @@ class Reader:
         for _ in self.chunks(check):
             pass
         if structure:
-            outcome = _text(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
+            outcome = decoded(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
             check.structure = check.structure if outcome == "ok" else " ".join(outcome.split())
         return check
 
@@ -184,9 +184,7 @@ class Reader:
             sqlite3.Error: where a part of the rows cannot be read.
         """
         labels = self.cells.selected if shown is None else shown
-        for cell, row in self.whole(where, *values):
-            if cell in labels:
-                yield row | dict(zip(COLUMNS, labels[cell], strict=False))
+        return (row for _, row in self._sound(labels.get, where, *values))
 
     def whole(self, where: str = "", *values: object) -> Iterator[tuple[int, dict[str, Any]]]:
         """Yield the cell and the columns of every row, selected or not, that meets a condition and fits its digest.
@@ -194,12 +192,18 @@ class Reader:
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
+        return self._sound(self.cells.shown, where, *values)
+
+    def _sound(
+        self, shown: Callable[[int], Labels | None], where: str, *values: object
+    ) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield the cell and the columns of the rows that fit their digests, of the cells that have labels."""
         for row in self._rows(where, *values):
-            if self._fits(*row):
-                _, cell, names, trial, *measured = row
-                labels = *self.cells.shown(cell), trial, *self.names.get(names, (None, None))
-                columns = dict(zip(COLUMNS, (*labels, *measured), strict=True))
-                yield cell, columns | {name: _text(columns[name]) for name in TEXTS if columns[name] is not None}
+            _, cell, names, trial, *measured = row
+            if (labels := shown(cell)) is not None and self._fits(*row):
+                known = *labels, trial, *self.names.get(names, (None, None)), *measured
+                columns = dict(zip(COLUMNS, known, strict=True))
+                yield cell, columns | {name: decoded(columns[name]) for name in TEXTS if columns[name] is not None}
 
     def rescue(self, trials: int) -> Iterator[tuple[int, dict[str, Any]]]:
         """Yield cell and columns of every sound row that can be read, some perhaps twice.
@@ -242,11 +246,6 @@ class Reader:
 def record_digest(number: int, record: bytes) -> bytes:
     """Return the digest of an environment's record, whose JSON text is given as UTF-8."""
     return digest(b"", (number, record))
-
-
-def _text(stored: Any) -> str:
-    """Return a text from its UTF-8, which may be damaged."""
-    return stored.decode(errors="replace") if isinstance(stored, bytes) else str(stored)
 
 
 def _record(text: bytes) -> dict[str, Any]:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
-from bench.helpers.parsing import parse_json
-from bench.storage.folder import ENVIRONMENT, Folder
+from bench.storage.folder import Folder
 from bench.storage.merge import copy
-from bench.storage.reading import Reader, StoreCheck
+from bench.storage.reading import StoreCheck
 from bench.storage.store import BEYOND_REPAIR, FILE, DamagedStoreError, Store
 
 ASIDE = f"{FILE}.damaged"
@@ -45,9 +43,11 @@ def repair(folder: Folder, trials: int) -> str:
     try:
         with replacing(store.path) as temporary:
             with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=trials) as reader:
-                cells, environments = reader.cells, _environments(folder, reader)
+                cells, environments = reader.cells, dict[int, dict[str, Any]]()
+                with suppress(sqlite3.DatabaseError):
+                    environments = reader.environments(folder.copied_environments())
                 kept, _ = copy(reader.rescue(trials), cells, environments, writer, str(store.path))
-                writer.restore(cells.study, cells.looks, cells.by_labels)
+                writer.select(cells.study, cells.looks, cells.by_labels)
             if there:
                 shutil.copy(store.path, folder.path / ASIDE)
             for beside in ("-wal", "-shm"):  # of the damaged store; the new one has none
@@ -57,13 +57,3 @@ def repair(folder: Folder, trials: int) -> str:
     folder.note_store(StoreCheck(kept))
     aside = f", and the damaged store is now {ASIDE}" if there else ""
     return f"{check.sentence}; {kept:,} sound trials are kept{aside}"
-
-
-def _environments(folder: Folder, reader: Reader) -> Mapping[int, Mapping[str, Any]]:
-    """Return what can be read of the store's environments; environment.json may hold a copy of a damaged record."""
-    copies = []
-    with suppress(OSError, ValueError):
-        copies = parse_json((folder.path / ENVIRONMENT).read_bytes())
-    with suppress(sqlite3.DatabaseError):
-        return reader.environments(copies if isinstance(copies, list) else ())
-    return {}

@@ -24,6 +24,11 @@ TEXTS = tuple(column.name for column in STORED if column.kind is str)
 FORMAT = 2  # of marshal: the last one in which equal values have equal bytes; tests hold these bytes
 
 
+def decoded(stored: Any) -> str:
+    """Return a text from its UTF-8, which may be damaged."""
+    return stored.decode(errors="replace") if isinstance(stored, bytes) else str(stored)
+
+
 def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
     """Return the first column that repeats and in which two rows of one trial, traces included, differ; "" for none.
 

@@ -175,10 +175,8 @@ class _Changes:
 
     def _version(self, cell: Cell) -> str:
         """Return which version of its optimizer a cell has, as they are numbered."""
-        versions = dict.fromkeys(
-            each.optimizer for _, each in sorted(self.held.all.items()) if each.labels[1] == cell.labels[1]
-        )
-        return f"version {[*versions, cell.optimizer].index(cell.optimizer) + 1}"
+        versions = [*self.held.versions_of(cell.optimizer), cell.optimizer]
+        return f"version {versions.index(cell.optimizer) + 1}"
 
     def _numbers(self, cells: Collection[Labels], which: str) -> str:
         left = sum(max(self.most - self.stored.get(self.now[labels], 0), 0) for labels in cells)

@@ -16,7 +16,6 @@ from bench.storage.cells import Cells, binding_of, read, selection_digest
 from bench.storage.committed import Committed
 from bench.storage.reading import record_digest
 from bench.storage.rows import NAMES, VALUES, digest, typed
-from bench.study import Study
 from bench.study.cell import Cell, Labels
 from bench.study.looks import Looks
 from bench.trial import Trial
@@ -124,12 +123,8 @@ class Writer:
             self.cells.all[self._numbers[cell]] = cell
         return self._numbers[cell]
 
-    def select(self, study: Study, cells: Mapping[Labels, Cell]) -> None:
+    def select(self, identity: str, looks: Looks, cells: Mapping[Labels, Cell]) -> None:
         """Commit which cells a study selects, by the labels that it shows, in place of what was selected before."""
-        self.restore(study.identity(), study.looks, cells)
-
-    def restore(self, identity: str, looks: Looks, cells: Mapping[Labels, Cell]) -> None:
-        """Commit a selection as :meth:`select` does, that of a store which this one takes the place of."""
         with self.transaction():
             selected = {self.number(cell): labels for labels, cell in cells.items()}
             self._connection.execute("DELETE FROM selected")
@@ -146,6 +141,8 @@ class Writer:
 
         Rows that fit their digests get others, which bind them to what is noted now.
         """
+        if not cells:
+            return
         with self.transaction():
             bound = {self._numbers[before]: (before, now) for before, now in cells.items()}
             rebind(

@@ -8,6 +8,8 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, NamedTuple
 
+from bench.plugins.code import differences as names_that_differ
+
 Labels = tuple[str, str]
 """The labels of a problem and of an optimizer."""
 
@@ -81,11 +83,11 @@ def differences(before: str, now: str) -> Iterator[str]:
     old, new = read(before), read(now)
     for key in ("data", "code"):
         if old.get(key) not in (new.get(key), None):
-            files = _different(old[key], new.get(key))
-            yield f"{', '.join(files)}" if files else key
+            both = isinstance(old[key], Mapping) and isinstance(new.get(key), Mapping)
+            yield ", ".join(names_that_differ(old[key], new[key])) if both else key
     if old["name"] != new["name"]:
         yield f"it is {new['name']!r}, not {old['name']!r}"
-    for name in _different(old["options"], new["options"]):
+    for name in names_that_differ(old["options"], new["options"]):
         values = [
             repr(record["options"][name]) if name in record["options"] else "the default" for record in (new, old)
         ]
@@ -93,10 +95,3 @@ def differences(before: str, now: str) -> Iterator[str]:
     for key in ("constraints", "on_error"):
         if old.get(key) != new.get(key):
             yield f"{key} = {new.get(key)!r}, not {old.get(key)!r}"
-
-
-def _different(before: Any, now: Any) -> list[str]:
-    """Return the keys in which two mappings differ; none where they are no mappings."""
-    if not isinstance(before, Mapping) or not isinstance(now, Mapping):
-        return []
-    return [key for key in dict.fromkeys([*before, *now]) if before.get(key) != now.get(key)]

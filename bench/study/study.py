@@ -48,7 +48,7 @@ TRIALS = 30
 
 
 class Fingerprints(NamedTuple):
-    """What decides a study's trials beside its text, by label; what is not known is left out.
+    """The hashes and dimensions that decide a study's trials beside its text, by label, as far as they are known.
 
     Attributes:
         data: the hash of every problem's data; "" where the problem's name determines its data.

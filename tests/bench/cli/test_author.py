@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from bench import load_results
+from bench import Results, load_results
 
 STUDY = """
 name = "mine"
@@ -114,6 +114,7 @@ def test_two_days_beside_finished_rivals(author):
     assert re.search(r"rHops changed \(step.*\)", author("verify", "out", code=2))
     assert "4 trials would be removed" in author("rm", "out", "--old", "--dry-run")
     author("rm", "out", "--old")
+    assert Results(author.path / "out").versions == {"rHops": (1, 2)}  # numbers go on meaning the same
     author("report", "out", "--optimizer", "rHops", "--dimension", "3", "-o", "asked")
 
 

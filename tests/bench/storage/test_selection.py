@@ -1,4 +1,4 @@
-"""A study selects cells of a store: what is there is kept, what changed is another one, what is renamed is the same."""
+"""A study selects cells of a store, which keeps all it has: changed code is another cell, a new label is not."""
 
 from dataclasses import replace
 
