@@ -16,7 +16,8 @@ from rich.text import Text
 from bench.cli import completion
 from bench.cli.console import table
 from bench.errors import BenchError, nearest
-from bench.plugins import registry
+from bench.plugins import catalogue, registry
+from bench.study import Study
 
 Entry = dict[str, Any]
 """A plug-in as JSON has it: its name, and what it is (``about`` or ``title``) or the ``error`` that it raised."""
@@ -74,13 +75,30 @@ def command(
     family all members, and of one optimizer its papers, code and parameters.
     """
     kind, family = _chosen(kind, family)
-    matching = _matching(search, kind, family) if search else None
-    if as_json:
-        print(json.dumps(records(kind, family) if matching is None else matching, indent=1, default=str))
-    elif matching is not None:
-        _print(f"with {search!r}", matching, True, Console())
+    console = Console()
+    if search or as_json:
+        listed = _matching(search, kind, family) if search else records(kind, family)
+        if as_json:
+            print(json.dumps(listed, indent=1, default=str))
+        else:
+            _print(f"with {search!r}", listed, True, console)
+    elif kind == "all":
+        for group in KINDS:
+            console.print(Text(f"{group}: {', '.join(sorted(registry.entries(group)))}"), "")
+        console.print(
+            Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
+        )
+    elif family and kind == "problems":
+        _print_suite(family, console)
+    elif family and registry.is_family(plugin := registry.load(kind, family)):
+        if entries := [{"name": name} | _tried(_optimizer, name) for name in plugin.names()]:
+            _print(kind, _shared_lines_first(entries, f"all of {family}") if full else entries, full, console)
+        else:
+            for paragraph in (inspect.getdoc(plugin) or f"{family} has no list of its members").split("\n\n"):
+                console.print(Text(" ".join(paragraph.replace("``", "").split())))
     else:
-        show(kind, family, full, Console())
+        full, names = full or bool(family), [family] if family else sorted(registry.entries(kind))
+        _print(kind, [{"name": name} | _tried(_about, kind, name, full) for name in names], full, console)
 
 
 def _matching(text: str, kind: str, family: str) -> list[Entry]:
@@ -119,30 +137,6 @@ def _require_known(what: str, name: str, names: Iterable[str]) -> None:
         raise BenchError(f"unknown {what} {name!r}{nearest(name, names)}")
 
 
-def show(kind: str, family: str, full: bool, console: Console) -> None:
-    """Print the plug-ins of one kind or of all, or of one family; one that fails to load by its error."""
-    if family and kind == "problems":
-        _print_suite(family, console)
-    elif kind == "all":
-        for group in KINDS:
-            console.print(Text(f"{group}: {', '.join(sorted(registry.entries(group)))}"), "")
-        console.print(
-            Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
-        )
-    elif family and registry.is_family(plugin := registry.load(kind, family)):
-        entries = [{"name": name} | _tried(_optimizer, name) for name in plugin.names()]
-        if entries:
-            _print(kind, _shared_lines_first(entries, f"all of {family}") if full else entries, full, console)
-            return
-        about = inspect.getdoc(plugin) or f"{family} has no list of its members"
-        for paragraph in about.replace("``", "").split("\n\n"):
-            console.print(Text(" ".join(paragraph.split())))
-    else:
-        full = full or bool(family)
-        names = [family] if family else sorted(registry.entries(kind))
-        _print(kind, [{"name": name} | _tried(_about, kind, name, full) for name in names], full, console)
-
-
 def _print(title: str, entries: Iterable[Entry], full: bool, console: Console) -> None:
     """Print a table of names and what they are, in one line each unless ``full``."""
     rows = []
@@ -158,9 +152,9 @@ def _print_suite(family: str, console: Console) -> None:
     columns = {"name": [record["name"] for record in listed]}
     if grid:
         columns = {
-            "function": [record["function"] for record in listed],
+            "function": [*grid.functions],
             "what it is": [record["title"] for record in listed if grid.titles],
-            "dimensions": [", ".join(map(str, record["dimensions"])) for record in listed],
+            "dimensions": [", ".join(map(str, dimensions)) for dimensions in grid.functions.values()],
             "instances": [f"1 to {grid.instances}" for _ in listed if grid.instances],
             "first name": columns["name"],
         }
@@ -181,8 +175,6 @@ def records(kind: str, family: str = "") -> list[Entry]:
     one suite there is a record a function, with its dimensions and the first of its names; of another family of
     problems, a record with each name that can be listed.
     """
-    from bench.plugins import catalogue
-
     if family and kind == "problems":
         return _problem_records(family)
     if kind in KINDS and kind != "optimizers":
@@ -190,25 +182,25 @@ def records(kind: str, family: str = "") -> list[Entry]:
             {"name": name, "package": registry.package(kind, name)} | _tried(_about, kind, name, False)
             for name in sorted(registry.entries(kind))
         ]
-    entries: list[Entry] = []
-    for name in [family] if family else registry.entries("optimizers"):
-        try:
-            plugin = registry.load("optimizers", name)
-            names = plugin.names() if registry.is_family(plugin) else [name]
-        except Exception as error:  # a plug-in may raise anything
-            entries += [{"name": member, "error": str(error)} for member in _known_members(name)]
-            continue
-        for member in names:
-            found = _tried(catalogue.record, member)
-            entries.append({"name": member} | (found if "error" in found else dataclasses.asdict(found["about"])))
-    return entries
+    names = [family] if family else registry.entries("optimizers")
+    return [entry for name in names for entry in _optimizer_records(name)]
 
 
-def _known_members(family: str) -> list[str]:
-    """Return the members that a family knows without its library, or the family's own name."""
-    with suppress(Exception):  # a plug-in may raise anything
-        return [f"{family}:{member}" for member in registry.load("optimizers", family).members()]
-    return [family]
+def _optimizer_records(name: str) -> list[Entry]:
+    """Return the record of an optimizer or of each member of a family; without its library, of those it knows."""
+    try:
+        plugin = registry.load("optimizers", name)
+        names = plugin.names() if registry.is_family(plugin) else [name]
+    except Exception as error:  # a plug-in may raise anything
+        known = [name]
+        with suppress(Exception):
+            known = [f"{name}:{member}" for member in registry.load("optimizers", name).members()]
+        return [{"name": member, "error": str(error)} for member in known]
+    found = {member: _tried(catalogue.record, member) for member in names}
+    return [
+        {"name": member} | (each if "error" in each else dataclasses.asdict(each["about"]))
+        for member, each in found.items()
+    ]
 
 
 def _problem_records(family: str) -> list[Entry]:
@@ -244,42 +236,28 @@ def _tried(describe: Callable[..., Any], *arguments: Any) -> Entry:
         return {"error": str(error) if isinstance(error, BenchError) else f"failed to load: {error}"}
 
 
-def _about(kind: str, name: str, members: bool) -> str:
-    """Describe a plug-in: an optimizer by its lineage and parameters, a family by its members."""
-    from bench.plugins import catalogue
-
+def _about(kind: str, name: str, full: bool) -> str:
+    """Describe a plug-in: an optimizer by its lineage and parameters, a family by its members where ``full``."""
     plugin = registry.load(kind, name)
-    if kind == "optimizers":
-        return _family(name, plugin, members) if registry.is_family(plugin) else _optimizer(name)
-    if registry.is_family(plugin):
+    if kind == "studies":
+        return Study.load(name).title
+    if not registry.is_family(plugin):
+        return _optimizer(name) if kind == "optimizers" else catalogue.first_line(plugin)
+    if kind != "optimizers":
         names = plugin.names()
         return f"{names[0]} … {names[-1]}" if names else f"{name}:<name>"
-    if kind == "studies":
-        from bench.study import Study
-
-        return Study.load(name).title
-    return catalogue.first_line(plugin)
-
-
-def _family(name: str, plugin: Any, members: bool) -> str:
-    """Describe a family; with ``members``, import its library to name them."""
-    from bench.plugins import catalogue
-
-    extra = f"\nextra: {plugin.extra}" if getattr(plugin, "extra", "") else ""
-    about = f"{catalogue.first_line(plugin)}\nloaded as {name}:<name>; 'bench list {name}' shows each{extra}"
-    if not members:
-        return about
-    try:
-        names = plugin.names()
-    except BenchError as error:
-        return f"{about}\n{error}"
-    return f"{about}\n{len(names)}: {', '.join(names)}"
+    lines = [catalogue.first_line(plugin), f"loaded as {name}:<name>; 'bench list {name}' shows each"]
+    lines += [f"extra: {plugin.extra}"] if getattr(plugin, "extra", "") else []
+    if full:  # which imports the family's library
+        try:
+            lines.append(f"{len(names := plugin.names())}: {', '.join(names)}")
+        except BenchError as error:
+            lines.append(str(error))
+    return "\n".join(lines)
 
 
 def _optimizer(name: str) -> str:
     """Describe an optimizer by its lineage and parameters, one line each."""
-    from bench.plugins import catalogue
-
     record = catalogue.record(name)
     lines = [record.about, *(f"paper: {paper}" for paper in record.paper)]
     for title, text in (
