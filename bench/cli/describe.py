@@ -14,6 +14,7 @@ from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.console import pairs, print_line
 from bench.numbers import require_seed
+from bench.plugins import loading, selection
 from bench.sandbox.messages import describe_error
 
 BESIDE = 4  # problems of one table
@@ -45,7 +46,6 @@ def command(
     import pandas as pd
 
     from bench.analysis.landscape import describe
-    from bench.plugins import loading, selection
 
     require_seed("the seed", seed)
     console, rows = Console(), {}

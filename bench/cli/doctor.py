@@ -80,16 +80,18 @@ def _show(findings: list[Diagnosis], console: Console) -> None:
         last = finding.topic
     console.print(table(("", "what", "found", "state"), rows))
     extras = [finding.name for finding in findings if finding.topic == "extras" and finding.state == "note"]
+    lines = [
+        (finding.state, f"{finding.state}: {finding.topic}, {finding.name}: {finding.remedy}")
+        for finding in findings
+        if finding.remedy and finding.name not in (extras if finding.topic == "extras" else ())
+    ]
     if extras:  # in one line, as the table has each
         install = f"pip install '{registry.DISTRIBUTION}[{','.join(extras)}]'"
-        print_line(f"note: extras that are not installed: {install}", STYLES["note"], console)
-    for finding in findings:
-        if finding.remedy and finding.name not in (extras if finding.topic == "extras" else ()):
-            print_line(
-                f"{finding.state}: {finding.topic}, {finding.name}: {finding.remedy}", STYLES[finding.state], console
-            )
+        lines.insert(0, ("note", f"note: extras that are not installed: {install}"))
     broken = sum(finding.state == "broken" for finding in findings)
-    print_line(f"{broken} broken" if broken else "nothing is broken", "red" if broken else "green", console)
+    lines.append(("broken", f"{broken} broken") if broken else ("ok", "nothing is broken"))
+    for state, line in lines:
+        print_line(line, STYLES[state], console)
 
 
 # The installation

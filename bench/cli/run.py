@@ -34,6 +34,7 @@ from bench.cli.verify import verify_folder
 from bench.errors import BenchError
 from bench.helpers.console import duration, print_error, print_line
 from bench.helpers.text import count, listed
+from bench.study import Study
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
@@ -132,7 +133,6 @@ def command(
     from bench.execution.progress import Display
     from bench.execution.runner import plan, run
     from bench.execution.supervisor import WorkerDiedError
-    from bench.study import Study
 
     if study is None:
         raise BenchError(

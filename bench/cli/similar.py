@@ -15,6 +15,8 @@ from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.console import pairs, print_line, steps
 from bench.numbers import require_seed, require_whole
+from bench.plugins import loading, selection
+from bench.study.budget import Budget
 
 
 def command(
@@ -50,9 +52,7 @@ def command(
     from bench.check.behaviour import behaviours, common_problems, recorder
     from bench.plots import style
     from bench.plots.similarity import similarity_map
-    from bench.plugins import loading, selection
     from bench.report.wording import count, p_text
-    from bench.study.budget import Budget
 
     require_whole("the trials", trials, 10)
     require_seed("the seed", seed)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
 from bench.cli import completion
 from bench.cli.console import Constraints, Parameters, ProblemParameters, Untrusted, table
+from bench.columns import Row, named
 from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
 from bench.helpers.text import said
+from bench.plugins import loading
 from bench.sandbox.messages import describe_error
-
-if TYPE_CHECKING:
-    from bench.columns import Row
-    from bench.study.budget import Budget
+from bench.scoring.constraints import DEFAULT
+from bench.study.budget import Budget
+from bench.trial import as_row
 
 Named = tuple[str, dict[str, Any]]  # a plug-in's name and its options
 
@@ -45,10 +46,6 @@ def command(
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    from bench.columns import named
-    from bench.scoring.constraints import DEFAULT
-    from bench.study.budget import Budget
-
     make = _row_apart if untrusted else _row
     row = make(
         (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,
@@ -71,8 +68,6 @@ def command(
 def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:
     """Return the row of a run in this process, and whether the problem is ``noisy``."""
     from bench.execution.solve import solve
-    from bench.plugins import loading
-    from bench.trial import as_row
 
     loaded = loading.load_problem(problem[0], **problem[1])
     chosen = loading.load_optimizer(optimizer[0], **optimizer[1])

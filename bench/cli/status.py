@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console, Group, RenderableType
+from rich.live import Live
 from rich.text import Text
 
 from bench.cli.console import Output, table
@@ -34,12 +35,11 @@ def command(
     It also prints when the trials were last compared with the digests that were stored with them, and the outcome. With
     --check, the exit code is 1 where a trial is damaged or missing.
     """
-    from bench.storage.folder import STORE, VERIFICATION, Folder
+    from bench.cli import answer
+    from bench.storage.folder import Folder
 
     console, folder = Console(), Folder(output)
     if watch:
-        from rich.live import Live
-
         with Live(summary(folder), console=console, auto_refresh=False) as live:
             while folder.running():
                 sleep(2)
@@ -49,45 +49,39 @@ def command(
     console.print(summary(folder))
     if not check and not store.sound:
         print_line(f"store: {store.sentence}", "red", console)
-    _answer(folder, console)
-    if noted := folder.noted(STORE):
-        style = None if noted.get("sound") else "red"
-        print_line(f"store checked {noted.get('checked')}: {noted.get('sentence')}", style, console)
-    else:
-        print_line("store not checked yet: a report, 'bench verify' or 'bench status --check' does it", None, console)
-    for line in _failures(folder):
-        print_line(line, "red", console)
-    for line in _killed(folder):
-        print_line(line, "yellow", console)
-    verified = folder.noted(VERIFICATION)
-    trials, different = folder.repeated()
-    if trials:
-        again = f"made again at the ends of runs: {trials - len(different):,} of {trials:,} are the same bit by bit"
-        print_line(again, "red" if different else None, console)
-    for line in different:
-        print_line(line, "red", console)
-    if "verified" in verified:
-        line = f"verified {verified['verified']}: {verified.get('sentence')}"
-        print_line(line, "red" if verified.get("different") else None, console)
-    made = folder.store.made()
-    for number, record in folder.store.environments().items():
-        for line in _environment(record, made.get(number, 0)) if record else [f"environment {number}: damaged record"]:
-            print_line(line, console=console)
+    noted = {} if folder.running() else answer.read(folder.path)
+    if noted and noted.get("trials") == sum(cell.done + cell.failed for cell in folder.store.cells()):
+        console.print(answer.shown(noted))
+    elif noted:
+        print_line(f"the report is of other trials; write it again: bench report {folder.path}", "yellow", console)
+    for line, style in _lines(folder):
+        print_line(line, style, console)
     if check and not store.sound:
         sys.exit(1)
 
 
-def _answer(folder: Folder, console: Console) -> None:
-    """Print the answer of the folder's report, where it is one of the trials that are stored now."""
-    from bench.cli.answer import read, shown
+def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
+    """Yield a line on each check, failure, killed run and environment of a folder, with its colour."""
+    from bench.storage.folder import STORE, VERIFICATION
 
-    noted = read(folder.path)
-    if not noted or folder.running():
-        return
-    if noted.get("trials") == sum(cell.done + cell.failed for cell in folder.store.cells()):
-        console.print(shown(noted))
+    if noted := folder.noted(STORE):
+        yield f"store checked {noted.get('checked')}: {noted.get('sentence')}", None if noted.get("sound") else "red"
     else:
-        print_line(f"the report is of other trials; write it again: bench report {folder.path}", "yellow", console)
+        yield "store not checked yet: a report, 'bench verify' or 'bench status --check' does it", None
+    yield from ((line, "red") for line in _failures(folder))
+    yield from ((line, "yellow") for line in _killed(folder))
+    trials, different = folder.repeated()
+    if trials:
+        again = f"made again at the ends of runs: {trials - len(different):,} of {trials:,} are the same bit by bit"
+        yield again, "red" if different else None
+    yield from ((line, "red") for line in different)
+    if "verified" in (verified := folder.noted(VERIFICATION)):
+        line = f"verified {verified['verified']}: {verified.get('sentence')}"
+        yield line, "red" if verified.get("different") else None
+    made = folder.store.made()
+    for number, record in folder.store.environments().items():
+        lines = _environment(record, made.get(number, 0)) if record else [f"environment {number}: damaged record"]
+        yield from ((line, None) for line in lines)
 
 
 def summary(folder: Folder) -> Group:

@@ -16,6 +16,9 @@ from bench.helpers.atomic import replacing
 from bench.helpers.console import duration, pairs, print_error, print_line, steps
 from bench.helpers.text import option
 from bench.numbers import MOST_TRIALS, require_positive, require_seed, require_whole
+from bench.plugins import loading
+from bench.study import Study
+from bench.study.budget import Budget
 
 if TYPE_CHECKING:
     from bench.tuning.tune import Best, Setting
@@ -58,9 +61,7 @@ def command(
     same study. Parameters of --set are fixed for all optimizers. The conditions of a comparison, agents, handling and
     start, keep their defaults but for those of --condition.
     """
-    from bench.plugins import loading
     from bench.report.wording import count
-    from bench.study.budget import Budget
     from bench.tuning import study as studies
     from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
     from bench.tuning.tune import tune as tune_all
@@ -124,8 +125,6 @@ def _shown(value: object) -> str:
 
 def _refuse_others(output: Path, setting: Setting) -> None:
     """Raise BenchError where the output is a file that another tuning, or none, wrote."""
-    from bench.study import Study
-
     if not output.exists():
         return
     noted = Study.load(output).tuning
