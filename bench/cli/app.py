@@ -31,7 +31,7 @@ app = typer.Typer(
 PANELS = {
     "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
     "Read": ("status", "report", "plan", "recommend", "similar", "describe"),
-    "Check": ("check", "audit", "gate", "verify", "atlas", "doctor"),
+    "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
     "Share": ("export", "import_", "pack", "unpack", "site"),
 }
 """The commands by the panel of the help that shows them."""

@@ -1,0 +1,95 @@
+"""Find which problem and which optimizer of this harness a printed name means."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import Any
+
+from bench.errors import BenchError, nearest
+from bench.formats import naming
+from bench.plugins import loading, registry
+from bench.problem import Problem
+from bench.reproduce.table import PaperCell, PaperTable
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", text.lower())
+
+
+def problem_of(table: PaperTable, cell: PaperCell) -> str:
+    """Return the name of the problem that a cell is about; raises BenchError where the table leaves it open."""
+    functions: Mapping[str, Any] = table.settings.get("functions", {})
+    if cell.function in functions:
+        return str(functions[cell.function])
+    if not cell.suite:
+        return cell.function
+    suites = {_plain(name): name for name in registry.entries("problems")}
+    suite = suites.get(_plain(cell.suite), "")
+    if not suite:
+        raise BenchError(f"no suite is called {cell.suite!r}{nearest(cell.suite, suites.values())}")
+    number = re.fullmatch(r"(?:[a-z]+\d*[-_ ])?[a-z]*[-_ ]?0*(\d+)", cell.function.lower())
+    grid = registry.grid(suite)
+    if grid is None:
+        names = set(registry.load("problems", suite).names())
+        stem = [f"{int(number[1]):02d}", number[1]] if number else []
+        for name in (*(f"{suite}-{text}" for text in (*stem, cell.function)), cell.function):
+            if name in names:
+                return name
+        raise BenchError(f"{suite} has no problem {cell.function!r}{nearest(cell.function, names)}")
+    if cell.dimension is None:
+        raise BenchError(f"no dimension is printed, and the functions of {suite} have several")
+    titles = {_plain(title): name for name, title in grid.titles.items()} | {
+        _plain(name): name for name in grid.functions
+    }
+    named = titles.get(_plain(cell.function), "" if number else cell.function)
+    name = naming.problem_name(
+        suite, int(number[1]) if number else cell.function, cell.dimension, cell.instance or 1, named
+    )
+    grid.member(name)  # raises
+    return name
+
+
+def problem_options(table: PaperTable) -> dict[str, Any]:
+    """Return the options of all problems of a table."""
+    return dict(table.settings.get("problem", {}))
+
+
+def load_problem(table: PaperTable, cell: PaperCell) -> Problem:
+    """Return the problem that a cell is about; raises BenchError where it cannot be loaded."""
+    return loading.load_problem(problem_of(table, cell), **problem_options(table))
+
+
+def optimizer_of(table: PaperTable, printed: str) -> dict[str, Any]:
+    """Return name, label and options of the optimizer that a printed name means, as a study has them.
+
+    Raises:
+        BenchError: where no optimizer, or none by that name, is known.
+    """
+    given = table.settings.get("optimizers", {}).get(printed)
+    if given is not None:
+        chosen = {"name": given} if isinstance(given, str) else dict(given)
+        return {"name": printed, "label": printed, **chosen}
+    wanted = _plain(printed)
+    for name in _optimizers():
+        if wanted in (_plain(name), _plain(name.rpartition(":")[2])):
+            return {"name": name, "label": printed}
+    raise BenchError(
+        f"no optimizer is called {printed!r}; name one with --optimizer '{printed}=NAME' ('bench list optimizers')"
+    )
+
+
+def _optimizers() -> Iterator[str]:
+    """Yield the names of all optimizers, those of families last, as their libraries are imported."""
+    families = []
+    for name in registry.entries("optimizers"):
+        with suppress(Exception, SystemExit):  # a plug-in may raise anything; another one may have the name
+            plugin = registry.load("optimizers", name)
+            if registry.is_family(plugin):
+                families.append(plugin)
+            else:
+                yield name
+    for plugin in families:
+        with suppress(Exception, SystemExit):
+            yield from plugin.names()

@@ -1,0 +1,42 @@
+"""The command reproduce: reading alone, its exit codes, and one sentence for each thing that cannot be judged."""
+
+import pytest
+
+from bench.cli.app import main
+
+HEAD = "# suite = 'classical'\n# dimension = 2\n# budget = 200\n# runs = 6\n# values = 'error'\n"
+
+
+@pytest.fixture
+def called(monkeypatch, capsys, tmp_path):
+    """Return a function that writes a table, calls the command on it, and returns exit code and output."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(text, *arguments):
+        (tmp_path / "paper.csv").write_text(text, encoding="utf-8")
+        monkeypatch.setattr("sys.argv", ["bench", "reproduce", "paper.csv", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out + printed.err
+
+    return call
+
+
+def test_reading_a_sound_table_ends_with_0(called):
+    code, printed = called(f"{HEAD}function,optimizer,mean,sd,best\nsphere,GWO,2.0,1.0,0.5\n", "--read-only")
+    assert (code, printed) == (0, "no contradiction in 1 cell\n")
+
+
+def test_reading_names_each_cell_that_contradicts_itself_and_ends_with_1(called):
+    text = f"{HEAD}function,optimizer,mean,sd,best\nsphere,GWO,2.0,9.0,0.5\nsphere,PSO,3.0,1.0,4.0\nsphere,DE,text,1,\n"
+    code, printed = called(text, "--read-only")
+    assert code == 1
+    assert "note: sphere, d = 2, DE (line 9): 'text' as mean is no number" in printed
+    assert "sphere, d = 2, GWO (line 7): an SD of 9.0 with the mean 2.0 and the best 0.5 needs more than" in printed
+    assert "its best 4.0 is above its mean 3.0" in printed
+    assert printed.endswith("2 of 3 cells contradict themselves, each other or the problem\n")
+
+
+def test_a_file_that_is_no_table_is_refused_in_a_sentence(called):
+    assert called("a,b\n1,2\n") == (2, "bench: paper.csv has no column of functions; its columns are a, b\n")

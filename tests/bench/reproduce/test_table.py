@@ -1,0 +1,134 @@
+"""Reading tables as papers print them: columns and rows of optimizers, separators, headers, text among numbers."""
+
+import pytest
+
+from bench import BenchError
+from bench.reproduce.table import PaperTable, read
+
+
+def table(tmp_path, text, name="table.csv") -> PaperTable:
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return read(tmp_path / name)
+
+
+LONG = "# suite = 'cec2022'\n# runs = 30\nfunction,dimension,optimizer,mean,sd,best\n"
+
+
+def numbers(cell):
+    return {name: printed.value for name, printed in cell.numbers.items()}
+
+
+def test_a_row_a_cell_with_what_is_the_same_in_all_rows_at_the_top(tmp_path):
+    (cell,) = table(tmp_path, f"{LONG}F05,10,jSO,1.50E+02,3.0,140\n").cells
+    assert (cell.suite, cell.function, cell.dimension, cell.runs, cell.optimizer) == ("cec2022", "F05", 10, 30, "jSO")
+    assert numbers(cell) == {"mean": 150.0, "sd": 3.0, "best": 140.0}
+    assert cell.numbers["mean"].unit == 1.0
+    assert cell.where == "F05, d = 10, jSO (line 4)"
+
+
+def test_a_column_an_optimizer_with_mean_and_sd_in_a_cell(tmp_path):
+    cells = table(tmp_path, "fid,GWO,PSO\n1,1.2 ± 0.3,4 (0.5)\n2,7,4.10e−3 ± 1e−3≈\n").cells
+    assert [(cell.function, cell.optimizer, numbers(cell)) for cell in cells] == [
+        ("1", "GWO", {"mean": 1.2, "sd": 0.3}),
+        ("1", "PSO", {"mean": 4.0, "sd": 0.5}),
+        ("2", "GWO", {"mean": 7.0}),
+        ("2", "PSO", {"mean": 4.1e-3, "sd": 1e-3}),
+    ]
+
+
+def test_a_row_a_statistic_where_the_function_is_printed_once(tmp_path):
+    text = "Function,Metric,GWO,PSO\nF1,Min,1,2\n,Mean,3,4\n,Std Dev,0.5,0.6\n,Rank,1,2\nF2,Mean,7,8\n"
+    cells = table(tmp_path, text).cells
+    assert [(cell.function, cell.optimizer) for cell in cells] == [
+        ("F1", "GWO"), ("F1", "PSO"), ("F2", "GWO"), ("F2", "PSO"),
+    ]  # fmt: skip
+    assert numbers(cells[1]) == {"best": 2.0, "mean": 4.0, "sd": 0.6, "rank": 2.0}
+
+
+def test_semicolons_and_decimal_commas(tmp_path):
+    (cell,) = table(tmp_path, "Problem;Dim;Algorithm;Trials;Max FES;Average;Std.\nf3;10;GWO;30;60.000;1,25;0,5\n").cells
+    assert (numbers(cell), cell.runs, cell.evaluations(10)) == ({"mean": 1.25, "sd": 0.5}, 30, 60_000)
+
+
+def test_toml_with_a_table_a_cell(tmp_path):
+    head = 'suite = "bbob"\nruns = 15\n'
+    text = f'{head}[[cells]]\nfunction = 8\ndimension = 5\noptimizer = "GWO"\nmean = "2.50"\nsd = 1.5\n'
+    (cell,) = table(tmp_path, text, "table.toml").cells
+    assert (cell.suite, cell.runs, numbers(cell)) == ("bbob", 15, {"mean": 2.5, "sd": 1.5})
+    assert cell.numbers["mean"].unit == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("budget", "evaluations"),
+    [("60,000", 60_000), ("1e4 * d", 100_000), ("10000D", 100_000), ("2E5", 200_000), ("", None)],
+)
+def test_budgets_as_papers_print_them(tmp_path, budget, evaluations):
+    (cell,) = table(tmp_path, f'function,optimizer,budget,mean\n1,GWO,"{budget}",3\n').cells
+    assert cell.evaluations(10) == evaluations
+
+
+def test_a_header_of_errors_says_that_values_are_errors(tmp_path):
+    assert table(tmp_path, "function,optimizer,mean error\n1,GWO,3\n").errors
+    assert not table(tmp_path, "function,optimizer,mean\n1,GWO,3\n").errors
+
+
+def test_zero_with_an_exponent_is_exact_and_without_one_is_rounded(tmp_path):
+    (cell,) = table(tmp_path, "function,optimizer,mean,sd\n1,GWO,0.00E+00,0.00\n").cells
+    assert (cell.numbers["mean"].unit, cell.numbers["sd"].unit) == (0.0, pytest.approx(0.01))
+
+
+def test_text_among_numbers_is_noted_and_the_rest_is_read(tmp_path):
+    found = table(tmp_path, f"{LONG}1,10,GWO,see text,3,\n2,10,GWO,4,n/a,3\n3,ten,GWO,5,inf,1\n")
+    assert [numbers(cell) for cell in found.cells] == [
+        {"sd": 3.0},
+        {"mean": 4.0, "best": 3.0},
+        {"mean": 5.0, "best": 1.0},
+    ]
+    assert found.notes == (
+        "f1, d = 10, GWO (line 4): 'seetext' as mean is no number",
+        "f3, GWO (line 6): 'inf' as sd is no number",
+        "f3, GWO (line 6): 'ten' as dimension is no whole number from 1",
+    )
+
+
+def test_a_cell_that_is_printed_twice_is_used_once(tmp_path):
+    found = table(tmp_path, f"{LONG}1,10,GWO,4,3,1\n1,10,GWO,5,3,1\n")
+    assert len(found.cells) == 1
+    assert found.notes == (
+        "f1, d = 10, GWO (line 5): line 4 has this cell, too, with other numbers; the first is used",
+    )
+
+
+def test_a_row_of_averages_is_no_cell(tmp_path):
+    found = table(tmp_path, "function,GWO\n1,2\n2,4\nAverage,3\n")
+    assert [cell.function for cell in found.cells] == ["1", "2"]
+    assert [numbers(cell) for cell in found.averages] == [{"mean": 3.0}]
+
+
+def test_rows_that_are_too_long_and_columns_and_keys_that_are_unknown_are_noted(tmp_path):
+    text = "# runz = 3\nfunction,optimizer,mean,SEM\n1,GWO,4,1\n2,GWO,4,1,9\n"
+    assert [note.partition(": ")[2] or note for note in table(tmp_path, text).notes] == [
+        "unknown key 'runz'; did you mean 'runs'?",
+        "line 4 has 5 cells under 4 headers and is left out",
+        "the columns 'SEM'",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "no header"),
+        ("a,b\n1,2\n", "no column of functions"),
+        ("function,optimizer,mean\n1,GWO,none\n", "no cell with a number"),
+        ("# runs = thirty\nfunction,mean\n", "must be TOML"),
+        ("# values = 'rank'\nfunction,mean\n", "values must be"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, said):
+    with pytest.raises(BenchError, match=said):
+        table(tmp_path, text)
+
+
+def test_a_missing_file_is_refused_in_a_sentence(tmp_path):
+    with pytest.raises(BenchError, match="No such file"):
+        read(tmp_path / "none.csv")
