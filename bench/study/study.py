@@ -27,7 +27,7 @@ from bench.problem import Problem
 from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
-from bench.study import entries, tuned
+from bench.study import entries
 from bench.study.blocks import Blocks, pooled
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
@@ -109,7 +109,7 @@ class Study:
     targets: Checked[Targets | None] = Checked(Targets.read)
     rope: Checked[Rope | None] = Checked(Rope.read)
     blocks: Checked[Blocks | None] = Checked(Blocks.read)
-    tuning: Checked[Tuning | None] = Checked(tuned.checked)
+    tuning: Checked[Tuning | None] = Checked(Tuning.read)
     looks: Checked[Looks] = Checked(Looks.read, Looks())
     controls: tuple[Entry, ...] = ()
 

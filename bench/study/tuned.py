@@ -10,10 +10,11 @@ import dataclasses
 import hashlib
 import json
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError
 from bench.numbers import is_finite
 from bench.study.budget import Budget
 
@@ -90,6 +91,24 @@ class Tuning:
     optimizers: tuple[Tuned, ...]
     sha256: str = ""
 
+    @classmethod
+    def read(cls, value: Any, what: str) -> Tuning:
+        """Return the record that a table holds; ``what`` is the subject of a sentence about it.
+
+        Raises:
+            BenchError: for what ``bench tune`` never writes.
+        """
+        if isinstance(value, Tuning):
+            return value
+        whole = False
+        with suppress(AttributeError, KeyError, TypeError, ValueError):
+            optimizers = tuple(Tuned(**entry) for entry in value["optimizers"])
+            record = cls(**value | {"budget": Budget.read(value["budget"]), "optimizers": optimizers})
+            whole = _is_whole(record)
+        if not whole:
+            raise BenchError(f"{what} must be a table as 'bench tune' writes it; restore it, or leave it out")
+        return record
+
     def sealed(self) -> Tuning:
         """Return the record with the hash of its content."""
         return dataclasses.replace(self, sha256=self._hash())
@@ -130,53 +149,17 @@ class Tuning:
             )
 
 
-def checked(value: Any, what: str) -> Tuning:
-    """Return the record that a table holds; raises BenchError, naming the key, for what ``bench tune`` never writes."""
-    if isinstance(value, Tuning):
-        return value
-    table = _typed(Tuning, {"sha256": ""} | value if isinstance(value, dict) else value, what)
-    entries = table.pop("optimizers")
-    tuned = tuple(Tuned(**_typed(Tuned, entry, f"{what}, optimizers")) for entry in entries)
-    if not all(isinstance(name, str) for name in table["train"]):
-        raise BenchError(f"{what}: 'train' must hold names of problems; restore what 'bench tune' wrote")
-    for record in tuned:
-        if not _is_readable(record):
-            raise BenchError(f"{what}: the entry of {record.name!r} is damaged; restore what 'bench tune' wrote")
-        lengths = {len(record.scores), len(record.problems), *map(len, record.values.values())}
-        if len(lengths) > 1 or not record.scores:
-            raise BenchError(
-                f"{what}: the lists of {record.name!r} have different lengths; restore what 'bench tune' wrote"
-            )
-    return Tuning(**table | {"budget": Budget.read(table["budget"], f"{what}, 'budget'")}, optimizers=tuned)
-
-
-def _is_readable(tuned: Tuned) -> bool:
-    """Return whether a report can show the numbers and the parameters of a record."""
-    numbers = [*tuned.scores, *tuned.problems, *tuned.importance.values(), tuned.seconds]
-    axes = all(
-        isinstance(axis, dict)
-        and (isinstance(axis.get("choices"), list) or all(is_finite(axis.get(end)) for end in ("low", "high")))
-        for axis in tuned.parameters.values()
-    )
-    lists = all(isinstance(tried, list) for tried in tuned.values.values())
-    return all(map(is_finite, numbers)) and axes and lists and tuned.values.keys() == tuned.parameters.keys()
-
-
-_KINDS: dict[str, type | tuple[type, ...]] = {
-    "str": str, "int": int, "float": (int, float), "Budget": (int, str, dict), "list[str]": list, "list[int]": list,
-    "list[float]": list, "dict[str, Any]": dict, "tuple[Tuned, ...]": (list, tuple),
-}  # fmt: skip
-
-
-def _typed(kind: type, value: Any, what: str) -> dict[str, Any]:
-    """Return a table whose keys are the fields of a record, each of the kind of its field."""
-    if not isinstance(value, dict):
-        raise BenchError(f"{what} must be the table that 'bench tune' wrote, not {value!r}")
-    fields = {item.name: str(item.type) for item in dataclasses.fields(kind)}
-    for key in value:
-        if key not in fields:
-            raise BenchError(f"{what}: unknown key {key!r}{nearest(key, fields)}")
-    for key, kind_of in fields.items():
-        if not isinstance(value.get(key), _KINDS[kind_of]):
-            raise BenchError(f"{what}: {key!r} is missing or of another kind; restore what 'bench tune' wrote")
-    return dict(value)
+def _is_whole(tuning: Tuning) -> bool:
+    """Return whether a report can show each value of a record."""
+    texts = [tuning.objective, tuning.left_out, tuning.method, tuning.sha256, *tuning.train]
+    numbers: list[float] = [tuning.trials, tuning.runs, tuning.seed]
+    fit = isinstance(tuning.train, list)
+    for tuned in tuning.optimizers:
+        texts += [tuned.name, tuned.default, tuned.tuned]
+        numbers += [*tuned.scores, *tuned.problems, *tuned.importance.values()]
+        numbers += [tuned.failed, tuned.evaluations, tuned.seconds]
+        fit &= len({len(tuned.scores), len(tuned.problems), *map(len, tuned.values.values())}) == 1 <= len(tuned.scores)
+        fit &= tuned.values.keys() == tuned.parameters.keys()
+        for axis in tuned.parameters.values():
+            fit &= isinstance(axis.get("choices"), list) or (is_finite(axis.get("low")) and is_finite(axis.get("high")))
+    return fit and all(isinstance(text, str) for text in texts) and all(map(is_finite, numbers))
