@@ -1,8 +1,8 @@
 """What a study of very many trials takes: time a trial, the memory of the parent while it runs, and the store.
 
 The objective is all but free (ten evaluations a trial, 0.1 us each), so that what is measured is the harness: dispatch,
-the trial's own process, and a committed row. The parent's memory is its resident set. A larger TRIALS shows that
-neither grows.
+the trial's own process, and a committed row. The parent's memory is its resident set, which grows by the key of each
+finished trial (180 bytes). A larger TRIALS shows that the time does not grow.
 """
 
 import subprocess

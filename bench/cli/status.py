@@ -45,7 +45,7 @@ def command(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
-    store = folder.check_store() if check else folder.store.count()
+    store = folder.check_store() if check else folder.store.check_count()
     console.print(summary(folder))
     if not check and not store.sound:
         print_line(f"store: {store.sentence}", "red", console)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product, takewhile
 
 from bench.errors import BenchError
-from bench.storage.store import CellCounts, Keys
+from bench.storage.store import CellCounts
+from bench.storage.traces import Key
 from bench.study import Study
 from bench.study.cell import Labels
 from bench.trial import Trial
@@ -40,7 +41,7 @@ class Plan:
 
     study: Study
     shard: Shard | None  # the part to run, None for the whole study
-    finished: Keys  # the trials that need not be made; a run adds those that it makes
+    finished: set[Key]  # the trials that need not be made; a run adds those that it makes
     cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
     notes: Sequence[str] = ()  # warnings to print before the run begins
     stopped: dict[tuple[str, str], int] = field(default_factory=dict)  # trials of the cells that looks stopped so far
@@ -65,9 +66,10 @@ class Plan:
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""
         if self.shard is None:  # without a step for each trial
-            cells = product(self.study.problems, self.study.with_controls)
-            labels = ((problem.label, optimizer.label) for problem, optimizer in cells)
-            return {cell: (most := self.most(*cell), self.finished.count(*cell, most)) for cell in labels}
+            done = Counter(key[:2] for key in self.finished if key[2] < self.most(*key[:2]))
+            labels = product(self.study.problems, self.study.with_controls)
+            cells = [(problem.label, optimizer.label) for problem, optimizer in labels]
+            return {cell: (self.most(*cell), done[cell]) for cell in cells}
         counts: dict[tuple[str, str], tuple[int, int]] = {}
         for trial in self.trials():
             planned, done = counts.get(trial.key[:2], (0, 0))

@@ -156,7 +156,7 @@ def run(
 
         answers, repetition = _answers(plan, folder, make, lookers), Repetition()
         made = _make(plan, folder, answers, about, interrupts, repetition, listeners)
-        if not (counted := folder.store.count()).sound:
+        if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
         with interrupts.allowed():
@@ -183,8 +183,7 @@ def plan(
     reused = _reusable(folder, selection, others)
     stored = folder.store.check()
     plan = _plan(study, folder, part, selection, ["" if stored.sound else stored.sentence, *reused], verify)
-    for key in stored.damaged:
-        plan.finished.discard(key)
+    plan.finished.difference_update(stored.damaged)
     for other in others:
         plan.finished.update(other.store.keys(finished_only=True, shown=selection.shown(other.store.held())))
     return plan
@@ -305,7 +304,7 @@ def _make(
                     folder.write_environments()
                 repetition.consider(trial, row)
                 writer.add(trial, row, numbers[machine])
-                plan.finished.add(*trial.key)
+                plan.finished.add(trial.key)
                 made += 1
                 for listener in listeners:
                     listener(trial, row)

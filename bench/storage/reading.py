@@ -118,7 +118,7 @@ class Reader:
         """Return each cell with each environment that made rows of it, by their numbers."""
         return self._connection.execute("SELECT DISTINCT cell, environment FROM results").fetchall()
 
-    def count(self, check: StoreCheck, rows: int) -> StoreCheck:
+    def check_count(self, check: StoreCheck, rows: int) -> StoreCheck:
         """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
 
         The note lags behind the store after a kill. Where it is ahead, commits are lost.
@@ -171,7 +171,7 @@ class Reader:
             yield sound
         records = self.environments()
         check.environments = sorted(number for number in {*records, *referred} - {None} if not records.get(number))
-        self.count(check, rows)
+        self.check_count(check, rows)
 
     def sound(
         self, where: str = "", *values: object, shown: Mapping[int, Labels] | None = None

@@ -25,44 +25,9 @@ from bench.storage.writing import Writer
 from bench.study.cell import Labels
 
 FILE = "trials.sqlite"
-LARGEST = 100_000_000  # number of a trial; a larger one is damaged
 LONGEST = 200  # characters of SQLite's words on an error
 
 BEYOND_REPAIR = "restore it from a copy, or move it away and run the study again"
-
-
-class Keys:
-    """A set of trials at one byte each, as a study may have millions."""
-
-    def __init__(self) -> None:
-        self._cells: dict[tuple[str, str], bytearray] = {}
-
-    def add(self, problem: str, optimizer: str, number: int) -> None:
-        """Add a trial."""
-        marks = self._cells.setdefault((problem, optimizer), bytearray())
-        if number >= len(marks):
-            marks.extend(bytes(number + 1 - len(marks)))
-        marks[number] = 1
-
-    def update(self, other: Keys) -> None:
-        """Add all trials of another set."""
-        for (problem, optimizer), marks in other._cells.items():
-            for number, mark in enumerate(marks):
-                if mark:
-                    self.add(problem, optimizer, number)
-
-    def discard(self, key: Key) -> None:
-        """Remove a trial, where it is in the set."""
-        if key in self:
-            self._cells[key[:2]][key[2]] = 0
-
-    def __contains__(self, key: Key) -> bool:
-        marks = self._cells.get(key[:2], b"")
-        return 0 <= key[2] < len(marks) and marks[key[2]] == 1
-
-    def count(self, problem: str, optimizer: str, trials: int) -> int:
-        """Return how many of the first ``trials`` of a cell are in the set."""
-        return self._cells.get((problem, optimizer), bytearray()).count(1, 0, trials)
 
 
 @dataclass
@@ -114,10 +79,10 @@ class Store:
         with self.reader() as reader:
             return reader.check(structure=structure)
 
-    def count(self) -> StoreCheck:
+    def check_count(self) -> StoreCheck:
         """Compare the number of rows with that of the rows committed, without a look into them."""
         with self.reader() as reader:
-            return reader.count(StoreCheck(), reader.rows)
+            return reader.check_count(StoreCheck(), reader.rows)
 
     @contextmanager
     def reader(self, *, rescue: int | None = None) -> Iterator[Reader]:
@@ -167,14 +132,11 @@ class Store:
         with self._read() as connection:
             return read(connection)
 
-    def keys(self, *, finished_only: bool = False, shown: Mapping[int, Labels] | None = None) -> Keys:
+    def keys(self, *, finished_only: bool = False, shown: Mapping[int, Labels] | None = None) -> set[Key]:
         """Return the stored trials, or the finished ones only, damaged or not; ``shown`` as in :meth:`traces`."""
-        keys, labels = Keys(), self.held().selected if shown is None else shown
-        condition = f"trial BETWEEN 0 AND {LARGEST}" + (" AND status = 'ok'" if finished_only else "")
-        for cell, trial in self._select(f"SELECT cell, trial FROM results WHERE {condition}"):
-            if cell in labels:
-                keys.add(*labels[cell], trial)
-        return keys
+        labels = self.held().selected if shown is None else shown
+        stored = self._select("SELECT cell, trial FROM results" + " WHERE status = 'ok'" * finished_only)
+        return {(*labels[cell], trial) for cell, trial in stored if cell in labels}
 
     def cells(self, shown: Mapping[int, Labels] | None = None) -> list[CellCounts]:
         """Return the counts of each cell that has trials; ``shown`` as in traces."""
@@ -230,7 +192,7 @@ class Store:
             DamagedStoreError: when committed trials are missing.
             BenchError: when it cannot be written.
         """
-        if not anew and not (counted := self.count()).sound:
+        if not anew and not (counted := self.check_count()).sound:
             raise DamagedStoreError(f"the store {self.path} cannot be written: {counted.sentence}")
         with self._open(writing=True) as connection:
             connection.execute("PRAGMA journal_mode=WAL")

@@ -99,7 +99,7 @@ def pack(
 def _copied(folder: Folder, place: Path) -> Folder:
     """Return a folder with a sound copy of the store, and the environments written out."""
     copy = Folder(place)
-    counted = folder.store.count()
+    counted = folder.store.check_count()
     folder.store.copy(copy.store.path)
     for health in (counted, copy.store.check(structure=True)):
         if not health.sound:

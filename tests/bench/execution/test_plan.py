@@ -7,7 +7,7 @@ import pytest
 from bench import BenchError, Study, run
 from bench.execution.plan import Plan, Shard
 from bench.execution.runner import plan
-from bench.storage.store import CellCounts, Keys
+from bench.storage.store import CellCounts
 
 
 def study(trials=6, problems=3, optimizers=5):
@@ -35,13 +35,13 @@ def test_more_trials_leave_the_order_and_the_shards_as_they_are():
     assert list(study(6).plan())[:45] == list(study(3).plan())
     for number in (1, 2, 3, 4):
         short, long = (
-            [trial.key for trial in Plan(study(trials), Shard(number, 4), Keys()).trials()] for trials in (4, 8)
+            [trial.key for trial in Plan(study(trials), Shard(number, 4), set()).trials()] for trials in (4, 8)
         )
         assert long[: len(short)] == short
 
 
 def test_shards_share_all_trials_evenly_and_mix_the_optimizers():
-    every = [Plan(study(20), Shard(number, 5), Keys()) for number in range(1, 6)]
+    every = [Plan(study(20), Shard(number, 5), set()) for number in range(1, 6)]
     keys = [[trial.key for trial in each.trials()] for each in every]
     assert sorted(key for each in keys for key in each) == sorted(trial.key for trial in study(20).plan())
     assert {len(each) for each in keys} == {60}
@@ -61,10 +61,10 @@ def test_a_shard_reads_back():
 
 @pytest.mark.parametrize("shard", [None, Shard(2, 4)])
 def test_counts_are_those_of_the_trials(shard):
-    finished = Keys()
+    finished = set()
     for trial in list(study().plan())[:40]:
-        finished.add(*trial.key)
-    finished.add("p0", "o0", 6)  # one of a run with more trials
+        finished.add(trial.key)
+    finished.add(("p0", "o0", 6))  # one of a run with more trials
     made = Plan(study(), shard, finished)
     expected: Counter = Counter()
     done: Counter = Counter()
@@ -81,14 +81,14 @@ def test_the_time_goes_by_the_cell_then_the_optimizer_then_all():
         CellCounts("p1", "o0", {"ok": 2}, 12.0),  # 6 s; o0 on p2 counts as the mean of 16 / 4
         CellCounts("p0", "o1", {"failed": 3}, 0.0),  # nothing to go by: the mean of all
     ]
-    finished = Keys()
+    finished = set()
     for problem in ("p0", "p1"):
         for number in (0, 1):
-            finished.add(problem, "o0", number)
+            finished.add((problem, "o0", number))
     made = Plan(study(3, optimizers=2), None, finished, cells)
     assert made.seconds() == pytest.approx(1 * 2 + 1 * 6 + 3 * 4 + 9 * 4)
-    assert Plan(study(3), None, Keys()).seconds() is None
-    assert Plan(study(3), None, Keys(), [cells[2]]).seconds() is None
+    assert Plan(study(3), None, set()).seconds() is None
+    assert Plan(study(3), None, set(), [cells[2]]).seconds() is None
 
 
 @pytest.mark.slow

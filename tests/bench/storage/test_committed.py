@@ -90,7 +90,7 @@ def test_damage_of_the_log_is_noticed_and_what_it_held_is_made_again(damage, see
 def test_the_number_of_lost_trials_is_reported(left, filled):
     (left.path / "trials.sqlite-wal").unlink()
     sentence = f"{MORE} of 120 committed trials are missing; 'bench run' makes them again"
-    assert left.store.count().sentence == left.store.check().sentence == sentence
+    assert left.store.check_count().sentence == left.store.check().sentence == sentence
     assert Results(left.path).damage == [f"left: {sentence}"]
     with pytest.warns(UserWarning, match=f"{MORE} of 120 committed trials are missing"):
         assert len(load_results(left.path)) == 120 - MORE
@@ -104,7 +104,7 @@ def test_the_number_of_lost_trials_is_reported(left, filled):
 @pytest.mark.parametrize("what", ["emptied", "removed"])
 def test_a_store_that_is_gone_is_not_taken_for_a_new_one(what, left, filled):
     left.store.path.write_bytes(b"") if what == "emptied" else left.store.path.unlink()
-    assert left.store.count().sentence.startswith("120 of 120 committed trials are missing")
+    assert left.store.check_count().sentence.startswith("120 of 120 committed trials are missing")
     with pytest.raises(BenchError, match="cannot be written: 120 of 120"), left.store.writer():
         pass
     assert repair(left, TRIALS).startswith("120 of 120 committed trials are missing; 'bench run' makes them again; 0 ")

@@ -15,7 +15,7 @@ from bench.objective import Trace
 from bench.storage.folder import Folder
 from bench.storage.rows import COLUMNS, disagreement
 from bench.storage.schema import SCHEMA, VERSION
-from bench.storage.store import Keys, Store
+from bench.storage.store import Store
 from bench.study.cell import Cell, record
 from bench.study.looks import Looks
 from bench.trial import Trial
@@ -54,19 +54,6 @@ def outside(path, query):
     """Ask as another program does, without this package."""
     with closing(sqlite3.connect(path)) as connection:
         return connection.execute(query).fetchall()
-
-
-def test_keys_hold_what_was_put_in_and_nothing_beside():
-    keys = Keys()
-    for number in (0, 2, 700):
-        keys.add("p", "o", number)
-    assert [number for number in range(1000) if ("p", "o", number) in keys] == [0, 2, 700]
-    assert ("o", "p", 0) not in keys
-    assert [keys.count("p", "o", trials) for trials in (0, 1, 3, 700, 701, 10_000)] == [0, 1, 2, 2, 3, 3]
-    assert keys.count("p", "other", 5) == 0
-    keys.add("p", "o", 1)
-    keys.add("p", "o", 1)
-    assert keys.count("p", "o", 3) == 3
 
 
 def test_every_digit_of_a_row_comes_back(store):
