@@ -24,7 +24,7 @@ from bench.plugins import from_file
 from bench.plugins.loading import is_imported
 from bench.storage.cells import binding_of, selection_digest
 from bench.storage.rows import VALUES, binding, decoded, digest
-from bench.storage.schema import SCHEMA, create, layout, readable
+from bench.storage.schema import SCHEMA, create, layout
 from bench.study import Entry, Study
 from bench.study.cell import Cell, Labels, record
 
@@ -56,50 +56,39 @@ class Older:
         connection: to the store.
         folder: of the store.
         prefix: what stands before the names of its tables.
-        rescue: None, or read what can be read of a damaged store (:func:`bench.storage.schema.readable`).
     """
 
     connection: sqlite3.Connection
     folder: Path
     prefix: str = ""
-    rescue: int | None = None
 
     def move(self, put: Put, *tables: str) -> None:
         """Add all rows of tables that the next layout has, too; another program may have dropped one."""
         for table in tables:
             named = self.connection.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (f"{self.prefix}{table}",))
             if named.fetchone():
-                with suppress(*() if self.rescue is None else (sqlite3.DatabaseError,)):
-                    rows = self.connection.execute(f"SELECT * FROM {self.prefix}{table}")
-                    put(table, ", ".join(str(name) for name, *_ in rows.description), rows)
+                rows = self.connection.execute(f"SELECT * FROM {self.prefix}{table}")
+                put(table, ", ".join(str(name) for name, *_ in rows.description), rows)
 
     def texts(self, table: str) -> dict[Any, list[Any]]:
         """Return the texts of cells or names by their number."""
         return {number: texts for number, *texts in self.connection.execute(f"SELECT * FROM {self.prefix}{table}")}
 
     def results(self, columns: str) -> Iterator[tuple[Any, ...]]:
-        """Yield some columns of the trials, cell by cell."""
-
-        def read(where: str, *values: object) -> Iterator[tuple[Any, ...]]:
-            query = f"SELECT {columns} FROM {self.prefix}results WHERE {where} ORDER BY cell, trial"
-            return self.connection.execute(query, values)
-
-        return read("1") if self.rescue is None else readable(read, self.texts("cells"), self.rescue)
+        """Return some columns of the trials, cell by cell."""
+        return self.connection.execute(f"SELECT {columns} FROM {self.prefix}results ORDER BY cell, trial")
 
 
 @contextmanager
-def current(
-    connection: sqlite3.Connection, path: Path, *, writing: bool, rescue: int | None
-) -> Iterator[sqlite3.Connection]:
+def current(connection: sqlite3.Connection, path: Path, *, writing: bool) -> Iterator[sqlite3.Connection]:
     """Yield a connection to an open store in this layout: itself, brought to it where need be, or a temporary copy.
 
-    A store is read from a copy where it is damaged, where it cannot be written, and while a run writes to its folder.
+    A store is read from a copy where it cannot be written, and while a run writes to its folder.
 
     Args:
         connection: to the store.
         path: of the store.
         writing: whether it is to be written by whoever has locked its folder; then it is no copy.
-        rescue: None, or the number of trials of a cell, to read what can be read of a damaged store.
 
     Raises:
         sqlite3.Error: where the store cannot be read, or not be written as it must.
@@ -107,12 +96,12 @@ def current(
     folder = path.parent
     if writing:
         _migrate(connection, folder)
-    if layout(connection) not in STEPS or (rescue is None and _migrated(connection, folder)):
+    if layout(connection) not in STEPS or _migrated(connection, folder):
         yield connection
     else:
         with closing(sqlite3.connect("")) as copy:  # a file that SQLite removes
             with copy:
-                _take(Older(connection, folder, rescue=rescue), int(layout(connection) or 0), copy)
+                _take(Older(connection, folder), int(layout(connection) or 0), copy)
             _migrate(copy, folder)
             yield copy
 

@@ -16,7 +16,6 @@ from bench.helpers.text import printable
 from bench.storage.cells import binding_of, read
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
-from bench.storage.schema import readable
 from bench.storage.traces import Key
 from bench.study.cell import Labels
 
@@ -214,7 +213,13 @@ class Reader:
             sqlite3.OperationalError: where SQLite does not even find the table.
         """
         self._rows("0")
-        return readable(self.whole, self.cells.all, trials)
+        for cell in self.cells.all:
+            try:
+                yield from self.whole("cell = ?", cell)
+            except sqlite3.DatabaseError:
+                for number in range(trials):
+                    with suppress(sqlite3.DatabaseError):
+                        yield from self.whole("cell = ? AND trial = ?", cell, number)
 
     def environments(self, copies: Sequence[object] = ()) -> dict[int, dict[str, Any]]:
         """Return the environments' records by number, oldest first.

@@ -42,7 +42,7 @@ def repair(folder: Folder, trials: int) -> str:
     there = store.exists
     try:
         with replacing(store.path) as temporary:
-            with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=trials) as reader:
+            with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=True) as reader:
                 cells, environments = reader.cells, dict[int, dict[str, Any]]()
                 with suppress(sqlite3.DatabaseError):
                     environments = reader.environments(folder.copied_environments())

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import re
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any
 
 from bench.columns import STORED, Column
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, NAMES, VALUES
 
 VERSION = 4
-
-Read = TypeVar("Read")
 
 ONE = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
 """The SQL condition of one trial."""
@@ -116,22 +114,3 @@ def found(
     """Yield the columns of the selected rows that meet an SQL condition, cell by cell, damaged or not."""
     query = f"SELECT {', '.join(columns)} FROM {SELECTED} WHERE {where} ORDER BY results.cell, trial"
     return (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))
-
-
-def readable(read: Callable[..., Iterator[Read]], cells: Iterable[object], trials: int) -> Iterator[Read]:
-    """Yield what can be read of the rows of damaged cells, some perhaps twice.
-
-    Where SQLite cannot read all rows of a cell, its first ``trials`` trials are looked up one by one.
-
-    Args:
-        read: yields what meets an SQL condition with values.
-        cells: the numbers of the cells.
-        trials: the number of trials of a cell.
-    """
-    for cell in cells:
-        try:
-            yield from read("cell = ?", cell)
-        except sqlite3.DatabaseError:
-            for number in range(trials):
-                with suppress(sqlite3.DatabaseError):
-                    yield from read("cell = ? AND trial = ?", cell, number)

@@ -85,18 +85,17 @@ class Store:
             return reader.check_count(StoreCheck(), reader.rows)
 
     @contextmanager
-    def reader(self, *, rescue: int | None = None) -> Iterator[Reader]:
+    def reader(self, *, rescue: bool = False) -> Iterator[Reader]:
         """Open the store to read its rows at one moment; a missing one has none.
 
-        With ``rescue``, the number of trials of a cell, SQLite also opens a file that was cut short, or whose schema is
-        damaged in some places.
+        With ``rescue``, SQLite also opens a file that was cut short, or whose schema is damaged in some places.
 
         Raises:
             DamagedStoreError: when SQLite cannot read all rows, or with ``rescue`` not even labels and names.
         """
         noted = committed.read(self.path.parent)  # before the store is opened, which a run may write to
         with self._read(rescue=rescue) as connection:
-            yield Reader(connection, noted, rescue=rescue is not None)
+            yield Reader(connection, noted, rescue=rescue)
 
     def traces(self, shown: Mapping[int, Labels] | None = None) -> Traces:
         """Return the anytime traces of sound trials by (problem, optimizer, trial); failed trials have none.
@@ -226,11 +225,11 @@ class Store:
                 copy.execute("PRAGMA schema_version = 1")  # VACUUM counts it up from that of this store
 
     @contextmanager
-    def _open(self, *, rescue: int | None = None, writing: bool = False) -> Iterator[sqlite3.Connection]:
+    def _open(self, *, rescue: bool = False, writing: bool = False) -> Iterator[sqlite3.Connection]:
         """Yield a connection; a store of an older layout is brought to this one, or a copy of it (``migrations``)."""
         try:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
-                if rescue is not None:
+                if rescue:
                     connection.execute("PRAGMA writable_schema = ON")
                 schemas = {VERSION: SCHEMA} | {number: step.schema for number, step in migrations.STEPS.items()}
                 if (version := layout(connection)) not in (None, *schemas):
@@ -239,18 +238,18 @@ class Store:
                         f"{VERSION}; export it with the version that wrote it ('bench export --format csv') and import "
                         "that, or run the study into another folder"
                     )
-                if version is not None and (name := strange(connection, schemas[version], rescue=rescue is not None)):
+                if version is not None and (name := strange(connection, schemas[version], rescue=rescue)):
                     raise BenchError(
                         f"the store {self.path} holds {printable(name, LONGEST)!r} in another form than 'bench run' "
                         f"writes it, so nothing of it is read; {BEYOND_REPAIR}"
                     )
-                with migrations.current(connection, self.path, writing=writing, rescue=rescue) as current:
+                with migrations.current(connection, self.path, writing=writing) as current:
                     yield current
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
             raise _refusal(self.path, error) from error
 
     @contextmanager
-    def _read(self, *, rescue: int | None = None) -> Iterator[sqlite3.Connection]:
+    def _read(self, *, rescue: bool = False) -> Iterator[sqlite3.Connection]:
         """Yield a connection; one to an empty store where there is none, or where a run was killed before its tables.
 
         Nothing is written.
