@@ -1,9 +1,10 @@
 """The exception for bad input and that for a problem whose own code fails, and helpers for their messages."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from importlib import import_module
+from math import inf
 from typing import Any
 
 
@@ -27,6 +28,20 @@ class ProblemError(RuntimeError):
 
     def __str__(self) -> str:
         return f"{type(self.raised).__name__}: {self.raised}"
+
+
+class PointError(RuntimeError):
+    """A point of a batch could not be evaluated; a problem raises it so that no other point is evaluated again.
+
+    Args:
+        reason: why, in one sentence.
+        values: those of the first points of the batch, all that were tried; +inf of those that failed.
+        failed: the number of points that failed.
+    """
+
+    def __init__(self, reason: str, values: Sequence[float] = (inf,), failed: int = 1) -> None:
+        super().__init__(reason)
+        self.values, self.failed = values, failed
 
 
 PROBLEM_FAILED = f"{ProblemError.__name__}: "

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from contextlib import suppress
 from numbers import Integral, Real
 from typing import Any, TypeGuard
 
@@ -16,6 +18,9 @@ MOST_TRIALS = 1_000_000
 
 LARGEST_SEED = 2**63 - 1
 """Seeds of trials are hashes of 63 bits; a store keeps them as whole numbers of SQLite."""
+
+MOST_PARALLEL = 1000
+"""Points of a call that may be evaluated at a time, each by a process."""
 
 MOST_JOBS = 1000
 """Trials made at a time on one machine; each has a process and a thread of its own."""
@@ -82,3 +87,21 @@ def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: 
         limit = "" if math.isinf(maximum) else f" of at most {maximum:g}"
         units = f" of {unit}" if unit else ""
         raise BenchError(f"{what} must be a positive number{units}{limit}, not {value!r}")
+
+
+def seconds(value: Any, what: str) -> float:
+    """Return a duration in seconds: a positive number of them, or a text such as ``"10 min"`` (s, min, h or d).
+
+    Raises:
+        BenchError: for anything else, with ``what`` as the subject of the sentence.
+    """
+    parts = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)?\s*", value) if isinstance(value, str) else None
+    number: Any = value
+    with suppress(ValueError):
+        number = float(parts[1]) * _SECONDS[parts[2] or "s"] if parts else value
+    if not is_finite(number) or number <= 0:
+        raise BenchError(f"{what} must be a number of seconds above 0, or a text such as '10 min', not {value!r}")
+    return float(number)
+
+
+_SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}

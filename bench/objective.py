@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 from threading import Lock
 from time import perf_counter
 from typing import Any
@@ -17,6 +18,9 @@ from bench.problem import Problem
 from bench.typing import Flags, Floats
 
 _LONGEST_REASON = 200  # characters
+OUT_OF_TIME = "time"
+"""The reason that a trial has ended at its limit of time, before its budget."""
+
 IMPROVEMENT = 16  # bytes: its evaluation as int64, its value as float64
 _WORTH_COMPILING = 10_000  # coordinates of points, with which an interpreter is busy for a few milliseconds
 
@@ -76,6 +80,7 @@ class Objective:
         lower: (d,) the lower end of the box.
         upper: (d,) its upper end.
         integer: (d,) bool, the variables that are whole numbers. The harness rounds them; an optimizer may use it.
+        failures: evaluations that failed and count with the value +inf, where the study goes on.
         raised: the first exception that the problem raised at points in the box, None without. It loses the trial, even
             if the optimizer catches it.
 
@@ -84,17 +89,24 @@ class Objective:
         budget: the number of evaluations allowed, at least 1.
         rng: the trial's stream for initial points, independent of the optimizer's own.
         on_refusal: called whenever points are refused because the budget is spent, with the number of refusals so far.
+        seconds: wall seconds after the first call from which on points are refused, too; None for no limit. A call that
+            has begun is finished.
     """
 
     def __init__(
-        self, problem: Problem, budget: int, rng: np.random.Generator, on_refusal: Callable[[int], None] | None = None
+        self,
+        problem: Problem,
+        budget: int,
+        rng: np.random.Generator,
+        on_refusal: Callable[[int], None] | None = None,
+        seconds: float | None = None,
     ) -> None:
         require_whole("the budget of evaluations", budget, 1)
         self.lower: Floats = problem.lower.copy()
         self.upper: Floats = problem.upper.copy()
         self.integer = integer_flags(problem)
         self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
-        self.calls = self.outside_box = 0
+        self.calls = self.outside_box = self.failures = 0
         self.objective_s = 0.0  # spent inside the problem's evaluate
         self.fun = np.inf  # the lowest value so far
         self.best_point: Floats | None = None
@@ -108,6 +120,7 @@ class Objective:
         self._improved_to: list[float] = []
         self._refusals = 0
         self._on_refusal = on_refusal
+        self._seconds, self._until = seconds, inf
         self._scan = scanner(budget, self.dimension)
         self._box = np.array([self.lower, self.upper], dtype=np.float64)
         self._lock = Lock()  # threads of an optimizer must not exceed the budget together
@@ -155,9 +168,10 @@ class Objective:
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``.
 
-        A study refuses the reason ``"budget"`` of a trial that has evaluations left.
+        A study refuses the reason ``"budget"`` of a trial that has evaluations left; ``"time"`` is the harness's, too.
         """
-        self._stop_reason = printable(" ".join(said(reason).split()), _LONGEST_REASON)
+        declared = printable(" ".join(said(reason).split()), _LONGEST_REASON)
+        self._stop_reason = f"{declared} (declared)" if declared == OUT_OF_TIME else declared
 
     def __call__(self, x: ArrayLike) -> Any:
         """Return the (n,) values of (n, d) points, or the float of one (d,) point.
@@ -172,7 +186,7 @@ class Objective:
             raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
         rows = points.reshape(-1, d)
         with self._lock:
-            remaining = self._budget - self._nfev
+            remaining = self._budget - self._nfev if self._seconds is None else self._in_time()
             allowed = rows if len(rows) <= remaining else rows[:remaining]
             try:
                 values = self._evaluate(allowed)
@@ -185,6 +199,16 @@ class Objective:
                 self._on_refusal(self._refusals)
             raise BudgetExhausted
         return values.item() if points.ndim == 1 else values
+
+    def _in_time(self) -> int:
+        """Return the evaluations left within the limit of time, which the first call sets."""
+        now = perf_counter()
+        if self._until == inf:
+            self._until = now + (self._seconds or 0.0)
+        if now < self._until or not self.remaining:
+            return self.remaining
+        self._stop_reason = OUT_OF_TIME
+        return 0
 
     def _note(self, error: BaseException, points: Floats) -> None:
         """Note the first exception of the problem's code; one at a point outside the box is the optimizer's fault."""

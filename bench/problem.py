@@ -122,6 +122,12 @@ class Problem(ABC):
         """Return the data that points are fitted to, and the fit, for reports; by default None."""
         return None
 
+    def close(self) -> None:  # noqa: B027 - few problems hold anything
+        """Let go of what evaluations hold, such as a program that runs; called at the end of every trial.
+
+        The problem may be evaluated again afterwards. By default nothing is held.
+        """
+
     def fingerprint(self) -> str:
         """Return a hash of the data that the problem is made of, or "" where its name identifies it."""
         return ""

@@ -103,12 +103,17 @@ class Result(Measured):
 
 
 def search(
-    problem: Problem, optimizer: Optimizer, budget: int, seed: int, on_refusal: Callable[[int], None] | None = None
+    problem: Problem,
+    optimizer: Optimizer,
+    budget: int,
+    seed: int,
+    on_refusal: Callable[[int], None] | None = None,
+    seconds: float | None = None,
 ) -> Result:
     """Run one optimizer once, as :func:`solve` does, in a process whose BLAS is limited to one thread already.
 
-    See :class:`bench.objective.Objective` for ``on_refusal``. The result has no metrics: its best point is described by
-    whoever keeps it, within a limit of time.
+    See :class:`bench.objective.Objective` for ``on_refusal`` and ``seconds``. The result has no metrics:
+    its best point is described by whoever keeps it, within a limit of time.
 
     Raises:
         ProblemError: when the problem raises at a point in the box.
@@ -116,7 +121,7 @@ def search(
         BaseException: whatever the optimizer raises.
     """
     start_stream, search_stream = streams(seed)
-    objective = scoring.objective(problem, budget, start_stream, on_refusal)
+    objective = scoring.objective(problem, budget, start_stream, on_refusal, seconds)
     wall, cpu = perf_counter(), process_time()
     try:
         returned = run(optimizer, objective, search_stream)

@@ -52,6 +52,12 @@ Constraints = Annotated[
         rich_help_panel=STUDY, help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."
     ),
 ]
+Parallel = Annotated[
+    int | None,
+    typer.Option(
+        rich_help_panel=STUDY, help="Points of a call of the objective that are evaluated at a time, by processes."
+    ),
+]
 Targets = Annotated[
     str | None,
     typer.Option(

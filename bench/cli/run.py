@@ -25,6 +25,7 @@ from bench.cli.console import (
     Constraints,
     Jobs,
     Open,
+    Parallel,
     Rope,
     Targets,
     Untrusted,
@@ -64,6 +65,7 @@ def command(
     ] = None,
     seed: Annotated[int | None, _study(help="Seed that all trials' seeds derive from, instead of the study's.")] = None,
     constraints: Constraints = None,
+    parallel: Parallel = None,
     targets: Targets = None,
     rope: Rope = None,
     optimizer: Annotated[
@@ -141,7 +143,14 @@ def command(
         )
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
-    settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
+    settings = {
+        "trials": trials,
+        "budget": budget,
+        "seed": seed,
+        "constraints": constraints,
+        "targets": targets,
+        "parallel": parallel,
+    }
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
     if matched:
         from bench.conditions.matched import with_controls
@@ -230,6 +239,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> 
 
     from bench.execution.calibration import calibrated_seconds
     from bench.execution.progress import show_plan
+    from bench.execution.runner import at_a_time
 
     counts = plan.counts()
     show_plan(plan, counts, console)
@@ -237,6 +247,8 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> 
         left = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
         print_line(f"  {entry.label}: {sum(left)} to run", console=console)
     workers = cpu_count() if jobs == -1 else jobs
+    if beside := at_a_time(plan.study, workers):
+        print_line(beside, console=console)
     seconds, source = plan.seconds(), "the stored trials"
     if seconds is None:
         source = "short trials on some of the problems"

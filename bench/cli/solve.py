@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Constraints, Parameters, ProblemParameters, Untrusted, table
+from bench.cli.console import Constraints, Parallel, Parameters, ProblemParameters, Untrusted, table
 from bench.columns import Row, named
 from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
@@ -41,15 +41,25 @@ def command(
     problem_option: ProblemParameters = None,
     constraints: Constraints = None,
     on_error: Annotated[
-        str, typer.Option(metavar="fail|worst", help="With worst, a point at which the problem raises is worth +inf.")
+        str, typer.Option(metavar="fail|worst", help="With worst, a point whose evaluation fails is worth +inf.")
     ] = "fail",
+    evaluation_timeout: Annotated[
+        str | None,
+        typer.Option(metavar="DURATION", help="How long the evaluation of a point may take, such as '30 s'."),
+    ] = None,
+    time: Annotated[
+        str | None, typer.Option(metavar="DURATION", help="End the run after it, before its budget, such as '10 min'.")
+    ] = None,
+    parallel: Parallel = None,
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
+    limits = {"evaluation_timeout": evaluation_timeout, "time": time}
     make = _row_apart if untrusted else _row
     row = make(
         (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,
-        constraints=constraints or DEFAULT, on_error=on_error,
+        constraints=constraints or DEFAULT, on_error=on_error, parallel=parallel or 1,
+        **{key: limit for key, limit in limits.items() if limit is not None},
     )  # fmt: skip
     if row["status"] != "ok":
         print_error(row["error"] if row.get("problem") else f"{optimizer} failed on {problem}: {row['error']}")

@@ -8,6 +8,7 @@ from dataclasses import replace
 from bench.columns import Row, named
 from bench.execution.local import Answer
 from bench.helpers.text import count
+from bench.objective import OUT_OF_TIME
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
 from bench.storage.rows import disagreement
 from bench.storage.store import Store
@@ -28,20 +29,20 @@ class Repetition:
         """Take note of a trial, and take from its row how many kinds of trials came before it in its process."""
         rank = -row.pop("after", 0), row.get("wall_s", 0.0)
         best, _ = self._chosen.get(trial.optimizer, (rank, trial))
-        if row["status"] == "ok" and rank <= best:
+        if row["status"] == "ok" and row["stop"] != OUT_OF_TIME and rank <= best:
             self._chosen[trial.optimizer] = rank, trial
 
     def make(self, folder: Folder, answers: Callable[[Callable[[], Iterable[Trial]]], Iterator[Answer]]) -> list[str]:
         """Make the chosen trials again, note the outcome in the folder, and return a line for each that differs.
 
-        One that takes longer than the limit of a trial, on a machine that may be busier now, is not counted.
+        One that takes longer than the limits of time, on a machine that may be busier now, is not counted.
         """
         chosen = [replace(trial, again=True) for _, trial in self._chosen.values()]
         if not chosen:
             return []
         made, different = 0, []
         for trial, row, _ in answers(lambda: chosen):
-            if row["status"] != "timeout":
+            if row["status"] != "timeout" and row.get("stop") != OUT_OF_TIME:
                 made += 1
                 if what := difference(folder.store, trial, row):
                     different.append(difference_line(trial, what))

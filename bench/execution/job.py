@@ -30,6 +30,7 @@ from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
+from bench.objective import OUT_OF_TIME
 from bench.plugins import from_file, loading, registry
 from bench.plugins.code import Code
 from bench.plugins.files import Files
@@ -187,8 +188,9 @@ class Job:
                 return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
             if isinstance(kept, dict):
                 kept["cpu_s"] = answer.get("cpu_s")
-                if kept.get("stop") != "budget":
-                    kept["stop"] = answer.get("stop")
+                if kept.get("stop") not in ("budget", OUT_OF_TIME):
+                    declared = answer.get("stop")
+                    kept["stop"] = "undeclared" if declared == OUT_OF_TIME else declared
             return kept
 
     def _with_problem(self, problem: str) -> ForkServer:

@@ -11,6 +11,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from joblib import cpu_count
+
 from bench.errors import BenchError
 from bench.execution import open_files
 from bench.execution.again import Repetition
@@ -20,6 +22,8 @@ from bench.execution.local import Answer
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Checked, check
+from bench.helpers.console import duration
+from bench.helpers.text import count
 from bench.numbers import require_jobs, require_positive
 from bench.plugins import loading
 from bench.plugins.files import changed
@@ -131,7 +135,8 @@ def run(
         for other in others:
             with folder.store.writer() as writer:
                 take(other, writer, selection.cells.values(), where=other.path.name)
-        plan = _plan(study, folder, part, selection, [repaired, *reused], verify)
+        beside = at_a_time(study, pool.jobs, backend)
+        plan = _plan(study, folder, part, selection, [repaired, *reused, beside], verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -234,6 +239,11 @@ def _plan(
             f"so little of the level is spent by the look{'s' if len(blind) > 1 else ''} at "
             f"{', '.join(map(str, blind))} of {study.trials} trials that nothing can be decided there"
         )
+    if study.time is not None:
+        notes.append(
+            f"a trial ends after {duration(study.time)}, whatever it has evaluated by then: where that comes before "
+            "the budget, it cannot be repeated bit by bit, and a faster or less busy machine gives other results"
+        )
     store = folder.store
     shown = selection.shown(store.held())
     finished, stopped = store.keys(finished_only=True, shown=shown), stopped_cells(study, store)
@@ -315,6 +325,17 @@ def _make(
                 writer.change(number, json.loads(machine) | about | {"ended": ended})
             if numbers:
                 folder.write_environments()
+
+
+def at_a_time(study: Study, jobs: int, backend: str = "local") -> str:
+    """Return in a sentence how many evaluations are made at a time beside the cores there are; "" with one a job."""
+    if study.parallel == 1:
+        return ""
+    cores = f" on {count(int(cpu_count()), 'core')}" if backend == "local" else ""
+    return (
+        f"{count(jobs, 'job')} x {study.parallel} points in parallel: up to {jobs * study.parallel:,} evaluations at a "
+        f"time{cores}"
+    )
 
 
 def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:

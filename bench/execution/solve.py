@@ -11,8 +11,9 @@ from threadpoolctl import threadpool_limits
 from bench.columns import Row
 from bench.errors import BenchError
 from bench.execution.job import Task
+from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
-from bench.numbers import require_seed
+from bench.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
@@ -32,6 +33,9 @@ def solve(
     seed: int = 0,
     constraints: str = handlings.DEFAULT,
     on_error: str = "fail",
+    evaluation_timeout: float | str | None = None,
+    time: float | str | None = None,
+    parallel: int = 1,
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -46,10 +50,15 @@ def solve(
         budget: evaluations it may spend; it may be less than one generation.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
         constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.scoring.constraints`).
-        on_error: "fail", or "worst" to go on with +inf as the value of a point at which the problem raises.
+        on_error: "fail", or "worst" to go on with +inf as the value of a point whose evaluation fails.
+        evaluation_timeout: wall seconds that the evaluation of a point may take, or a text such as "10 min".
+        time: wall seconds after which the run ends before its budget, likewise.
+        parallel: points of a call that are evaluated at a time, each in a process of the problem; the result is the
+            same.
 
     Raises:
-        BenchError: for an unknown name, a budget below 1, or a handling of constraints or errors that cannot be.
+        BenchError: for an unknown name, a budget below 1, a handling or a limit that cannot be, and for a noisy problem
+            where its points are to be evaluated by other processes.
         ProblemError: where the problem raises; its ``raised`` is what the problem raised.
     """
     problem = loading.load_problem(problem) if isinstance(problem, str) else problem
@@ -57,9 +66,15 @@ def solve(
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_seed("the seed", seed)
+    require_whole("parallel", parallel, 1, MOST_PARALLEL)
+    limits = [
+        None if limit is None else seconds(limit, name)
+        for name, limit in (("evaluation_timeout", evaluation_timeout), ("time", time))
+    ]
     problem = scored(problem, handlings.checked(constraints), on_error)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        found = search(problem, optimizer, budget, seed, end_if_stuck)
+        with evaluated(problem, parallel, limits[0]) as minimized:
+            found = search(minimized, optimizer, budget, seed, end_if_stuck, limits[1])
         try:
             metrics = numbers(problem.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import contextlib
 import traceback
-from contextlib import AbstractContextManager, closing, nullcontext
+from contextlib import AbstractContextManager, closing
 from functools import cache
 from typing import Any
 
@@ -19,6 +19,7 @@ from bench import scoring
 from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.execution import apart
 from bench.execution.answers import Box
+from bench.execution.side_by_side import evaluated, require_possible
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
 from bench.plugins.code import defining
@@ -51,6 +52,8 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, dimensions = study.data(_problem)
+        for label in hashes:
+            require_possible(_problem(label), *study.evaluation)
         modules = defining([_problem(entry.label).unscored for entry in study.problems])
         return {"hashes": hashes, "dimensions": dimensions, "machine": provenance.machine(modules)}
     except BenchError as error:
@@ -139,12 +142,13 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
         study = _study()
         optimizer = study.optimizer(trial.optimizer)
         if box is None:
-            problem: AbstractContextManager[Problem] = nullcontext(_problem(trial.problem))
+            problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *study.evaluation)
         else:
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
         with effects, problem as minimized:
             budget = study.evaluations(minimized.dimension)
-            _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck)
+            limit = study.time if box is None else None  # else the other process has it
+            _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit)
             answer = as_answer(_found)
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
@@ -158,9 +162,11 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
     Return what :func:`bench.execution.answers.row` reads, and the metrics of the best point; or the error of the
     problem.
     """
-    problem = _problem(trial.problem)
-    objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
-    seconds = apart.serve(objective, end)
+    study, problem = _study(), _problem(trial.problem)
+    with evaluated(problem, *study.evaluation) as minimized:
+        budget = study.evaluations(problem.dimension)
+        objective = scoring.objective(minimized, budget, streams(trial.seed)[0], seconds=study.time)
+        seconds = apart.serve(objective, end)
     try:
         kept = result(objective, trial.seed, seconds, 0.0)
     except ProblemError as error:
@@ -177,7 +183,9 @@ def confirm(label: str) -> dict[str, Any]:
 
 def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
     try:
-        if reason := doubt(found, problem):
+        with closing(problem.unscored):
+            reason = doubt(found, problem)
+        if reason:
             return {"error": printable(reason, 4000)}
         try:
             return {"metrics": numbers(problem.describe(found.x.copy()))}

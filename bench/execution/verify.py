@@ -16,6 +16,7 @@ from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
+from bench.objective import OUT_OF_TIME
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
@@ -68,7 +69,8 @@ def verify(
     optimizer: one that spends more evaluations than it is given, or gets values by another way than the objective, is
     found out, too.
 
-    All stored trials are compared with their digests; damaged ones are not made again here, but by the next run.
+    Trials that a limit of time has ended (``time`` of a study) cannot be repeated, and are left out. All stored trials
+    are compared with their digests; damaged ones are not made again here, but by the next run.
 
     Args:
         path: the folder that ``bench.run`` wrote.
@@ -96,7 +98,7 @@ def verify(
         task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=most)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
-            if what := difference(folder.store, trial, row):
+            if row.get("stop") != OUT_OF_TIME and (what := difference(folder.store, trial, row)):
                 different.setdefault(trial, what)
             if on_progress is not None:
                 on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
@@ -115,11 +117,14 @@ def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[T
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
     with folder.store.reader() as reader:
-        for row in reader.sound("status = 'ok'"):
+        for row in reader.sound(f"status = 'ok' AND stop <> '{OUT_OF_TIME}'"):
             cell = cells.setdefault((row["problem"], row["optimizer"]), [])
             cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
     if not cells:
-        raise BenchError(f"{folder.path} holds no finished trial to verify" + f"; {store.sentence}" * (not store.sound))
+        but = "" if folder.study().time is None else ", but of those that their limit of time has ended"
+        raise BenchError(
+            f"{folder.path} holds no finished trial to verify{but}" + f"; {store.sentence}" * (not store.sound)
+        )
     choice = random.Random(seed)
     return [trial for cell in cells.values() for trial in choice.sample(cell, min(trials, len(cell)))]
 

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.errors import BenchError, PointError
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
 from bench.problem import Problem, with_own_box
 from bench.scoring import constraints
@@ -39,12 +39,14 @@ class Assessment(NamedTuple):
         values: (n,) the values to record, +inf where a point is infeasible.
         shown: (n,) what the optimizer sees.
         violation: (n,) their total violations, 0 where they are feasible.
+        failed: the number of points whose evaluation failed, where the study goes on.
     """
 
     points: Floats
     values: Floats
     shown: Floats
     violation: Floats
+    failed: int
 
 
 class Scored(Problem):
@@ -60,6 +62,7 @@ class Scored(Problem):
 
     def __init__(self, problem: Problem, handling: str, on_error: str = "fail") -> None:
         self.problem, self.handling, self.on_error = problem, handling, on_error
+        self.failed = 0  # evaluations so far that failed, where the study goes on
         self.name, self.variables = problem.name, problem.variables
         self.lower, self.upper = problem.lower, problem.upper
         self.optimum, self.expected, self.features = problem.optimum, dict(problem.expected), dict(problem.features)
@@ -82,12 +85,14 @@ class Scored(Problem):
         if self.handling == "repair":
             x = repaired(self.problem, x)
         x = self.rounded(x)
+        before = self.failed
         total, true = self._total(x), self._true(x)
+        failed = self.failed - before
         if self.handling == "repair":  # nothing else has checked these
             total = np.where(((x >= self.lower) & (x <= self.upper)).all(axis=1), total, np.inf)
         seen = self._observed(x, rng) if self.problem.noisy else true
         shown = constraints.shown(self.handling, seen, total)
-        return Assessment(x, self._feasible(true, total), shown, total)
+        return Assessment(x, self._feasible(true, total), shown, total, failed)
 
     def rounded(self, x: Floats) -> Floats:
         """Return the (n, d) points with whole numbers in place of integer variables."""
@@ -119,23 +124,30 @@ class Scored(Problem):
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""
-        return as_values(self.problem, self._computed(self.problem.noiseless, x), len(x))
+        return self._computed(self.problem.noiseless, x)
 
     def _computed(self, values: Callable[[Floats], Floats], x: Floats) -> Floats:
         """Return what a function of the problem returns for the (n, d) points, +inf where it may fail and raises."""
         try:
-            return values(x.copy())
+            return as_values(self.problem, values(x.copy()), len(x))
+        except PointError as error:
+            if self.on_error == "fail":
+                raise
+            self.failed += error.failed
+            done = np.array(error.values, dtype=np.float64)
+            left = x[len(done) :]
+            return np.concatenate([done, self._computed(values, left)]) if len(left) else done
         except Exception:  # a plug-in may raise anything
             if self.on_error == "fail":
                 raise
         if len(x) == 1:
+            self.failed += 1
             return np.full(1, np.inf)
         return np.concatenate([self._computed(values, row[np.newaxis]) for row in x])
 
     def _observed(self, x: Floats, rng: np.random.Generator) -> Floats:
         """Return the (n,) values of the (n, d) points with noise."""
-        values = self._computed(lambda points: self.problem.evaluate(points, rng), x)  # type: ignore[call-arg]
-        observed = as_values(self.problem, values, len(x))
+        observed = self._computed(lambda points: self.problem.evaluate(points, rng), x)  # type: ignore[call-arg]
         if (observed == -np.inf).any():
             raise minus_infinity(self.problem)
         return observed
@@ -171,6 +183,7 @@ class ScoredObjective(Objective):
 
     def _values(self, x: Floats) -> Floats:
         self._found = self._problem.assess(x, self._noise)
+        self.failures += self._found.failed
         return self._found.values
 
     def _evaluate(self, rows: Floats) -> Floats:
@@ -259,8 +272,12 @@ def _check_integer(problem: Problem, flags: Flags) -> None:
 
 
 def objective(
-    problem: Problem, budget: int, rng: np.random.Generator, on_refusal: Callable[[int], None] | None = None
+    problem: Problem,
+    budget: int,
+    rng: np.random.Generator,
+    on_refusal: Callable[[int], None] | None = None,
+    seconds: float | None = None,
 ) -> Objective:
     """Return the objective of a trial on the problem; see :class:`Objective` for the arguments."""
     kind: Callable[..., Objective] = ScoredObjective if isinstance(problem, Scored) else Objective
-    return kind(problem, budget, rng, on_refusal)
+    return kind(problem, budget, rng, on_refusal, seconds)

@@ -19,7 +19,8 @@ class Cell(NamedTuple):
 
     Attributes:
         problem: the record of the problem as JSON: ``label``, ``name``, ``options``, ``data`` (a hash, "" where the
-            name determines it), and the handlings ``constraints`` and ``on_error``.
+            name determines it), the handlings ``constraints`` and ``on_error``, and the limits ``evaluation_timeout``
+            and ``time`` where there are any.
         optimizer: the record of the optimizer: ``label``, ``name``, ``options`` and ``code``, by file its hash and by
             package its version (:mod:`bench.plugins.code`).
         evaluations: what a trial may spend; 0 where that is not known of imported results.
@@ -92,6 +93,6 @@ def differences(before: str, now: str) -> Iterator[str]:
             repr(record["options"][name]) if name in record["options"] else "the default" for record in (new, old)
         ]
         yield f"{name} = {values[0]}, not {values[1]}"
-    for key in ("constraints", "on_error"):
+    for key in ("constraints", "on_error", "evaluation_timeout", "time"):
         if old.get(key) != new.get(key):
             yield f"{key} = {new.get(key)!r}, not {old.get(key)!r}"

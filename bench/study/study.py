@@ -19,7 +19,7 @@ import tomli_w
 from bench.errors import BenchError, nearest
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import html_table, listed
-from bench.numbers import LARGEST_SEED, MOST_TRIALS, require_whole
+from bench.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
 from bench.plugins.code import Code, identity
@@ -83,6 +83,12 @@ class Study:
         constraints: what optimizers see of infeasible points, one of :data:`bench.scoring.constraints.HANDLINGS`.
         on_error: what becomes of a point at which a problem raises: "fail", the trial fails and reports do not compare
             the problem; "worst", the point counts, its value is +inf and the trial goes on.
+        evaluation_timeout: wall seconds that the evaluation of a point may take, or a text such as ``"10 min"``; it is
+            made in a process that is ended then, and the point fails. None: no limit.
+        time: wall seconds after which a trial ends before its budget, or a text such as ``"10 min"``: the call of the
+            objective that is then under way is its last. Such a trial cannot be repeated bit by bit. None: no limit.
+        parallel: points of a call that are evaluated at a time, each in a process of the problem; it decides no
+            trial's result.
         targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
             problems. They decide no trial's result.
         rope: the difference of medians below which two optimizers count as equal (:class:`bench.study.rope.Rope`);
@@ -106,6 +112,9 @@ class Study:
     title: str = ""
     constraints: Checked[str] = Checked(handlings.checked, handlings.DEFAULT)
     on_error: Checked[str] = Checked(require_on_error, "fail")
+    evaluation_timeout: Checked[float | None] = Checked(seconds)
+    time: Checked[float | None] = Checked(seconds)
+    parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
     rope: Checked[Rope | None] = Checked(Rope.read)
     blocks: Checked[Blocks | None] = Checked(Blocks.read)
@@ -177,6 +186,11 @@ class Study:
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
         return self.budget.evaluations(dimension)
+
+    @property
+    def evaluation(self) -> tuple[int, float | None]:
+        """The points of a call that are evaluated at a time, and the wall seconds that each may take."""
+        return self.parallel, self.evaluation_timeout
 
     @property
     def budget_words(self) -> str:
@@ -300,7 +314,7 @@ class Study:
         problems = {
             entry.label: record(
                 label=entry.label, name=entry.name, options=entry.options, data=found.data.get(entry.label, ""),
-                constraints=self.constraints, on_error=self.on_error,
+                **{"constraints": self.constraints, "on_error": self.on_error} | self._handling(),
             )
             for entry in self.problems
         }  # fmt: skip
@@ -337,7 +351,8 @@ class Study:
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
-        table |= self._handling() | {"targets": self.targets, "rope": self.rope, "looks": self.looks.plain}
+        table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
+        table |= {"targets": self.targets, "rope": self.rope, "looks": self.looks.plain}
         for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         table["blocks"] = self.blocks
@@ -360,24 +375,27 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, rope, blocks, tuning and the default handlings of constraints and failures are no part of it: older
-        studies do not name them. Neither are controls, which change no other trial and may be added to a folder. Looks
-        are, where there are any: they decide which trials are made, and must be declared before the first one.
+        Targets, rope, blocks, tuning and the default handlings of constraints and evaluations are no part of it: older
+        studies do not name them. Neither are the number of points evaluated at a time, and controls, which change no
+        other trial and may be added to a folder. Looks are, where there are any: they decide which trials are made, and
+        must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = ("constraints", "on_error", "targets", "rope", "blocks", "tuning", "looks", "controls")
+        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "looks", "controls"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
-    def _handling(self) -> dict[str, str]:
-        """Return the handlings of constraints and of failures where they are not the default ones.
+    def _handling(self) -> dict[str, Any]:
+        """Return the handlings of constraints and of evaluations where they are not the default ones.
 
         Older studies do not name them.
         """
-        usual = {"constraints": handlings.DEFAULT, "on_error": "fail"}
-        return {key: getattr(self, key) for key, default in usual.items() if getattr(self, key) != default}
+        return {key: getattr(self, key) for key, default in _USUAL.items() if getattr(self, key) != default}
+
+
+_USUAL = {"constraints": handlings.DEFAULT, "on_error": "fail", "evaluation_timeout": None, "time": None}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

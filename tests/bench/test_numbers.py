@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from bench import BenchError
-from bench.numbers import LARGEST_SEED, is_finite, require_jobs, require_positive, require_seed, require_whole
+from bench.numbers import (
+    LARGEST_SEED,
+    is_finite,
+    require_jobs,
+    require_positive,
+    require_seed,
+    require_whole,
+    seconds,
+)
 
 
 @pytest.mark.parametrize("value", [0, 5, np.int64(3)])
@@ -56,3 +64,16 @@ def test_jobs_are_as_many_as_a_machine_can_have_or_one_for_every_core():
     for jobs in (0, -2, 1001, 99_999_999, None):
         with pytest.raises(BenchError, match=r"^--jobs must be a whole number from 1 to 1000, or -1 for every core, "):
             require_jobs("--jobs", jobs)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [(30, 30), ("30", 30), ("0.5 s", 0.5), ("10 min", 600), ("2h", 7200), ("1 d", 86400)]
+)
+def test_a_duration_has_a_unit_or_is_in_seconds(value, expected):
+    assert seconds(value, "time") == expected
+
+
+@pytest.mark.parametrize("value", [0, -1, "soon", "1 year", "1.2.3 s", True, float("inf"), None, "0 s"])
+def test_any_other_duration_is_one_sentence(value):
+    with pytest.raises(BenchError, match="time must be a number of seconds above 0, or a text such as '10 min', not"):
+        seconds(value, "time")

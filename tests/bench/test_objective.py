@@ -365,3 +365,17 @@ def test_numba_is_loaded_only_where_the_budget_is_worth_it():
         assert scanner(1, 1) is scanner(10**9, 1)
         """
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_after_its_limit_of_time_no_call_is_begun_and_the_one_under_way_is_finished():
+    f = objective(seconds=1e-9)
+    f(np.zeros((7, 3)))
+    with pytest.raises(BudgetExhausted):
+        f(np.zeros(3))
+    assert (f.nfev, f.stop_reason) == (7, "time")
+
+
+def test_no_optimizer_declares_the_limit_of_time():
+    f = objective()
+    f.stop("time")
+    assert f.stop_reason == "time (declared)"

@@ -2,8 +2,9 @@
 
 import pytest
 
-from bench import Results, Study, load_results, run
+from bench import BenchError, Results, Study, load_results, run
 from bench.execution.runner import plan
+from bench.execution.verify import verify
 from bench.storage.folder import VERIFICATION, Folder
 
 LEARNS = """
@@ -110,3 +111,18 @@ def test_a_note_by_a_stranger_raises_no_other_error(part, file, tmp_path):
     trials, different = folder.repeated()
     assert isinstance(trials, int)
     assert all(isinstance(line, str) for line in different)
+
+
+def test_a_trial_that_a_limit_of_time_has_ended_is_not_made_again_and_the_plan_warns(file, tmp_path):
+    said = []
+    timed = study(file, "honest", time=1e-6, trials=1)
+    outcome = run(timed, tmp_path / "out", n_jobs=1, on_plan=lambda plan: said.extend(plan.notes))
+    (row,) = Folder(tmp_path / "out").store.rows()
+    assert (row["status"], row["stop"], row["nfev"]) == ("ok", "time", 10)
+    assert not outcome.different
+    assert not Folder(tmp_path / "out").noted(VERIFICATION)
+    assert any("cannot be repeated bit by bit" in note for note in said)
+    with pytest.raises(
+        BenchError, match="no finished trial to verify, but of those that their limit of time has ended"
+    ):
+        verify(tmp_path / "out")

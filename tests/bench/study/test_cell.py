@@ -25,6 +25,7 @@ def test_it_has_the_evaluations_and_the_labels_of_its_seeds():
     "changes",
     [
         {"budget": 41}, {"seed": 4}, {"constraints": "penalty"}, {"on_error": "worst"},
+        {"evaluation_timeout": 5}, {"time": "10 min"},
         {"problems": (Entry("q", "p"),)}, {"problems": (Entry("p", "p", {"shift": 1}),)},
         {"problems": (Entry("p", "q"),)},
         {"optimizers": (Entry("o", "o"),)}, {"optimizers": (Entry("o", "o", {"F": 0.6}),)},
@@ -41,7 +42,15 @@ def test_code_and_data_make_another_cell(changes):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"trials": 9}, {"title": "Another"}, {"targets": "tolerance"}, {"rope": 0.1}, {"budget": 40}, {"name": "t"}],
+    [
+        {"trials": 9},
+        {"title": "Another"},
+        {"targets": "tolerance"},
+        {"rope": 0.1},
+        {"budget": 40},
+        {"name": "t"},
+        {"parallel": 8},
+    ],
 )
 def test_what_decides_no_trial_makes_none(changes):
     assert cell(replace(STUDY, **changes)) == cell()

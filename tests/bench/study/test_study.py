@@ -73,11 +73,21 @@ def test_a_rope_is_kept(tmp_path, rope):
 
 def test_identity_is_what_decides_a_result():
     same = [study(), study(trials=9), study(title="other words"), study(targets="quantiles"), study(targets=[0.1])]
-    same += [study(rope=0.5), study(rope="1%")]
+    same += [study(rope=0.5), study(rope="1%"), study(parallel=8), study(evaluation_timeout=None, time=None)]
     assert len({each.identity() for each in same}) == 1
     other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
-    other += [study(on_error="worst")]
-    assert len({each.identity() for each in [study(), study(on_error="fail"), *other]}) == 5
+    other += [study(on_error="worst"), study(evaluation_timeout=5), study(time="10 min"), study(time=601)]
+    assert len({each.identity() for each in [study(), study(on_error="fail"), *other]}) == 8
+
+
+def test_limits_of_time_and_the_points_in_parallel_are_kept(tmp_path):
+    given = study(evaluation_timeout="30 s", time="10 min", parallel=8)
+    (tmp_path / "s.toml").write_text(given.to_toml())
+    assert Study.load(tmp_path / "s.toml") == given
+    assert (given.evaluation, given.time) == ((8, 30.0), 600.0)
+    assert not {"evaluation_timeout", "time", "parallel"} & {
+        line.split()[0] for line in study().to_toml().split("\n") if line
+    }
 
 
 @pytest.mark.parametrize(
@@ -92,6 +102,9 @@ def test_identity_is_what_decides_a_result():
         ({"optimizers": [{"name": "gwo", "label": "a" * 201}]}, "of the optimizers has 201 characters, more than 200"),
         ({"problems": [{"name": "a" * 10**6}]}, "of the problems has 1,000,000 characters, more than 200"),
         ({"name": ""}, "has no name"),
+        ({"time": "soon"}, "'time' must be a number of seconds above 0, or a text such as '10 min', not 'soon'"),
+        ({"evaluation_timeout": 0}, "'evaluation_timeout' must be a number of seconds above 0"),
+        ({"parallel": 0}, "'parallel' must be a whole number from 1 to 1000, not 0"),
         ({"rope": "wide"}, "'rope' must be a positive width in the unit of the objective"),
         (
             {"targets": "precision"},

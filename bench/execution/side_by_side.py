@@ -1,0 +1,219 @@
+"""Evaluate the points of a call side by side, each in a process of the problem that may hang, crash or end."""
+
+from __future__ import annotations
+
+import signal
+import warnings
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
+from copy import copy
+from math import inf
+from multiprocessing import get_context, popen_fork
+from multiprocessing.connection import Connection, wait
+from time import monotonic
+from typing import Any
+
+import cloudpickle
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bench.errors import BenchError, PointError
+from bench.objective import as_values
+from bench.problem import Problem
+from bench.sandbox import tree
+from bench.sandbox.messages import describe_error
+from bench.sandbox.process import DiedError
+from bench.sandbox.server import FORKS
+from bench.scoring import Scored
+from bench.typing import Floats
+
+START = "fork" if FORKS else "spawn"
+"""How processes are started; to one that is started anew the problem is sent by value."""
+
+_VALUE, _FAILED = b"+", b"-"  # the first byte of an answer
+_GRACE = 1.0  # seconds for a process to end by itself
+_ = popen_fork  # imported before any trial, whose side effect it would be
+
+
+@contextmanager
+def evaluated(problem: Problem, parallel: int = 1, seconds: float | None = None) -> Iterator[Problem]:
+    """Yield a problem as a trial evaluates it; at the end, let go of what its evaluations hold.
+
+    With ``parallel`` above 1 or a limit of ``seconds``, the points of a call are evaluated by that many processes of
+    the problem, each point alone. The values, their order and the reason of a failure are those of a call without. A
+    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.errors.PointError`).
+
+    Args:
+        problem: as a study scores it.
+        parallel: points evaluated at a time.
+        seconds: wall seconds that the evaluation of a point may take.
+
+    Raises:
+        BenchError: for a noisy problem, whose noise is drawn for one point after the other.
+    """
+    plain = problem.unscored
+    if parallel == 1 and seconds is None:
+        with closing(plain):
+            yield problem
+        return
+    require_possible(problem, parallel, seconds)
+    goes_on = isinstance(problem, Scored) and problem.on_error == "worst"
+    with closing(_Processes(plain, parallel, seconds, goes_on)) as processes:
+        beside = _Beside(plain, processes)
+        if isinstance(problem, Scored):
+            problem = copy(problem)
+            problem.problem = beside
+            yield problem
+        else:
+            yield beside
+
+
+def require_possible(problem: Problem, parallel: int, seconds: float | None) -> None:
+    """Raise BenchError for a noisy problem that is to be evaluated by several processes or within a limit."""
+    if problem.unscored.noisy and (parallel > 1 or seconds is not None):
+        raise BenchError(
+            f"problem {problem.name!r} is noisy, and its noise is drawn for one point after the other; leave out "
+            "'parallel' and 'evaluation_timeout'"
+        )
+
+
+class _Beside(Problem):
+    """A problem whose points are evaluated by other processes; all else is computed here."""
+
+    def __init__(self, problem: Problem, processes: _Processes) -> None:
+        self.name, self.variables, self._problem = problem.name, problem.variables, problem
+        self.lower, self.upper, self.integer = problem.lower, problem.upper, problem.integer
+        self._processes = processes
+
+    def evaluate(self, x: Floats) -> Floats:
+        """Return the (n,) values of the (n, d) points; raises PointError where any fails."""
+        return self._processes.values(x)
+
+    def repair(self, x: Floats) -> Floats:
+        """Return the points that the problem's own rule makes of the (n, d) points."""
+        return self._problem.repair(x)
+
+    def violations(self, x: Floats) -> Floats | None:
+        """Return the problem's constraint violations of the (n, d) points."""
+        return self._problem.violations(x)
+
+    def describe(self, x: Floats) -> dict[str, float]:
+        """Return the problem's domain metrics of the (d,) point."""
+        return self._problem.describe(x)
+
+
+class _Processes:
+    """Processes of a problem that evaluate a point at a time each, and are replaced where they are lost.
+
+    Args:
+        problem: without noise.
+        number: of processes.
+        seconds: that the evaluation of a point may take.
+        goes_on: whether the other points of a batch are evaluated where one has failed.
+    """
+
+    def __init__(self, problem: Problem, number: int, seconds: float | None, goes_on: bool) -> None:
+        self._problem, self._seconds, self._goes_on = problem, seconds, goes_on
+        self._context: Any = get_context(START)
+        self._all: dict[Connection, Any] = {}  # by the connection through which each is asked
+        self._idle = [self._started() for _ in range(number)]
+
+    def close(self) -> None:
+        """End all processes, and what they have started."""
+        for end in self._all:
+            end.close()  # which ends an idle one
+        until = monotonic() + _GRACE
+        for process in self._all.values():
+            process.join(max(0.0, until - monotonic()))
+            _kill(process)
+
+    def values(self, x: Floats) -> Floats:
+        """Return the (n,) values of the (n, d) points; raises PointError where any fails."""
+        values, failed = np.full(len(x), np.inf), dict[int, str]()
+        left, busy = iter(range(len(x))), dict[Any, tuple[int, float]]()
+        while True:
+            while self._idle and (self._goes_on or not failed) and (row := next(left, None)) is not None:
+                end = self._idle.pop()
+                with suppress(OSError):  # its process has ended, which is found below
+                    end.send_bytes(x[row].tobytes())
+                busy[end] = row, inf if self._seconds is None else monotonic() + self._seconds
+            if not busy:
+                break
+            until = min(deadline for _, deadline in busy.values())
+            ready: list[Any] = wait(busy, None if until == inf else max(0.0, until - monotonic()))
+            for end in ready or [end for end in busy if busy[end][1] <= monotonic()]:
+                row, _ = busy.pop(end)
+                values[row], reason = self._answer(end) if ready else (inf, self._replace(end, late=True))
+                if reason:
+                    failed[row] = reason
+        if failed:
+            raise PointError(failed[min(failed)], values.tolist(), len(failed))
+        return values
+
+    def _answer(self, end: Any) -> tuple[float, str]:
+        """Return the value that a process has sent, and why the evaluation failed, "" where it did not."""
+        try:
+            answer = end.recv_bytes()
+        except (EOFError, OSError):
+            return inf, self._replace(end)
+        self._idle.append(end)
+        if answer[:1] == _FAILED:
+            return inf, answer[1:].decode(errors="replace")
+        return float(np.frombuffer(answer, offset=1)[0]), ""
+
+    def _replace(self, end: Any, *, late: bool = False) -> str:
+        """End a process and start another one; return why, in a sentence."""
+        process = self._all.pop(end)
+        process.join(0.0 if late else _GRACE)
+        code = process.exitcode
+        _kill(process)
+        end.close()
+        self._idle.append(self._started())
+        if late:
+            return f"an evaluation took more than {self._seconds:g} s (evaluation_timeout)"
+        return "an evaluation ended its process" + (f" with {DiedError(code)}" if code is not None else "")
+
+    def _started(self) -> Connection:
+        """Start a process; return the connection through which it is asked."""
+        own, end = self._context.Pipe()
+        problem: Any = self._problem if START == "fork" else cloudpickle.dumps(self._problem)
+        process = self._context.Process(
+            target=_serve, args=(problem, end, [own, *self._all] if START == "fork" else [])
+        )
+        with warnings.catch_warnings():  # that threads of this process may hold locks: the copy runs the problem alone
+            warnings.simplefilter("ignore", DeprecationWarning)
+            process.start()
+        end.close()
+        self._all[own] = process
+        return own  # type: ignore[no-any-return]
+
+
+def _kill(process: Any) -> None:
+    """End a process and what it has started, unless it has ended by itself."""
+    if process.exitcode is None:
+        tree.kill(process.pid)
+        process.join()
+
+
+def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) -> None:
+    """Evaluate the points that are sent, one at a time, until the connection ends.
+
+    Args:
+        problem: as an object, or by value.
+        end: of the connection.
+        others: those of the process that this one was forked from: a copy would hide that they have ended.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the process that asks, and this one with it
+    for other in others:
+        other.close()
+    if isinstance(problem, bytes):
+        threadpool_limits(limits=1)
+    loaded: Problem = cloudpickle.loads(problem) if isinstance(problem, bytes) else problem
+    with suppress(EOFError, OSError), closing(loaded):
+        while True:
+            x = np.frombuffer(end.recv_bytes()).reshape(1, -1).copy()  # the problem may compute in it
+            try:
+                answer = _VALUE + as_values(loaded, loaded.evaluate(x), 1).tobytes()
+            except (Exception, SystemExit) as error:  # a plug-in may raise anything
+                answer = _FAILED + describe_error(error).encode()
+            end.send_bytes(answer)
