@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import load_optimizer, load_problem
     from bench.problem import FittedData, FunctionProblem, Problem
-    from bench.report import write_report
     from bench.results.results import Results, load_results
     from bench.study import Study
+    from bench.topics import write_report
     from bench.trial import Result
 
 __all__ = [
@@ -61,7 +61,7 @@ _HOMES = {
     "Problem": "problem", "Result": "trial", "Results": "results.results", "Study": "study", "Trace": "objective",
     "check_optimizer": "check", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
     "load_results": "results.results", "parameter": "optimizer", "run": "execution.runner",
-    "solve": "execution.solve", "write_report": "report",
+    "solve": "execution.solve", "write_report": "topics",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")
 

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import quantile_test
 
+from bench.helpers.frames import labels as labels
 from bench.objective import Trace
 from bench.study import Study
 from bench.typing import Floats
@@ -73,14 +74,6 @@ def traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace]:
     keys = zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)
     for key, status in zip(keys, frame["status"], strict=True):
         yield traces.get(key, NO_TRACE) if status == "ok" else NO_TRACE
-
-
-def labels(frame: pd.DataFrame, column: str) -> list[str]:
-    """Return the labels of ``problem`` or ``optimizer``: the study's where known, else in order of appearance."""
-    values = frame[column]
-    if isinstance(values.dtype, pd.CategoricalDtype):
-        return list(values.cat.categories)
-    return list(values.unique())
 
 
 def scores(frame: pd.DataFrame, merge: bool = False) -> pd.Series[float]:

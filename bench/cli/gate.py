@@ -66,7 +66,7 @@ def command(
     where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "pass" where it is
     shown to stay below on average (with --every-problem on each problem), and else "undecided".
     """
-    from bench.report.gate import HEADS, gate
+    from bench.gate import HEADS, gate
 
     verdict = gate(old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common, every=every)
     outcome, console = verdict.found.outcome, Console()

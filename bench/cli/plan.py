@@ -27,9 +27,9 @@ def command(
     if not is_finite(power) or not 0.05 <= power <= 0.99:
         raise BenchError(f"the power is a chance from 0.05 to 0.99, such as 0.8, not {power:g}")
 
-    from bench.report.findings import Findings
-    from bench.report.sections import trials
     from bench.results.results import Results
+    from bench.topics.findings import Findings
+    from bench.topics.trials import section as trials
 
     findings, console = Findings(Results(output)), Console()
     if len(findings.trials.optimizers) < 2:

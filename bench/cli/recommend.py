@@ -41,7 +41,7 @@ def command(
     optimizer on the five problems of the folders with the most similar features, where such a choice is shown to be
     better than one optimizer for all, by leaving functions out; else it is that single best.
     """
-    from bench.report.recommend import recommend
+    from bench.topics.portfolio.advice import recommend
 
     if output is not None and output.suffix != ".toml":
         raise BenchError(f"the output {output} must end with .toml")

@@ -85,8 +85,8 @@ def report_on(folders: list[Path], console: Console, open_page: bool = False, **
     on request.
     """
     from bench.cli.answer import read, shown
-    from bench.report import write_report
     from bench.storage.folder import STORE, Folder
+    from bench.topics.write import write_report
 
     with steps(console, "report") as on_progress:
         page = write_report(*folders, on_progress=on_progress, **settings)

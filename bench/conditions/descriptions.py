@@ -158,3 +158,21 @@ def _lists(lists: Any) -> dict[str, list[str]]:
         for name, values in (lists if isinstance(lists, dict) else {}).items()
         if isinstance(values, list)
     }
+
+
+def repairing(study: Study) -> dict[str, bool]:
+    """Return by label whether an optimizer repairs its points: not with ``handling="box"``.
+
+    An optimizer without such an option is assumed to repair them. A stranger's is not loaded to look for it.
+    """
+
+    def handling(entry: Entry) -> object:
+        asked = entry.options.get("handling")
+        if not loading.is_built_in(entry.name):
+            return asked
+        try:
+            return getattr(study.optimizer(entry.label), "handling", asked)
+        except Exception:  # its library may be missing, and may raise anything
+            return asked
+
+    return {entry.label: handling(entry) != "box" for entry in study.optimizers}

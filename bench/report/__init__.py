@@ -1,28 +1,10 @@
-"""Write the report of a study: tables, figures and one self-contained page.
+"""The machinery of a page: sections of text, tables and figures become one HTML file, LaTeX, CSV, SVG and PDF.
 
-A plug-in adds sections by the entry-point group ``bench.report_sections``: a callable that takes
-:class:`bench.Results` and returns a list of :class:`Section`, empty for a study of another family.
+It knows no statistic and no study; :mod:`bench.topics` makes the sections of a study's report.
 """
 
-from bench.report.conditions import repairing
-from bench.report.parts import Card, Figure, Part, Section, Table
-from bench.report.plots import timing_figure
+from bench.report.parts import Card, Figure, File, Part, Section, Table
 from bench.report.standalone import write_page
 from bench.report.wording import count, leaders, listing, seconds
-from bench.report.write import write_report
 
-__all__ = [
-    "Card",
-    "Figure",
-    "Part",
-    "Section",
-    "Table",
-    "count",
-    "leaders",
-    "listing",
-    "repairing",
-    "seconds",
-    "timing_figure",
-    "write_page",
-    "write_report",
-]
+__all__ = ["Card", "Figure", "File", "Part", "Section", "Table", "count", "leaders", "listing", "seconds", "write_page"]

@@ -162,6 +162,25 @@ class Figure:
 Part = Table | Figure
 
 
+class File(NamedTuple):
+    """A file of the report's folder that is listed among the downloads.
+
+    Attributes:
+        path: relative to the folder, such as ``"tables/trials.csv"``.
+        about: one sentence on its content.
+        content: its text, or a frame that is written as CSV with every digit, without its index.
+    """
+
+    path: str
+    about: str
+    content: str | pd.DataFrame
+
+    @property
+    def stem(self) -> str:
+        """The path without its ending."""
+        return self.path.rpartition(".")[0]
+
+
 class Line(NamedTuple):
     """A short answer below the pictures of the first section: a few words, a text, and the part that has the rest."""
 

@@ -1,200 +1,111 @@
-"""Write the report of a study's folder, or of several folders compared with each other."""
+"""Write the sections of a report into a folder: one page, and every table and figure as files."""
 
 from __future__ import annotations
 
 import json
 import re
 from collections.abc import Callable, Sequence
-from os import PathLike
+from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import NamedTuple
 
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, nearest
 from bench.helpers.console import OnStep
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
-from bench.plugins import registry
-from bench.report.answer import answer
 from bench.report.drawing import Drawer, Drawing, draw
-from bench.report.findings import CROWD, Findings
-from bench.report.interactive import interactive
+from bench.report.interactive import Interactive
 from bench.report.latex import to_latex
-from bench.report.methods import methods
 from bench.report.page import Item, View, inline, render
-from bench.report.parts import Figure, Part, Section, Table
-from bench.report.replication import each_problem
-from bench.report.sections import CLOSING, OPENING
-from bench.report.wording import count
-from bench.results.results import Results
-from bench.storage.folder import ANSWER
-from bench.study.rope import Rope
-from bench.study.selection import Dimensions, Patterns
-from bench.study.targets import Targets
+from bench.report.parts import Figure, File, Part, Section, Table
 
 PAGE, MANIFEST = "report.html", ".report.json"
 TABLES, FIGURES = "tables", "figures"
 ANCHOR = "part"  # of the sections, part.verdict and so on; a figure of this name would have ids like these
 PROBLEM = "problem"  # of the sections on one problem
-FEW = 4  # problems up to which other processes would take longer to start than to draw
-COMPARISONS = Path("results") / "comparisons"
-WHOLE = {
-    "trials": "All trials, one row a trial.",
-    "cells": "All cells: trials, failures and statistics of the objective value.",
-    "tests": f"The tests of every pair of optimizers, at most of the {CROWD} best, on every problem.",
-    "controls": "The trials of controls, which no other table, figure or test has but that of the same conditions.",
-    "running-times": "The expected running times (ERT) of every optimizer on every problem, with their spread.",
-}
-"""The tables of a whole study, by name, with their descriptions; no other part has these names."""
 
 
-def write_report(
-    path: str | PathLike[str],
-    *others: str | PathLike[str],
-    output: str | PathLike[str] | None = None,
-    n_jobs: int = -1,
-    targets: Any = None,
-    rope: Any = None,
-    beside_best: bool = False,
-    reference: str | None = None,
-    optimizers: Patterns = None,
-    problems: Patterns = None,
-    dimensions: Dimensions = None,
-    versions: Sequence[str] = (),
-    on_progress: OnStep | None = None,
-) -> Path:
-    """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
+@dataclass(frozen=True)
+class Chapter:
+    """Sections that are made together; where that fails, the page has a warning in their place.
 
-    Several folders are compared as one study (:class:`bench.Results`). The same results give the same bytes. A
-    plug-in's section that fails becomes a warning on the page, and so do damaged trials, which are left out. Files
-    that only an earlier report had are removed.
+    Attributes:
+        name: of the plug-in that makes them, for the warning.
+        title: printed while they are made.
+        sections: makes them.
+        files: makes the files that belong to them.
+    """
+
+    name: str
+    title: str
+    sections: Callable[[], list[Section]]
+    files: Callable[[], list[File]]
+
+
+class Prepared(NamedTuple):
+    """What a chapter consists of."""
+
+    sections: list[Section]
+    files: list[File]
+
+
+class Writer:
+    """A report in progress: the views so far, the files written and the names taken.
 
     Args:
-        path: a study's folder.
-        others: further folders to compare with it.
-        output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
-        n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
-        targets: what counts as reached, other than the study's own (:meth:`bench.study.targets.Targets.read`).
-        rope: differences that count as equal, other than the study's own (:class:`bench.study.rope.Rope`).
-        beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
-            (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
-        reference: the label of the optimizer that the competition's table compares with each other one.
-        optimizers: labels or patterns of the only optimizers to show (:meth:`bench.Results.select`). The page, the
-            methods and the answer say what was left out, and a selection needs an ``output`` of its own.
-        problems: likewise of problems.
-        dimensions: the only dimensions of problems to show.
-        versions: labels or patterns of optimizers whose earlier versions stand beside them, as ``label@1``.
-        on_progress: called before every step.
-
-    Raises:
-        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
-            are none, the best of 2009 is of other problems, the study has no optimizer ``reference``, nothing has a
-            pattern or a dimension that is selected, a selection has no ``output``, or that cannot be written or holds
-            another study.
+        folder: the folder to write into, which exists.
+        drawer: draws the figures.
+        study: a name that the labels of LaTeX tables begin with.
+        problems: about how many sections on one problem there will be.
+        printed: whether those are written as LaTeX and PDF, too.
+        on_step: called before every step.
     """
-    chosen = None if targets is None else Targets.read(targets, "the targets of a report")
-    equal = None if rope is None else Rope.read(rope, "the rope of a report")
-    results = Results(path, *others, versions=versions)
-    if (optimizers, problems, dimensions) != (None, None, None):
-        results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
-    findings = Findings(results, chosen, equal, beside_best, reference)
-    if reference is not None and reference not in findings.trials.optimizers:
-        raise BenchError(
-            f"the study has no optimizer {reference!r} to refer to{nearest(reference, findings.trials.optimizers)}"
-        )
-    findings.anytime.check_targets()
-    folder = _folder(results, None if output is None else Path(output))
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        # Threads of BLAS gain nothing on matrices as small as these, and wait for each other where cores are busy.
-        with threadpool_limits(limits=1), Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
-            page = _Report(findings, folder, drawer, on_progress or (lambda *_: None)).write()
-    except OSError as error:
-        raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
-    results.note_stores()
-    return page
 
-
-def _folder(results: Results, output: Path | None) -> Path:
-    paths = results.paths
-    own = {path.resolve() for path in paths}
-    if results.partial and (output is None or output.resolve() in own):
-        raise BenchError(
-            "a selection is another report than that of the whole folder, which it would replace; give it a folder of "
-            "its own by --output"
-        )
-    if output is None:
-        return paths[0] if len(paths) == 1 else COMPARISONS / "-".join(map(file_name, results.names))
-    if len(paths) == 1 and output.resolve() == paths[0].resolve():
-        return output
-    if (output / "study.toml").exists():
-        raise BenchError(f"{output} is the folder of a study, whose own report would be lost; give another --output")
-    if output.is_dir() and any(output.iterdir()) and not (output / MANIFEST).exists():
-        raise BenchError(f"{output} holds other files and no report of ours; give an --output of its own")
-    return output
-
-
-class _Report:
-    """A report in progress: the views so far, the files written and the names taken."""
-
-    def __init__(self, findings: Findings, folder: Path, drawer: Drawer, on_progress: OnStep) -> None:
-        self.results = findings.results
-        self.findings = findings
+    def __init__(
+        self, folder: Path, drawer: Drawer, *, study: str, problems: int, printed: bool, on_step: OnStep
+    ) -> None:
         self.folder = folder
         self.drawer = drawer
+        self.study = study
+        self.expected = problems
+        self.each_printed = printed
         self.views: list[View] = []
         self.files: dict[str, str] = {}
-        self.names = {*WHOLE, ANCHOR, PROBLEM}
+        self.names = {ANCHOR, PROBLEM}
         self.anchors: set[str] = set()
         self.problems: dict[str, str] = {}  # the anchor of the section on each problem
-        self._on_progress = on_progress
+        self._on_step = on_step
         self._done = 0
         self._steps = 0
 
-    def write(self) -> Path:
-        study = self.findings.study
+    def write(self, title: str, lead: str, chapters: Sequence[Chapter], further: Interactive | None = None) -> Path:
+        """Write all files and return the path of the page; ``further`` is its interactive part."""
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
-        plugged = sorted(registry.entries("report_sections"))
-        self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
+        self._steps = len(chapters) + self.expected + 1
         with style.context():
-            opening = [self.prepare(part) for part in OPENING]
-            middle = [self.prepare_plugin(name) for name in plugged]
-            closing = [self.prepare(part) for part in CLOSING]
+            prepared = [self.prepare(chapter) for chapter in chapters]
             self.drawer.help()
-            for section in filter(None, opening):
-                self.append(section)
-            for name, sections in zip(plugged, middle, strict=True):
-                self.append_plugin(name, sections)
-            for section in filter(None, closing):
-                self.append(section)
+            for chapter, made in zip(chapters, prepared, strict=True):
+                self.append_all(chapter, made)
         self.add_downloads()
-        lead = (
-            f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
-            f"{count(len(study.problems), 'problem')}, "
-            f"{each_problem(self.findings.trials.replications, at_most=study.trials if study.looks else 0)}, "
-            f"{'at most ' * bool(study.imported)}{study.budget_words} a trial."
-        )
-        lead = f"{lead} {self.findings.selection}".rstrip()
-        further = interactive(self.findings)
-        lines = answer(self.findings, opening[0]) if opening[0] is not None else {}
-        self.save(ANSWER, json.dumps(lines, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
-        html = render(study.title or study.name, lead, self.views, self.problems, further)
-        page = self.save(PAGE, html, "This page.")
+        page = self.save(PAGE, render(title, lead, self.views, self.problems, further), "This page.")
         self.clean()
         return page
 
-    def prepare(self, part: ModuleType) -> Section | None:
-        """Return a part's section, whose figures are then drawn while others are prepared; None where it has none."""
-        self.step(part.TITLE)
-        section: Section | None = part.section(self.findings)
-        if section is not None:
-            self.begin(section)
-        return section
+    def prepare(self, chapter: Chapter) -> Prepared | Exception:
+        """Return a chapter's content, whose figures are then drawn while others are prepared, or what it raises."""
+        self.step(chapter.title)
+        try:
+            sections, files = chapter.sections(), chapter.files()
+            for section in sections:
+                self.begin(section)
+        except Exception as error:  # a plug-in may raise anything
+            return error
+        self.names |= {stem for file in files for folder, _, stem in [file.stem.rpartition("/")] if folder == TABLES}
+        return Prepared(sections, files)
 
     def begin(self, section: Section) -> None:
         """Have the figures of a section and of its subsections drawn."""
@@ -204,23 +115,7 @@ class _Report:
 
     def printed(self, section: Section) -> bool:
         """Whether a section is also written as LaTeX and PDF: of many problems, only the parts on all of them are."""
-        return not (section.problem and self.findings.trials.many)
-
-    def prepare_plugin(self, name: str) -> list[Section] | Exception:
-        """Return the sections of a plug-in, or what it raises."""
-        self.step(f"Section {name}")
-        prepared = []
-        try:
-            sections: Callable[[Results], list[Section]] = registry.load("report_sections", name)
-            for section in sections(self.results):
-                self.begin(section)
-                prepared.append(section)
-        except Exception as error:
-            return error
-        return prepared
-
-    def append(self, section: Section) -> None:
-        self.views.append(self.view(section, self.anchor(ANCHOR, section.title)))
+        return self.each_printed or not section.problem
 
     def anchor(self, kind: str, title: str) -> str:
         """Return the id of a section, which stays the same as long as its title does."""
@@ -228,44 +123,30 @@ class _Report:
         self.anchors.add(name)
         return name
 
-    def append_plugin(self, name: str, sections: list[Section] | Exception) -> None:
-        """Add the sections of a plug-in, or a warning where it raises, which costs no other part."""
+    def append_all(self, chapter: Chapter, prepared: Prepared | Exception) -> None:
+        """Add a chapter, or a warning where it raised, which costs no other part; a full disk raises OSError."""
         views, files = list(self.views), dict(self.files)
-        try:
-            if isinstance(sections, Exception):
-                raise sections
-            for section in sections:
-                self.append(section)
-        except Exception as error:
+        error = prepared if isinstance(prepared, Exception) else None
+        if isinstance(prepared, Prepared):
+            try:
+                for section in prepared.sections:
+                    self.views.append(self.view(section, self.anchor(ANCHOR, section.title)))
+                for file in prepared.files:
+                    self.save(file.path, file.content, file.about)
+            except OSError:
+                raise
+            except Exception as raised:
+                error = raised
+        if error is not None:
             for path in self.files.keys() - files:
                 (self.folder / path).unlink()
             self.views, self.files = views, files
-            reason = f"The report section {name!r} failed and is left out: {type(error).__name__}: {error}"
-            self.append(Section(f"Section {name}", warnings=(reason,)))
+            reason = f"The report section {chapter.name!r} failed and is left out: {type(error).__name__}: {error}"
+            failed = Section(chapter.title, warnings=(reason,))
+            self.views.append(self.view(failed, self.anchor(ANCHOR, failed.title)))
 
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""
-        (self.folder / TABLES).mkdir(exist_ok=True)
-        findings = self.findings
-        frames = (
-            self.results.frame,
-            findings.final.summary,
-            findings.display.written_pairs,
-            self.results.controls,
-            findings.anytime.target_set.in_unit(findings.anytime.running_times, findings.anytime.target_set.unit),
-        )
-        for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
-            if name in ("controls", "running-times") and not len(frame):
-                continue  # no control was run, or no trial left a trace
-            path = f"{TABLES}/{name}.csv"
-            save_csv(frame, self.folder / path, index=False)
-            pooled = name == "cells" and findings.trials.precisions
-            self.files[path] = f"{about[:-1]}, precisions where instances are pooled." if pooled else about
-        if len(self.results.frame):
-            stated = methods(self.findings)
-            self.save("methods.md", stated.markdown, "The methods as Markdown.")
-            self.save("methods.tex", stated.latex, "The methods as LaTeX.")
-            self.save("references.bib", stated.bibtex, "The works cited in the methods.")
         text = (
             "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
             f"{style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
@@ -276,6 +157,7 @@ class _Report:
         self.views.append(View(anchor, section, [], [], sorted(self.files.items())))
 
     def view(self, section: Section, anchor: str) -> View:
+        """Return a section with its files written, ready for the page."""
         printed = self.printed(section)
         view = View(anchor, section, [self.item(part, printed=printed) for part in section.items], [], [])
         for subsection in section.sections:
@@ -287,10 +169,11 @@ class _Report:
         return view
 
     def item(self, part: Part, *, printed: bool) -> Item:
+        """Write the files of a table or figure, and return it for the page."""
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, latex=printed, study=self.results.study.name)
+            files = save_table(part, self.folder, name, latex=printed, study=self.study)
             item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure, pdf=printed))
@@ -299,13 +182,20 @@ class _Report:
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
         return item
 
-    def save(self, name: str, text: str, about: str) -> Path:
-        (self.folder / name).write_text(text, encoding="utf-8", newline="\n")
+    def save(self, name: str, content: str | pd.DataFrame, about: str) -> Path:
+        """Write a file of text, or of a frame as CSV, and list it."""
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        if isinstance(content, str):
+            path.write_text(content, encoding="utf-8", newline="\n")
+        else:
+            save_csv(content, path, index=False)
         self.files[name] = about
-        return self.folder / name
+        return path
 
     def step(self, title: str) -> None:
-        self._on_progress(title, self._done, self._steps)
+        """Report a step."""
+        self._on_step(title, self._done, self._steps)
         self._done += 1
         self._steps = max(self._steps, self._done)
 

@@ -11,8 +11,6 @@ from importlib import resources
 
 from markupsafe import Markup
 
-from bench.report.findings import Findings
-from bench.report.interactive.explore import MOST_CELLS, explore
 from bench.report.interactive.library import library
 
 TITLE = "Look further"
@@ -46,13 +44,8 @@ class Interactive:
         return [digest(script) for script in self.scripts]
 
 
-def interactive(findings: Findings) -> Interactive:
-    """Return the interactive part of a report, or a sentence on why it has none."""
-    if findings.trials.frame.empty:
-        return Interactive(hint="Without a trial there is nothing to look into.")
-    data = explore(findings)
-    if data is None:
-        return Interactive(hint=f"A study of more than {MOST_CELLS:,} cells has no interactive part.")
+def interactive(data: object) -> Interactive:
+    """Return the interactive part that shows data, which are values of JSON (see ``script/main.js``)."""
     scripts = (_script(library()), _script(explorer()))
     return Interactive(data=as_json(data), scripts=scripts, style=Markup(_asset("explore.css")))
 

@@ -8,7 +8,8 @@ import pandas as pd
 
 from bench import Results, Study
 from bench.analysis import labels, scores
-from bench.report import Section, Table, count, listing, repairing
+from bench.report import Section, Table, count, listing
+from bench.topics import repairing
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 

@@ -126,7 +126,7 @@ def test_features_that_would_take_the_whole_budget_leave_the_single_best(bench_h
 
 
 def test_folders_of_problems_that_do_not_load_leave_the_single_best(bench_here, place, monkeypatch):
-    monkeypatch.setattr("bench.report.landscapes.PATIENCE", -1.0)
+    monkeypatch.setattr("bench.topics.landscapes.features.PATIENCE", -1.0)
     done = bench_here("recommend", "mine.py:Bowl", "--budget", "200", "--from", "kinds", cwd=place)
     assert done.returncode == 0, done.stderr
     assert "none can be compared by its features" in said(done)

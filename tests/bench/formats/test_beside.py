@@ -12,15 +12,15 @@ from bench.cli.app import app
 from bench.columns import packed
 from bench.execution.verify import verify
 from bench.formats.importing import import_results
-from bench.report import write_report
-from bench.report.findings import Findings
-from bench.report.first_picture import course
-from bench.report.methods import methods
-from bench.report.sections import verdict
-from bench.report.sections.beside import section
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.targets import Targets
+from bench.topics import write_report
+from bench.topics.findings import Findings
+from bench.topics.integrity.beside import section
+from bench.topics.methods.methods import methods
+from bench.topics.verdict import section as verdict
+from bench.topics.verdict.first_picture import course
 from bench.trial import Trial
 from tests.bench.formats.made import exported, make, record
 

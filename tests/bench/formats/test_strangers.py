@@ -10,7 +10,7 @@ import pytest
 
 from bench import BenchError, Results, analysis
 from bench.formats.importing import import_results
-from bench.report.findings import Findings
+from bench.topics.findings import Findings
 from tests.bench.formats.coco.test_reader import PRECISIONS, READ
 from tests.bench.formats.made import read
 

@@ -14,9 +14,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bench import run
-from bench.report import write_report
 from bench.report.latex import ACCENTS, BLOCK, PAGE, SYMBOLS, escape, to_latex
 from bench.report.parts import Table
+from bench.topics import write_report
 
 HOSTILE = [
     "&%$#_{}~^\\<>|\"'`", "[1] at a row's start", "*starred", "[", "]", "\\\\[2em]", "\\input{/etc/passwd}", "}{",

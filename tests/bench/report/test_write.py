@@ -1,201 +1,63 @@
-"""The whole report, from a study's folder to the page."""
+"""Tables and figures as files: full precision, the same bytes for the same results, any label."""
 
-from pathlib import Path
-from types import SimpleNamespace
+import re
+import warnings
 
 import matplotlib.figure
 import pandas as pd
 import pytest
 
-from bench import BenchError
-from bench.report import Figure, Section, Table, write, write_report
-from bench.report.interactive import Interactive
-
-PARTS = [
-    "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
-    "Time", "Enough trials", "Power", "Methods", "Environment, seeds and data", "Downloads",
-]  # fmt: skip
+from bench.plots import style
+from bench.report import Figure, Table
+from bench.report.page import inline
+from bench.report.write import save_figure, save_table
+from tests.bench.names import HOSTILE
 
 
-def numbered(titles):
-    return [f"{number} {title}" for number, title in enumerate(titles, 1)]
+def test_csv_has_full_precision(tmp_path):
+    frame = pd.DataFrame({"x": [0.1 + 0.2, 1e-17, 123456789.123456789]})
+    paths = save_table(Table("t", "c", frame, decimals=1), tmp_path, "t")
+    lines = (tmp_path / paths[0]).read_text().split()
+    assert [float(line) for line in lines[1:]] == frame["x"].tolist()
 
 
-def patch_plugins(monkeypatch, **sections):
-    plugins = SimpleNamespace(entries=lambda group: sections, load=lambda group, name: sections[name])
-    monkeypatch.setattr(write, "registry", plugins)
+def test_an_empty_table(tmp_path):
+    save_table(Table("t", "c", pd.DataFrame({"x": []})), tmp_path, "t")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _no_plugin_sections():
-    """Leave out the sections of plug-ins and the interactive part, which has its own tests."""
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        patch_plugins(monkeypatch)
-        monkeypatch.setattr(write, "interactive", lambda findings: Interactive())
-        yield
+def test_tables_of_one_name_have_other_labels_in_other_studies(tmp_path):
+    labels = set()
+    for study in ("one", "other"):
+        save_table(Table("t", "c", pd.DataFrame({"x": [1]})), tmp_path, "t", study=study)
+        labels |= set(re.findall(r"\\label\{([^}]*)\}", (tmp_path / "tables" / "t.tex").read_text()))
+    assert labels == {"tab:one-t", "tab:other-t"}
 
 
-@pytest.fixture(scope="module")
-def folder(make, drawn, tmp_path_factory):
-    """Return the folder of a study that has its report, to be read only."""
-    folder = make(tmp_path_factory.mktemp("usual") / "s")
-    with drawn():
-        write_report(folder)
-    return folder
+class TestFigures:
+    @staticmethod
+    def figure(title):
+        with style.context():
+            figure = matplotlib.figure.Figure(figsize=(style.TEXT, 2), layout="constrained")
+            ax = figure.subplots()
+            ax.set_title(style.plain(title))
+            ax.plot([1, 2], [1, 2], "o-", clip_on=True)
+            ax.bar([1], [1], hatch="///")
+        return Figure("f", "c", figure, pd.DataFrame({"x": [1]}))
 
+    @pytest.mark.sampled(3)
+    @pytest.mark.parametrize("label", [*HOSTILE, "$\\frac{", "a$b$c", "bell\x07", "x" * 500])
+    def test_any_label_can_be_drawn_and_warns_nobody(self, label, tmp_path):
+        with warnings.catch_warnings(), style.context():
+            warnings.simplefilter("error")
+            svg, _ = save_figure(self.figure(label), tmp_path, "f")
+        assert "<script" not in inline(svg, "f", label)
 
-@pytest.fixture(scope="module")
-def usual(read, folder):
-    """The page of this report."""
-    return read(folder / "report.html")
-
-
-def test_a_clear_winner_is_named_with_its_grounds(usual):
-    assert "✓ a ends lowest on these 2 problems at 100 evaluations." in usual.text
-    assert "Runs of a end lower than those of all 2 others on these 2 problems (p < 0.001 against each)." in usual.text
-    assert "The lead is not shown for further problems, of which these would be a sample of 2 independent" in usual.text
-    assert "A run of a ends lower than a run of b with probability 1.00 [0.79, 1.00]" in usual.text
-    assert "n = 8 trials of at most 100 evaluations" in usual.text
-    assert "No single winner" not in usual.text
-
-
-def test_the_twelve_parts_stand_in_their_order(usual):
-    assert usual.texts("h2") == numbered(PARTS)
-
-
-def test_the_page_stands_alone(usual):
-    usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references."))
-    assert usual.tags.count("svg") == usual.tags.count("figure") == 11
-    assert usual.tags.count("caption") == usual.tags.count("table")
-    assert set(usual.values("scope")) == {"col", "row"}
-
-
-def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
-    linked = {href for href in usual.values("href") if not href.startswith("#")}
-    assert {"methods.md", "methods.tex", "references.bib"} <= linked
-    assert all((folder / href).is_file() for href in linked)
-    linked = {href for href in linked if "/" in href}
-    written = {str(path.relative_to(folder)) for kind in ("tables", "figures") for path in (folder / kind).iterdir()}
-    assert linked == written
-    assert {"tables/comparison.csv", "tables/comparison.tex", "figures/convergence.pdf", "tables/trials.csv"} <= written
-
-
-@pytest.mark.usefixtures("draws")
-def test_the_same_results_give_the_same_bytes(folder, tmp_path):
-    write_report(folder, output=tmp_path)
-    written = {path.relative_to(tmp_path): path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    assert len(written) > 30
-    assert written == {path: (folder / path).read_bytes() for path in written}
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("draws")
-def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monkeypatch):
-    folder = make(tmp_path / "s", problems=tuple("pqrstu"))
-    monkeypatch.setattr("bench.report.drawing.cpu_count", lambda: 2)
-    contents = []
-    for n_jobs in (1, -1):
-        out = tmp_path / str(n_jobs)
-        write_report(folder, output=out, n_jobs=n_jobs)
-        contents.append({path.relative_to(out): path.read_bytes() for path in out.rglob("*") if path.is_file()})
-    assert contents[0] == contents[1]
-    assert Path("figures", "convergence.pdf") in contents[0]
-
-
-@pytest.mark.slow
-def test_no_single_winner_is_said(make, read, tmp_path):
-    folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
-    page = read(write_report(folder))
-    few = "with 3 trials a cell on 2 independent problems no test can be significant."
-    assert f"No winner can be named at 100 evaluations: {few}" in page.text
-    assert "a has the lowest mean rank over 2 problems, which may be chance." in page.text
-    assert (
-        "with 3 trials in the smallest cell nothing is found on single problems; from 8 trials on 2 tests would find"
-        in page.text
-    )
-    assert page.text.count("1 of 1 pair cannot be significant beside all other tests, whatever the values") == 2
-
-
-def test_failed_and_missing_trials_are_said(make, read, tmp_path):
-    folder = make(tmp_path / "s", fail=[("p", "b"), ("q", "a", 1)], skip=[("q", "c"), ("p", "a", 7)])
-    page = read(write_report(folder))
-    assert "9 of 48 planned trials are missing and 1 of 6 cells are empty. Cells hold 0 to 8 trials" in page.text
-    assert "fewer than planned: a on p, c on q." in page.text
-    assert "9 of 39 trials did not finish (failed 9), in b on p, a on q. They count as +inf." in page.text
-    assert "No trial of c on this problem." in page.text
-    assert "ValueError: <b>boom</b> & more" in page.text
-    assert "Traceback" not in page.text
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize(
-    "shape",
-    [
-        {"optimizers": ("a",), "problems": ("p",), "trials": 1},
-        {"optimizers": ("a",)},
-        {"trials": 1},
-        {"problems": ("p",), "fail": [("p", "a"), ("p", "b"), ("p", "c")]},
-        {"problems": ("p",), "skip": [("p", "a"), ("p", "b"), ("p", "c")]},
-        {"skip": [("p", "a"), ("q", "b")]},
-        {"skip": [("p", "a"), ("p", "b"), ("p", "c")]},
-        {"optimizers": tuple(f"o{i}" for i in range(12)), "problems": ("p",)},
-    ],
-)
-def test_every_partial_study_has_all_parts_too(make, read, tmp_path, shape):
-    page = read(write_report(make(tmp_path / "s", **shape)))
-    assert page.texts("h2") == numbered(PARTS)
-
-
-def test_hostile_labels_are_only_text(make, read, tmp_path):
-    problems = ("../../x", "<script>alert(1)</script>", "$\\frac{", 'a"b', "p:1/2")
-    folder = make(tmp_path / "s", problems=problems, optimizers=("<img src=x onerror=y>", "a&b_%", "{{ 7*7 }}"))
-    page = read(write_report(folder))
-    assert "img" not in page.tags
-    assert page.tags.count("script") == 1  # the page's own
-    assert "<script>alert(1)</script>: every pair of optimizers." in page.text
-    assert "{{ 7*7 }}" in page.text
-    assert {path.name for path in tmp_path.iterdir()} == {"s"}
-    assert len(list((folder / "tables").glob("tests-*.csv"))) == len(problems)
-
-
-def test_a_plugins_sections_come_after_the_comparison(make, read, tmp_path, monkeypatch):
-    patch_plugins(monkeypatch, mine=lambda results: [Section("Mine", (results.study.name,))])
-    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    assert page.texts("h2") == numbered([*PARTS[:3], "Mine", *PARTS[3:]])
-    assert "Mine made" in page.text
-
-
-@pytest.mark.slow
-def test_a_plugins_figure_has_no_id_of_a_section(make, read, tmp_path, monkeypatch):
-    plot = matplotlib.figure.Figure()
-    plot.subplots().plot([1, 2], [1, 2], "o")
-    frame = pd.DataFrame({"x": [1]})
-    items = (Figure("part", "A figure.", plot, frame), Table("part", "A table.", frame))
-    patch_plugins(monkeypatch, mine=lambda results: [Section("Mine", items=items)])
-    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    page.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references."))
-    assert {"part-2", "part-3"} <= set(page.values("id"))
-
-
-def test_a_plugin_that_fails_costs_only_its_own_section(make, read, tmp_path, monkeypatch):
-    bad = {"boom": lambda results: 1 / 0, "none": lambda results: None, "texts": lambda results: ["no section"]}
-    patch_plugins(monkeypatch, mine=lambda results: [Section("Mine")], **bad)
-    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    added = ["Section boom", "Mine", "Section none", "Section texts"]
-    assert page.texts("h2") == numbered([*PARTS[:3], *added, *PARTS[3:]])
-    for name in bad:
-        assert f"The report section '{name}' failed and is left out" in page.text
-    assert "'mine'" not in page.text
-
-
-def test_a_folder_without_results_is_refused(tmp_path):
-    with pytest.raises(BenchError):
-        write_report(tmp_path)
-
-
-@pytest.mark.slow
-def test_a_busy_machine_is_flagged(make, read, tmp_path):
-    waited = {"wall_s": 2.0, "cpu_s": 1.0, "nfev": 60, "stop": "undeclared"}
-    page = read(write_report(make(tmp_path / "s", optimizers=("a", "b"), trials=4, changes={"a": waited})))
-    assert "Trials of a waited for their core" in page.text
-    assert "Undeclared stops: 8 of 16 trials" in page.text
+    def test_files_are_the_same_bytes_and_carry_no_date(self, tmp_path):
+        for run in ("one", "two"):
+            (tmp_path / run).mkdir()
+            with style.context():
+                _, paths = save_figure(self.figure("t"), tmp_path / run, "f")
+        for path in paths:
+            assert (tmp_path / "one" / path).read_bytes() == (tmp_path / "two" / path).read_bytes()
+        assert b"CreationDate" not in (tmp_path / "one/figures/f.pdf").read_bytes()
+        assert b"dc:date" not in (tmp_path / "one/figures/f.svg").read_bytes()

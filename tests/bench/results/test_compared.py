@@ -3,7 +3,7 @@
 import pandas as pd
 
 from bench import Results, analysis
-from bench.report.findings import Findings
+from bench.topics.findings import Findings
 from tests.bench.formats.made import make
 
 

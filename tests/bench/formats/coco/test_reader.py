@@ -11,7 +11,7 @@ import pytest
 from bench import BenchError, Results, analysis
 from bench.formats.importing import import_results
 from bench.formats.naming import agrees
-from bench.report.findings import Findings
+from bench.topics.findings import Findings
 from tests.bench.formats.made import exported, make, read
 
 READ = """

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from bench import BenchError, Results, load_problem
 from bench.cli.app import app
 from bench.formats.importing import import_results
-from bench.report.findings import Findings
-from bench.report.sections.environment import section
+from bench.topics.findings import Findings
+from bench.topics.time.environment import section
 from tests.bench.formats.made import exported, make
 
 

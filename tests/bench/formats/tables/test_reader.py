@@ -6,8 +6,8 @@ import pytest
 
 from bench import BenchError, Results
 from bench.formats.importing import import_results
-from bench.report.findings import Findings
-from bench.report.sections import anytime
+from bench.topics.anytime import section as anytime
+from bench.topics.findings import Findings
 from tests.bench.formats.made import exported, make, some_fail
 
 TABLE = """optimizer,problem,trial,evaluations,value

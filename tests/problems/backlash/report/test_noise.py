@@ -10,6 +10,7 @@ from bench import Results, Study, Trace, load_problem
 from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.study import Entry
+from bench.topics import Findings
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import noise, sections
 from problems.backlash.signature.problem import Fit, SignatureFit
@@ -59,7 +60,7 @@ def best_fit(monkeypatch):
     monkeypatch.setattr(SignatureFit, "reference", stub)
 
 
-views = cache(sections)
+views = cache(lambda results: sections(Findings(results)))
 
 
 def section(results):

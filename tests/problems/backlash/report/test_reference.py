@@ -7,10 +7,10 @@ import pytest
 
 from bench import Results, Study, Trace, load_problem
 from bench.columns import packed
-from bench.report.conditions import repairing
 from bench.report.write import save_table
 from bench.storage.folder import Folder
 from bench.study import Entry
+from bench.topics import Findings, repairing
 from problems.backlash.report import reference, sections
 from problems.backlash.signature.problem import TOLERANCE_RPM, Fit, SignatureFit
 from tests.bench.storage.filled import change_data
@@ -51,7 +51,7 @@ def make(folder, found, *, datasets=(3, 12), optimizers=(CMA, GWO), unit="rpm"):
 
 
 def section(results):
-    (found,) = [each for each in sections(results) if each.title == reference.TITLE]
+    (found,) = [each for each in sections(Findings(results)) if each.title == reference.TITLE]
     return found
 
 

@@ -13,6 +13,7 @@ from bench.report import Figure, Table
 from bench.report.write import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
+from bench.topics import Findings
 from problems.backlash.report import (
     accuracy,
     amplitudes,
@@ -101,7 +102,7 @@ def views(results, *modules):
     with pytest.MonkeyPatch.context() as patch:
         for each in MODULES - {*(modules or MODULES)}:
             patch.setattr(each, "sections", lambda *_: [])
-        return sections(results)
+        return sections(Findings(results))
 
 
 def table(results, name):
@@ -179,7 +180,7 @@ def test_smaller_studies_have_what_they_can(tmp_path, change):
 @pytest.mark.slow
 @pytest.mark.parametrize("change", [{"unit": "rps"}, {"optimizers": ("random-search",)}])
 def test_no_table_7_2_in_another_unit_or_without_its_algorithms(tmp_path, change):
-    names = [item.name for section in sections(make(tmp_path / "s", **change)) for item in section.items]
+    names = [item.name for section in sections(Findings(make(tmp_path / "s", **change))) for item in section.items]
     assert "table-7-2" not in names
     assert "amplitude-dots" in names
 
@@ -337,7 +338,7 @@ def test_without_a_truth_there_are_figures_of_the_amplitude_but_no_errors(tmp_pa
 
 def test_a_study_of_other_problems_gets_nothing(tmp_path):
     study = Study("other", (Entry("p", "p"),), (Entry("gwo", "gwo"),), trials=1)
-    assert sections(write(tmp_path / "s", study, lambda _: FAILED)) == []
+    assert sections(Findings(write(tmp_path / "s", study, lambda _: FAILED))) == []
 
 
 def test_only_problems_with_the_figure_are_estimated():
@@ -405,7 +406,7 @@ def test_no_rank_correlation_from_three_datasets(tmp_path):
 )
 def test_everything_can_be_drawn_and_written(tmp_path, change):
     with style.context():
-        for section in sections(make(tmp_path / "s", **change)):
+        for section in sections(Findings(make(tmp_path / "s", **change))):
             for item in section.items:
                 if isinstance(item, Table):
                     assert item.rows
@@ -418,7 +419,7 @@ def test_everything_can_be_drawn_and_written(tmp_path, change):
 
 def test_every_trial_failed(tmp_path):
     everything = [(f"signature-{k:02d}", f"my {o}", i) for k in (3, 4) for o in ("alo", "gwo") for i in range(6)]
-    assert sections(make(tmp_path / "s", optimizers=("alo", "gwo"), fail=everything)) == []
+    assert sections(Findings(make(tmp_path / "s", optimizers=("alo", "gwo"), fail=everything))) == []
 
 
 def test_dataset_labels_are_numbers_or_upright_names(tmp_path, usual):

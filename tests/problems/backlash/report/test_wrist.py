@@ -8,6 +8,7 @@ from bench.columns import packed
 from bench.report import Table
 from bench.storage.folder import Folder
 from bench.study import Entry
+from bench.topics import Findings
 from problems.backlash.report import sections
 from problems.backlash.report.wrist import TITLE
 
@@ -26,7 +27,7 @@ def shown(folder, found):
                 "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": rpm},
                 "trace": Trace(np.array([1]), np.array([1.0])),
             }))  # fmt: skip
-    return next((each for each in sections(Results(folder)) if each.title == TITLE), None)
+    return next((each for each in sections(Findings(Results(folder))) if each.title == TITLE), None)
 
 
 def test_a_joint_s_means_stand_beside_the_published_ones(tmp_path):

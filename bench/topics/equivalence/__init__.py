@@ -1,0 +1,1 @@
+"""A topic of reports: practical equality."""

@@ -1,0 +1,113 @@
+"""Compute the statistics of a study once for all sections of its report.
+
+:class:`Findings` holds four parts, each computed from those before it: :class:`Trials` (what was run), :class:`Final`
+(what the trials reached at the end), :class:`Anytime` (on the way) and :class:`Display` (how much of it is shown).
+:meth:`Findings.of` keeps what a topic computes besides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar, cast
+
+from bench.conditions.descriptions import Descriptions, noted
+from bench.results.results import Results
+from bench.study import Study
+from bench.study.blocks import pooled
+from bench.study.rope import Rope
+from bench.study.targets import Targets
+from bench.study.values import Checked
+from bench.topics.findings.anytime import BEST, Anytime
+from bench.topics.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Display
+from bench.topics.findings.final import Final
+from bench.topics.findings.selection import selection, versions
+from bench.topics.findings.trials import MANY_PROBLEMS, Trials
+
+__all__ = [
+    "BEST",
+    "COLOURED",
+    "CROWD",
+    "MANY_OPTIMIZERS",
+    "MANY_PROBLEMS",
+    "Anytime",
+    "Display",
+    "Final",
+    "Findings",
+    "Trials",
+]
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Findings:
+    """The analysis of a study; every frame has the cells of the study in the study's order.
+
+    Attributes:
+        results: the content of the study's folder.
+        asked: targets other than the study's own.
+        asked_rope: a region of practical equivalence other than the study's own.
+        beside_best: whether the best of 2009 stands beside the optimizers.
+        reference: the optimizer that the competition's table compares with each other one.
+    """
+
+    results: Results
+    asked: Checked[Targets | None] = Checked(Targets.read)
+    asked_rope: Checked[Rope | None] = Checked(Rope.read)
+    beside_best: bool = False
+    reference: str | None = None
+    _computed: dict[Callable[[Findings], Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def of(self, compute: Callable[[Findings], Found]) -> Found:
+        """Return what a function makes of these findings; it is called once, however many topics ask for it."""
+        if compute not in self._computed:
+            self._computed[compute] = compute(self)
+        return cast("Found", self._computed[compute])
+
+    @cached_property
+    def trials(self) -> Trials:
+        """What was run."""
+        return Trials(self.results)
+
+    @cached_property
+    def final(self) -> Final:
+        """What the trials reached at the end."""
+        return Final(self.trials, self.asked_rope)
+
+    @cached_property
+    def anytime(self) -> Anytime:
+        """What the trials reached on the way."""
+        return Anytime(self.trials, self.asked, self.beside_best)
+
+    @cached_property
+    def display(self) -> Display:
+        """How much of it is shown."""
+        return Display(self.trials, self.final)
+
+    @property
+    def study(self) -> Study:
+        """The study as it is compared."""
+        return self.trials.study
+
+    @cached_property
+    def selection(self) -> str:
+        """Sentences on what the study was selected from, and on versions that are not shown; "" where it is whole."""
+        shown = self.results.study
+        functions = {pooled(entry.label) for entry in shown.problems}
+        sentences = (
+            selection(self.results.whole, shown, by_instance=len(functions) < len(self.study.problems)),
+            self.versions,
+        )
+        return " ".join(filter(None, sentences))
+
+    @property
+    def versions(self) -> str:
+        """A sentence on optimizers that were changed after results of theirs were seen; "" where none was."""
+        return versions(self.results.versions)
+
+    @cached_property
+    def descriptions(self) -> Descriptions:
+        """The optimizers and controls as their plug-ins described them when the study ran, by label."""
+        return noted(self.study, self.results.descriptions)

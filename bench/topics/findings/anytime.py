@@ -1,0 +1,328 @@
+"""The statistics over the evaluations: ranks, targets and the time to reach them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+
+from bench import analysis
+from bench.analysis.cells import traces_of
+from bench.errors import BenchError
+from bench.families import function_of
+from bench.formats.coco.best2009 import best2009
+from bench.results.results import ProblemFacts
+from bench.study.targets import KINDS, Targets
+from bench.topics.findings.trials import Trials
+
+NEAR = 0.01  # of the best known value
+BEST = "best of 2009"  # in place of the label of an optimizer
+EXPENSIVE = 1000  # evaluations / d below which targets by running length are the usual ones
+LEVEL = ["problem", "tau", "precision"]
+
+FIELD = ("bbob", "cec", "classical")
+"""The beginnings of the names of the suites for which the field reports absolute precisions."""
+
+
+def are_of_the_field(facts: Mapping[str, ProblemFacts], functions: Collection[str]) -> bool:
+    """Return whether absolute precisions are the usual targets: in units of a design or a signal, 1e-8 means nothing.
+
+    They are where every problem is a function with a known optimum of a suite of the field, or of another suite with
+    instances (``functions``).
+    """
+    usual = [
+        problem.optimum is not None and (label in functions or str(problem.features.get("suite", "")).startswith(FIELD))
+        for label, problem in facts.items()
+    ]
+    return bool(usual) and all(usual)
+
+
+@dataclass(frozen=True)
+class Anytime:
+    """What the trials reached on the way."""
+
+    trials: Trials
+    asked: Targets | None = None  # other than the study's own
+    beside_best: bool = False  # whether the best of 2009 stands beside the optimizers
+
+    @cached_property
+    def stages(self) -> pd.DataFrame:
+        """The rank of each cell after some shares of the budget."""
+        return analysis.stage_ranks(self.trials.frame, self.trials.traces, self._spent, self._shares)
+
+    def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
+        """Return who is shown to be lower than the leader after smaller shares of the budget."""
+        return analysis.earlier_leads(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
+
+    @property
+    def _spent(self) -> dict[str, int]:
+        return self.trials.common or self.trials.budgets
+
+    @cached_property
+    def _shares(self) -> list[float]:
+        """The shares of the budget at which all values are known: imported traces may begin late."""
+        frame = self.trials.frame
+        frame = frame[frame["optimizer"].isin(self.trials.study.imported) & (frame["status"] == "ok")]
+        traces = traces_of(frame, self.trials.traces)
+        first = np.array([trace.evaluations[0] if len(trace.values) else 0 for trace in traces], dtype=np.float64)
+        begin = max(first / frame["problem"].astype(object).map(self._spent).to_numpy(np.float64), default=0.0)
+        return [share for share in analysis.SHARES if share >= min(begin, 1.0)]
+
+    @cached_property
+    def unused(self) -> pd.DataFrame:
+        """The share of the budget that each optimizer left."""
+        return analysis.unused_budget(self.trials.whole, self.trials.allowed)
+
+    @cached_property
+    def target_set(self) -> Targets:
+        """The targets: those asked for, the study's own, or the usual ones of its problems and budget."""
+        if chosen := self.asked or self.trials.results.study.targets:
+            return chosen
+        if not are_of_the_field(self.trials.known, self.trials.precisions):
+            return KINDS["relative"]
+        return KINDS["runlength" if self._expensive and self._has_best else "precisions"]
+
+    @property
+    def _expensive(self) -> bool:
+        """Whether every budget is below what the field calls expensive, in evaluations / d."""
+        frame = self.trials.whole
+        dimensions = frame["problem"].astype(object).map(self.trials.dimensions).astype(float)
+        return bool((analysis.budgets(frame, self.trials.allowed) < EXPENSIVE * dimensions).all())
+
+    @property
+    def _has_best(self) -> bool:
+        """Whether the best of 2009 is installed and has running times on every function."""
+        try:
+            return set(self.functions.values()) <= set(self.best["problem"])
+        except BenchError:
+            return False
+
+    @cached_property
+    def functions(self) -> dict[str, str]:
+        """The name of the function of each problem, which has no instance."""
+        names = {entry.label: entry.name for entry in self.trials.results.study.problems}
+        return {label: function_of(names[self.trials.pooled.members[label][0]]) for label in self.trials.problems}
+
+    @cached_property
+    def best(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 on the functions; raises BenchError where there is none."""
+        return best2009(self.functions.values())
+
+    @property
+    def near(self) -> float:
+        """The share of the best known value within which a trial counts as near; 0 where precisions count instead.
+
+        A share of an optimum that was shifted at will means nothing.
+        """
+        return 0.0 if self.target_set.absolute else NEAR
+
+    @property
+    def near_words(self) -> str:
+        """What counts as near, such as ``"within 1%"``."""
+        return f"within {self.near:.0%}" if self.near else f"within {analysis.SOLVED:g}"
+
+    @cached_property
+    def near_best(self) -> pd.Series:
+        """The share of each optimizer's trials that came near the best known value."""
+        return analysis.near_best(self.trials.measured_final, self.trials.optima, self.near, analysis.SOLVED)
+
+    @property
+    def shows_best(self) -> bool:
+        """Whether curves and tables show the best of 2009: it was asked for, or targets are set by it."""
+        return self.beside_best or self.target_set.by_best
+
+    @property
+    def curves(self) -> list[str]:
+        """The labels of the curves of simulated restarts: the optimizers, and the best of 2009 where it is shown."""
+        return [*self.trials.optimizers, *([BEST] if self.shows_best else [])]
+
+    def ends(self, problems: Collection[str], *, per_dimension: bool) -> dict[str, float]:
+        """Return the largest budget of each optimizer on these problems; beyond it, restarts are simulated."""
+        largest = dict.fromkeys(self.trials.optimizers, 0.0)
+        for key, evaluations in cast("Mapping[Any, int]", self.trials.allowed).items():
+            label, optimizers = (key, largest) if isinstance(key, str) else (key[0], [key[1]])
+            if label in problems and (not per_dimension or label in self.trials.dimensions):
+                budgets = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
+                largest |= {optimizer: max(largest[optimizer], budgets) for optimizer in optimizers}
+        return largest
+
+    def check_targets(self) -> None:
+        """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
+        self.target_set.require_metric(any(facts.expected for facts in self.trials.known.values()))
+        if self.beside_best and not self.target_set.absolute:
+            raise BenchError(
+                f"the running times of best2009 are those to precisions, and the targets are {self.target_set.short}; "
+                "add --targets precisions or leave out best2009"
+            )
+        if self.shows_best:
+            _ = self.best  # where there is none, a sentence says so
+
+    @cached_property
+    def targets(self) -> pd.DataFrame:
+        """The targets of each problem."""
+        return self._targets(self.target_set)
+
+    @cached_property
+    def hits(self) -> pd.DataFrame:
+        """The evaluations that each trial took to reach each target."""
+        return self._hits(self.target_set)
+
+    def _targets(self, chosen: Targets) -> pd.DataFrame:
+        if chosen.by_best:
+            lengths = self._run_lengths
+            optimum = lengths["problem"].map(self.trials.unbeaten).astype(float)
+            return pd.DataFrame(
+                {"problem": lengths["problem"], "tau": lengths["tau"], "target": optimum + lengths["precision"]}
+                | {"reference": optimum, "known": True}
+            )
+        table = analysis.target_table(chosen, self.trials.measured, self.trials.measured_traces, self.trials.optima)
+        if not chosen.by_metric:
+            return table
+        return table[table["problem"].isin([label for label, facts in self.trials.known.items() if facts.expected])]
+
+    def _hits(self, chosen: Targets) -> pd.DataFrame:
+        if chosen.by_metric:
+            expected = {label: facts.expected for label, facts in self.trials.known.items()}
+            return analysis.tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
+        targets = self.targets if chosen == self.target_set else self._targets(chosen)
+        return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
+
+    @property
+    def compared_hits(self) -> pd.DataFrame:
+        """The same of the trials that are compared, as all optimizers share their instances."""
+        if not self.trials.comparable.instances:
+            return self.hits
+        keys = ["problem", "optimizer", "trial"]
+        compared = pd.MultiIndex.from_frame(self.trials.frame[keys].astype(object))
+        return self.hits[pd.MultiIndex.from_frame(self.hits[keys].astype(object)).isin(compared)]
+
+    @cached_property
+    def success(self) -> pd.DataFrame:
+        """The share of trials of each cell that reached a target, with its interval."""
+        return analysis.success_rates(self.hits, self.target_set.levels)
+
+    @cached_property
+    def running_times(self) -> pd.DataFrame:
+        """The ERT of each cell to the targets of the tables, with its spread, also by dimension and in seconds.
+
+        The targets have the name of their unit; times in seconds end with ``_s``.
+        """
+        hits = self.hits
+        codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+        tabled = np.isclose(taus[:, np.newaxis], self.target_set.tabled, rtol=1e-9, atol=0)
+        kept = tabled.any(axis=1)[codes]
+        rounded = np.array(self.target_set.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
+        tabled_hits = hits[kept].assign(
+            tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.trials.allowed)
+        )
+        table = analysis.running_times(tabled_hits)
+        times = analysis.running_times(analysis.in_seconds(tabled_hits, self.trials.whole))
+        names = ["ert", "low", "high", "p10", "p90"]
+        seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{name}_s" for name in names])
+        dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
+        table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
+        if self.shows_best:
+            best = self.best_times.set_index(["problem", "tau"])["ert"]
+            keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
+            table = table.assign(best2009=best.reindex(keys).to_numpy())
+        return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.target_set.unit})
+
+    @cached_property
+    def best_times(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 to the targets of the tables: problem, tau, precision and ert.
+
+        It is missing on functions without any, and where trials beat the optimum that precisions are measured from.
+        """
+        if not self.shows_best:
+            return pd.DataFrame(columns=["problem", "tau", "precision", "ert"])
+        if self.target_set.by_best:
+            levels = self._run_lengths
+        else:
+            taus = sorted({*self.target_set.tabled, *self.target_set.levels}, reverse=True)
+            kept = [label for label in self.functions if label in self.trials.unbeaten]
+            levels = pd.DataFrame([(label, tau, tau) for label in kept for tau in taus], columns=LEVEL)
+        return analysis.reference_times(self.best, self.functions, levels)
+
+    @cached_property
+    def _run_lengths(self) -> pd.DataFrame:
+        """The targets by running length: problem, tau and precision."""
+        kept = {
+            label: name
+            for label, name in self.functions.items()
+            if label in self.trials.unbeaten and label in self.trials.dimensions
+        }
+        table = analysis.runlength_targets(self.best, kept, self.trials.dimensions)
+        return table.assign(tau=1 / table["length"])[LEVEL]
+
+    @cached_property
+    def restart_shares(self) -> pd.DataFrame:
+        """The shares of simulated restarts over all targets of each cell, over evaluations up to ten times the budget.
+
+        Over evaluations / d where budgets differ.
+        """
+        return self.restarts_per_dimension if self.trials.scaled else self._restart_shares(self.trials.budgets)
+
+    @cached_property
+    def restarts_per_dimension(self) -> pd.DataFrame:
+        """The same over evaluations / d, of the problems whose dimension is known."""
+        most = {label: self.trials.budgets[label] / d for label, d in self.trials.dimensions.items()}
+        return self._restart_shares(most, self.trials.dimensions)
+
+    def _restart_shares(self, most: Mapping[str, float], dimensions: dict[str, int] | None = None) -> pd.DataFrame:
+        budget, hits = max(most.values(), default=1.0), self.hits
+        first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
+        grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
+        sized = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
+        shares = analysis.restart_shares(sized, grid, dimensions)
+        if not self.shows_best:
+            return shares
+        best = analysis.reference_shares(self._best_to_targets, grid, dimensions).assign(optimizer=BEST)
+        return pd.concat([shares, best], ignore_index=True)
+
+    @cached_property
+    def _best_to_targets(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 to every target that is a precision."""
+        if self.target_set.by_best:
+            levels = self._run_lengths
+        else:
+            with_value = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
+            levels = self.targets.loc[with_value, ["problem", "tau"]].assign(precision=lambda rows: rows["tau"])
+        return analysis.reference_times(self.best, self.functions, levels.reset_index(drop=True))
+
+    @cached_property
+    def target_sets(self) -> pd.DataFrame:
+        """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
+        others = [KINDS[kind] for kind in ("precisions", "relative", "quantiles") if kind != self.target_set][:2]
+        areas = {self.target_set.short: analysis.target_areas(self.hits, self.trials.budgets)}
+        for chosen in others:
+            targets = dict(list(self._targets(chosen).groupby("problem", observed=True)))
+            # Problem by problem: the hits of all trials on all targets may take a gigabyte.
+            tables = [
+                analysis.target_areas(
+                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed),
+                    self.trials.budgets,
+                )
+                for label, trials in self.trials.measured.groupby("problem", observed=True)
+                if label in targets
+            ]
+            areas[chosen.short] = (
+                pd.concat(tables, ignore_index=True) if tables else areas[self.target_set.short].head(0)
+            )
+        return analysis.compare_sets(areas, self.trials.optimizers)
+
+    @cached_property
+    def aocc(self) -> pd.DataFrame:
+        """The area over the convergence curve of each cell on problems whose optimum is known and not beaten."""
+        return analysis.aocc(
+            self.trials.measured, self.trials.measured_traces, self.trials.unbeaten, self.trials.budgets
+        )
+
+    @cached_property
+    def u_scores(self) -> pd.DataFrame:
+        """The U-scores of each cell on functions of suites, by trial-based dominance."""
+        trials = self.trials.measured[self.trials.measured["problem"].isin(self.trials.suite_functions)]
+        return analysis.u_scores(trials, self.trials.measured_traces, self.trials.unbeaten)

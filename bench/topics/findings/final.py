@@ -1,0 +1,146 @@
+"""The statistics at the end of the budget, on each problem and across problems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import count
+from math import comb
+from typing import Any
+
+import pandas as pd
+
+from bench import analysis
+from bench.study.rope import Rope
+from bench.topics.findings.trials import Trials
+
+
+@dataclass(frozen=True)
+class Final:
+    """What the trials reached at the end of the budget, or of the largest that all had."""
+
+    trials: Trials
+    asked_rope: Rope | None = None  # other than the study's own
+
+    # problem by problem
+
+    @cached_property
+    def summary(self) -> pd.DataFrame:
+        """The summary of each cell."""
+        return analysis.summarise(self.trials.frame)
+
+    @cached_property
+    def measured_summary(self) -> pd.DataFrame:
+        """The summary of each cell with values that count from the optimum that each optimizer can reach."""
+        return analysis.summarise(self.trials.measured_final) if self.trials.shifts else self.summary
+
+    @cached_property
+    def pairs(self) -> pd.DataFrame:
+        """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
+        level = self.levels.problems
+        pairs = analysis.pairwise_tests(self.trials.frame, level or analysis.ALPHA)
+        if not level:  # the whole level belongs to the tests over all problems
+            pairs = analysis.adjusted(pairs, level).assign(testable=False)
+        return analysis.at_looks(pairs, self.trials.decisions, level) if self.trials.results.study.looks else pairs
+
+    @cached_property
+    def levels(self) -> analysis.Levels:
+        """The levels of the tests on problems and over all of them, which the design of the study gives."""
+        sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
+        smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
+        return self._levels(smaller)
+
+    def _levels(self, smaller: list[int]) -> analysis.Levels:
+        """Return the levels for a number of trials in the smaller cell of each pair, by problem."""
+        pairs = comb(len(self.trials.optimizers), 2)
+        return analysis.levels(smaller, pairs, self.tests, looks=bool(self.trials.results.study.looks))
+
+    @cached_property
+    def tests(self) -> int:
+        """The number of pairs on problems of which both have trials."""
+        sizes = self.summary.groupby("problem", observed=True)["n"]
+        return sum(comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in sizes)
+
+    @cached_property
+    def enough(self) -> int:
+        """The trials a cell from which on complete separation on a problem is significant."""
+        return next(n for n in count(1) if self._levels([n] * max(len(self.medians), 1)).problems)
+
+    @cached_property
+    def matrix(self) -> pd.DataFrame:
+        """The comparison matrix of medians with its letters, one row a cell."""
+        letters = analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
+        return analysis.comparison_matrix(self.summary, self.pairs, standing=self.standings).merge(letters)
+
+    @cached_property
+    def standings(self) -> pd.DataFrame:
+        """The rank of each cell by the rivals that it beats, and those that it is separable from."""
+        return analysis.standings(self.summary, self.pairs)
+
+    @cached_property
+    def disagreements(self) -> pd.DataFrame:
+        """The problems on which median, mean and rank name different optimizers."""
+        return analysis.disagreements(self.summary, self.standings)
+
+    @cached_property
+    def ranking(self) -> pd.DataFrame:
+        """The place of each optimizer over all problems, and the number of problems on which it is ranked first."""
+        table = analysis.ranking(self.summary, self.pairs, standing=self.standings)
+        return table.merge(analysis.places(self._overall, self.trials.optimizers), on="optimizer")
+
+    # across problems
+
+    @cached_property
+    def certainty(self) -> pd.DataFrame:
+        """How far other trials on the same problems could move the ranking."""
+        return analysis.ranking_certainty(self.trials.frame)
+
+    @cached_property
+    def stability(self) -> pd.DataFrame:
+        """The mean rank of each optimizer over the number of trials that count."""
+        return analysis.rank_stability(self.trials.frame)
+
+    @cached_property
+    def needed(self) -> pd.DataFrame:
+        """The trials that would separate the pairs that are not separated, with a power of 80%."""
+        return self.needed_for(analysis.POWER)
+
+    def needed_for(self, power: float) -> pd.DataFrame:
+        """Return the trials that would separate the pairs that are not separated, with a power."""
+        return analysis.trials_needed(
+            self.trials.frame, self.pairs, self.standings, power=power, looks=self.trials.results.study.looks
+        )
+
+    @cached_property
+    def medians(self) -> pd.DataFrame:
+        """The medians of the problems on which every optimizer has a trial, problems by optimizers."""
+        return analysis.medians(self.summary)
+
+    @cached_property
+    def friedman(self) -> dict[str, Any]:
+        """Friedman's test of the ranks and its Iman-Davenport form."""
+        return dict(analysis.friedman(analysis.ranks_by_block(self.standings, self.trials.blocks)).iloc[0])
+
+    @cached_property
+    def overall(self) -> pd.DataFrame:
+        """The probability of each pair to end lower over all problems, with its tests.
+
+        Trials stop where a difference looks large, so the effects are missing where a look stopped a cell.
+        """
+        effects = self._overall.filter(regex="probability|low$|high$")
+        return self._overall.assign(**effects * float("nan")) if self.trials.decisions.stopped else self._overall
+
+    @cached_property
+    def _overall(self) -> pd.DataFrame:
+        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across)
+        return analysis.with_winner(tests, self.trials.optimizers, self.levels.across) if len(tests) else tests
+
+    @property
+    def rope(self) -> Rope | None:
+        """The differences of medians that count as equal, where any are given."""
+        return self.asked_rope or self.trials.results.study.rope
+
+    @cached_property
+    def ranked(self) -> list[str]:
+        """The labels of the optimizers in the order of every part of a report (:func:`bench.analysis.places`)."""
+        return list(self.ranking.sort_values("place", kind="stable")["optimizer"])

@@ -1,0 +1,197 @@
+"""What was run: the trials of a study, its problems and its budgets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import pandas as pd
+
+from bench import analysis
+from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
+from bench.conditions.descriptions import repairing
+from bench.results.compared import Compared
+from bench.results.results import ProblemFacts, Results
+from bench.topics.findings.replication import Replication, replications
+
+MANY_PROBLEMS = 20
+"""More problems than these are folded away one by one, below what can be said of all."""
+
+
+@dataclass(frozen=True)
+class Trials(Compared):
+    """The trials of a study, and what is known of its problems and budgets."""
+
+    results: Results
+
+    @cached_property
+    def controls(self) -> pd.DataFrame:
+        """The trials of the study's controls with instances pooled, which no other frame has."""
+        return self._pool(self.results.controls, {}).frame
+
+    @property
+    def precisions(self) -> list[str]:
+        """The problems with pooled instances, whose values are precisions; those of all others are objective values."""
+        return self.pooled.functions
+
+    @cached_property
+    def replications(self) -> list[Replication]:
+        """The trials of the cells, by the number of instances that a problem stands for."""
+        return replications(self.coverage, self.pooled.members, self.results.planned)
+
+    @cached_property
+    def decisions(self) -> analysis.Decisions:
+        """The outcome of the study's declared looks at its trials; nothing is decided without looks."""
+        return analysis.decide(self.whole, self.results.study.looks)
+
+    @property
+    def extensions(self) -> list[tuple[int, int]]:
+        """The trials of each cell that were complete, and those then asked for, of every run that asked for more."""
+        keys = [(record.get("extends"), record.get("trials")) for record in self.results.environments]
+        asked_for = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
+        return [] if self.results.study.looks else list(dict.fromkeys(asked_for))
+
+    @property
+    def common(self) -> dict[str, int]:
+        """The largest budget of each problem that all optimizers had, where budgets differ; else none."""
+        return self.comparable.common
+
+    @property
+    def common_words(self) -> str:
+        """The words for the common budgets, for the lead: "" where budgets do not differ."""
+        if not self.common:
+            return ""
+        low, high = min(self.common.values()), max(self.common.values())
+        if low == high:
+            return f"at {low:,} evaluations, the largest budget that all had"
+        return f"at the largest budget of each problem that all had ({low:,} to {high:,} evaluations)"
+
+    @cached_property
+    def shifts(self) -> Shifts:
+        """How much the best value that an optimizer can reach is above the optimum, by problem and optimizer."""
+        repaired = {
+            label: facts.repaired_optimum
+            for label, facts in self.known.items()
+            if facts.repaired_optimum is not None and label not in self.pooled.functions
+        }
+        if not repaired:
+            return {}
+        confined = [label for label, kept in repairing(self.results.study).items() if kept]
+        return shifts(self.whole, self.optima, repaired, confined)
+
+    @cached_property
+    def measured(self) -> pd.DataFrame:
+        """The trials on problems that work, with values that count from the optimum that each optimizer can reach."""
+        return shifted(self.comparable.working, self.shifts)
+
+    @cached_property
+    def measured_final(self) -> pd.DataFrame:
+        """The same of the frame whose values are ranked and tested."""
+        return shifted(self.frame, self.shifts)
+
+    @cached_property
+    def measured_traces(self) -> analysis.Traces:
+        """The traces with such values."""
+        return ShiftedTraces(self.traces, self.shifts) if self.shifts else self.traces
+
+    @property
+    def many(self) -> bool:
+        """Whether there are too many problems to look at each."""
+        return len(self.problems) > MANY_PROBLEMS
+
+    @cached_property
+    def optimizers(self) -> list[str]:
+        """The labels of the study's optimizers."""
+        return analysis.labels(self.whole, "optimizer")
+
+    @cached_property
+    def coverage(self) -> pd.DataFrame:
+        """Stored, failed and missing trials of each cell."""
+        members, planned = self.pooled.members, self.results.planned_on
+        cells, stopped = product(members, self.optimizers), self.decisions.stopped
+        return analysis.coverage(self.whole, {(p, o): stopped.get((p, o), planned(o, members[p])) for p, o in cells})
+
+    @cached_property
+    def known(self) -> dict[str, ProblemFacts]:
+        """The optimum, bounds and expected values of each problem, as far as they are known."""
+        members = self.pooled.members
+        return {
+            label: self.results.facts(label) if members[label] == [label] else self._function(members[label])
+            for label in self.problems
+        }
+
+    def _function(self, instances: list[str]) -> ProblemFacts:
+        """Return the facts of a function, whose values are precisions."""
+        first = self.results.facts(instances[0])
+        features = {name: value for name, value in first.features.items() if name != "instance"}
+        return replace(first, optimum=0.0, expected={}, features=features)
+
+    @cached_property
+    def constrained(self) -> list[str]:
+        """The labels of the problems whose constraints were handled."""
+        return [label for label, facts in self.known.items() if facts.constraints]
+
+    @cached_property
+    def noisy(self) -> list[str]:
+        """The labels of the problems whose values optimizers saw with noise."""
+        return [label for label, facts in self.known.items() if facts.noisy]
+
+    @cached_property
+    def mixed(self) -> list[str]:
+        """The labels of the problems with integer variables."""
+        return [label for label, facts in self.known.items() if facts.integers]
+
+    @cached_property
+    def optima(self) -> dict[str, float]:
+        """The best known objective value of the problems that have one."""
+        return {label: facts.optimum for label, facts in self.known.items() if facts.optimum is not None}
+
+    @property
+    def scaled(self) -> bool:
+        """Whether evaluations are compared by evaluation / dimension, as budgets differ."""
+        return len(set(self.budgets.values())) > 1
+
+    @cached_property
+    def per_cell(self) -> tuple[int, int]:
+        """The fewest and the most trials of a cell that has any; (0, 0) where no cell has."""
+        stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
+        return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
+
+    @cached_property
+    def blocks(self) -> dict[str, str]:
+        """The block of each problem: that of the study, its sweep, or its function in several dimensions."""
+        block_of, declared = {}, self.study.blocks
+        for label, facts in self.known.items():
+            features = facts.features
+            function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
+            own = declared.of(label) if declared else ""
+            block_of[label] = own or str(features.get("sweep") or function or label)
+        return block_of
+
+    @cached_property
+    def sweeps(self) -> dict[str, list[str]]:
+        """The problems, three or more, that are steps of one sweep, by its name."""
+        return sweeps(self.known)
+
+    @cached_property
+    def unbeaten(self) -> dict[str, float]:
+        """The known optima that no trial beat by more than rounding; regret is counted from them."""
+        lowest = analysis.scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
+        references = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
+        return {label: reference.value for label, reference in references.items() if reference.known}
+
+    @cached_property
+    def suite_functions(self) -> list[str]:
+        """The labels of the problems that are functions of a suite."""
+        return [label for label, facts in self.known.items() if "suite" in facts.features]
+
+
+def sweeps(facts: Mapping[str, ProblemFacts]) -> dict[str, list[str]]:
+    """Return the problems, three or more, that are steps of one sweep, by its name."""
+    steps: dict[str, list[str]] = {}
+    for label, problem in facts.items():
+        if name := str(problem.features.get("sweep", "")):
+            steps.setdefault(name, []).append(label)
+    return {name: labels for name, labels in steps.items() if len(labels) > 2}

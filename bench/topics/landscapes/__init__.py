@@ -1,0 +1,1 @@
+"""A topic of reports: what kind of problems these are."""

@@ -1,0 +1,183 @@
+"""What differs between the optimizers of a study besides their algorithms, as far as their options show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from bench.conditions.descriptions import Description
+from bench.helpers.text import option
+from bench.optimizer import CONDITIONS
+from bench.report.parts import Table
+from bench.report.wording import MISSING, listing
+from bench.study import Study
+
+UNKNOWN, NONE = "not known", "null"
+MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
+
+
+def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
+    """Return each optimizer's conditions and the options that differ from its defaults, a row an optimizer.
+
+    Columns: :data:`bench.optimizer.CONDITIONS`, missing where the optimizer has no such option, and ``UNKNOWN`` where
+    its description is not known and the study does not give it; and ``changed``, a dict of (value, default) by option,
+    or None where the description is not known.
+    """
+    rows = []
+    for entry in study.optimizers:
+        description = descriptions.get(entry.label, Description())
+        asked = {name: option(value) for name, value in entry.options.items()}
+        values = asked if description.values is None else description.values
+        row: dict[str, object] = {
+            name: values.get(name, UNKNOWN if description.values is None else None) for name in CONDITIONS
+        }
+        usual = description.defaults or {}
+        row["changed"] = (
+            None
+            if description.values is None
+            else {name: (value, usual.get(name)) for name, value in values.items() if value != usual.get(name)}
+        )
+        rows.append(row)
+    return pd.DataFrame(rows, [entry.label for entry in study.optimizers], [*CONDITIONS, "changed"], dtype=object)
+
+
+class Conditions(NamedTuple):
+    """Sentences on the conditions: those that limit what may be claimed, and those that do not."""
+
+    limits: tuple[str, ...]
+    others: tuple[str, ...]
+
+
+def sentences(study: Study, descriptions: Mapping[str, Description], leader: str) -> Conditions:
+    """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
+    table = conditions(study, descriptions)
+    apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
+    tuned = "how some of them were tuned, on other problems, is stated below"
+    source = tuned if apart else "whether they were tuned on these problems is not recorded"
+    clause = differing(study, descriptions, leader)
+    limits = clause and (
+        f"The optimizers differ in more than their algorithms: {clause}. A difference in rank may come from this."
+    )
+    changed, usual = _changes(table, source)
+    return Conditions(
+        tuple(filter(None, (limits, changed))), tuple(filter(None, ("" if limits else _alike(table), usual)))
+    )
+
+
+def differing(study: Study, descriptions: Mapping[str, Description], leader: str) -> str:
+    """Return which conditions may favour the leader over a rival, as a clause; "" where none is known to.
+
+    Such as ``"handling and start are box, midpoint for cma-es and repair, random for the 4 others"``. None is one that
+    an algorithm takes of its own accord (the population, where the study sets none), that the leader has no option for,
+    or that a sweep varies: there it is the question.
+    """
+    table = conditions(study, descriptions)
+    set_here = {name for entry in study.optimizers for name in entry.options}
+    together: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
+    for name in CONDITIONS:
+        if table.at[leader, name] is None or (name == "agents" and name not in set_here):
+            continue
+        varied = {
+            label
+            for sweep in study.sweeps
+            if name in sweep.factors and leader in sweep.labels.values()
+            for label in sweep.labels.values()
+        }
+        groups = by_value(table[name].dropna().drop(list(varied - {leader})))
+        if len(groups) > 1:
+            together.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
+    clauses = []
+    for owners, values in together.items():
+        joint = {", ".join(of_one): [*labels] for *of_one, labels in zip(*values.values(), owners, strict=True)}
+        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {grouped(joint)}")
+    return ", ".join(clauses)
+
+
+def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:
+    """Return the labels of the optimizers by what is said of their value, without those whose value is not known."""
+    groups: dict[str, list[str]] = {}
+    for label, value in values[values != UNKNOWN].items():
+        groups.setdefault(_said(value), []).append(str(label))
+    return groups
+
+
+def _alike(table: pd.DataFrame) -> str:
+    """Return the sentence on the conditions that all optimizers have and that are known to be the same."""
+    groups = {name: by_value(table[name]) for name in CONDITIONS if None not in table[name].tolist()}
+    alike = [f"{name} ({next(iter(values))})" for name, values in groups.items() if len(values) == 1]
+    partly = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
+    return f"The optimizers have the same {partly}{listing(alike)}." if alike else ""
+
+
+def _said(value: object) -> str:
+    """Return the value of a condition in words."""
+    return "no option" if value is None else "automatic" if value == NONE else str(value)
+
+
+def grouped(groups: Mapping[str, list[str]]) -> str:
+    """Return who has which value, the largest group last, such as ``"box for cma-es and repair for the 4 others"``."""
+    ordered = sorted(groups.items(), key=lambda group: len(group[1]))
+    if len(ordered) > MOST_VALUES:
+        return f"set in {len(ordered)} ways"
+    parts = [f"{value} for {listing(labels, at_most=MOST_LABELS)}" for value, labels in ordered[:-1]]
+    value, labels = ordered[-1]
+    most = f"the {len(labels)} others" if len(labels) > 1 else labels[0]
+    return listing([*parts, f"{value} for {most}"])
+
+
+def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:
+    """Return the sentence on options that are changed or not known, and that on options that are the defaults."""
+    described = table["changed"].dropna()
+    unknown = table.index.difference(described.index, sort=False)
+    by_option: dict[str, list[str]] = {}
+    for label, changed in described.items():
+        for name, (value, _) in changed.items():
+            by_option.setdefault(f"{name} = {value}", []).append(str(label))
+    parts = [
+        f"{pair} for {'all' if len(labels) == len(table) else listing(labels, at_most=MOST_LABELS)}"
+        for pair, labels in by_option.items()
+    ]
+    text = usual = ""
+    if len(parts) > MOST_OPTIONS:
+        owners = sum(bool(changed) for changed in described)
+        text = f"{len(parts)} options of {owners} of {len(table)} optimizers differ from the optimizers’ defaults"
+    elif parts:
+        text = f"These options differ from the optimizers’ defaults: {'; '.join(parts)}"
+    elif len(described):
+        usual = (
+            f"All {'known ' if len(unknown) else ''}options are the optimizers’ defaults, as the last run noted them "
+            "or as they are installed here; a default that changed since a trial was made does not show."
+        )
+    if parts:
+        text += f" ({source})"
+    text += "." if text else ""
+    if len(unknown):
+        names = listing([*map(str, unknown)], at_most=MOST_LABELS)
+        text += f"{' ' if text else ''}The options of {names} are not all known: no run noted them in the folder."
+    return text, usual
+
+
+def conditions_table(study: Study, descriptions: Mapping[str, Description]) -> Table:
+    """Return the table of the conditions and changed options of every optimizer."""
+    table = conditions(study, descriptions)
+    shown = table[list(CONDITIONS)].map(lambda value: MISSING if value is None else _said(value))
+    shown = shown.assign(**{"options other than the defaults": table["changed"].map(_spelled)})
+    return Table(
+        "conditions",
+        "What differs between the optimizers besides their algorithms, as their options show it.",
+        shown.rename_axis("optimizer"),
+        note=f"agents: the population size; in brackets: the default; {MISSING}: the optimizer has no such option; "
+        "automatic: the optimizer chooses it.",
+    )
+
+
+def _spelled(changed: dict[str, tuple[str, str | None]] | None) -> str:
+    if changed is None:
+        return UNKNOWN
+    pairs = [
+        f"{name} = {value}" + ("" if usual is None else f" ({_said(usual)})")
+        for name, (value, usual) in changed.items()
+    ]
+    return ", ".join(pairs) or "none"

@@ -1,0 +1,39 @@
+"""The methods of this run as a paper describes them."""
+
+from __future__ import annotations
+
+from bench.report.parts import File, Section
+from bench.topics.findings import Findings
+from bench.topics.matched.conditions import conditions_table
+from bench.topics.methods.methods import methods
+from bench.topics.methods.problem_words import problems_table
+from bench.topics.topic import Topic
+
+TITLE = "Methods"
+
+
+def section(findings: Findings) -> Section:
+    """Return paragraphs that are true of this run, with the BibTeX of the works they cite."""
+    if findings.trials.whole.empty:
+        return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
+    stated = findings.of(methods)
+    tables = (
+        problems_table(findings.trials.known, findings.trials.pooled.members),
+        conditions_table(findings.study, findings.descriptions),
+    )
+    return Section(TITLE, stated.text, tables, stated.warnings, code=stated.bibtex)
+
+
+def texts(findings: Findings) -> list[File]:
+    """Return the methods as Markdown and LaTeX, and the works they cite; none without a trial."""
+    if not len(findings.results.frame):
+        return []
+    stated = findings.of(methods)
+    return [
+        File("methods.md", "The methods as Markdown.", stated.markdown),
+        File("methods.tex", "The methods as LaTeX.", stated.latex),
+        File("references.bib", "The works cited in the methods.", stated.bibtex),
+    ]
+
+
+TOPIC = Topic(TITLE, section, place=720, files=texts)

@@ -1,0 +1,1 @@
+"""A topic of reports: ranks, tests and effect sizes over all problems."""

@@ -1,0 +1,42 @@
+"""Mean ranks, and the chance of each pair, over all problems."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import pandas as pd
+
+from bench.plots import a12_forest, cd_diagram, style
+from bench.plots.ranks import RANK_NAME, cd_height, forest_names
+from bench.report.parts import Figure
+from bench.topics.figures import figure_width, left_margin
+
+
+def rank_figure(mean_ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> Figure:
+    """Return the critical-difference diagram of mean ranks over problems; a bar joins those of a clique."""
+    side = style.text_width(style.names(mean_ranks.index, RANK_NAME).values()) + 0.5
+    figure, (ax,) = style.grid(
+        1, width=figure_width(2 * side),
+        height=cd_height(mean_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05, top=0.3,
+    )  # fmt: skip
+    cd_diagram(mean_ranks, cliques, ax=ax)
+    caption = (
+        "Critical-difference diagram: mean ranks over problems by the rivals beaten, the best at the left. A bar joins "
+        "optimizers no pair of which differs significantly on these problems (Holm)."
+    )
+    return Figure("ranks", caption, figure, mean_ranks.rename_axis("optimizer").reset_index(name="mean_rank"))
+
+
+def forest_figure(pairs: pd.DataFrame) -> Figure:
+    """Return the probability of each pair to end lower over all problems, with its intervals and its test."""
+    left = left_margin(forest_names(pairs))
+    height = style.rows_height(len(pairs))
+    figure, (ax,) = style.grid(1, width=figure_width(left), height=height, left=left, bottom=0.5, top=0.08)
+    a12_forest(pairs, ax=ax)
+    caption = (
+        "The probability that a run of the first optimizer ends lower than one of the second, averaged over these "
+        "problems, with 95% intervals that hold for all pairs together; thin: for further problems, one pair alone, "
+        "if these are an independent sample of them. A point is filled where the test on these problems is significant "
+        "(Holm). Dotted: the bounds of small, medium and large effects on both sides of 0.5."
+    )
+    return Figure("probability-to-end-lower", caption, figure, pairs)

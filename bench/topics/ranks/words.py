@@ -1,0 +1,35 @@
+"""What the tests over all problems leave open, and which problems are no independent sample."""
+
+from __future__ import annotations
+
+from bench.report.wording import count, listing
+from bench.topics.findings import Findings
+
+
+def across(findings: Findings) -> str:
+    """Return what the tests across problems do not show."""
+    tests = findings.final.overall
+    if not findings.final.levels.across:
+        few = f"{findings.trials.per_cell[0]:,} trials and {count(len(tests), 'pair')} of optimizers"
+        return f"Nothing is tested over all problems: {few} leave no test that could be significant."
+    apart = tests[~tests["significant"]]
+    if apart.empty:
+        return "Every pair of optimizers differs significantly on these problems, but not on each of them."
+    if len(apart) == len(tests) > 1:
+        return "On these problems the tests distinguish no two optimizers (Holm)."
+    open_pairs = [f"{first} from {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
+    return f"On these problems the tests do not distinguish {listing(open_pairs, at_most=4)} (Holm)."
+
+
+def dependent(findings: Findings) -> str:
+    """Return which problems are no independent sample; "" where none is known to be."""
+    ranked = set(findings.final.medians.index)
+    steps = {name: len(ranked & set(labels)) for name, labels in findings.trials.sweeps.items()}
+    which = [f"{number} of {len(ranked)} problems are steps of one sweep, {name}" for name, number in steps.items()]
+    if not which:
+        return ""
+    blocks = len({findings.trials.blocks[str(label)] for label in ranked})
+    return (
+        f"{listing(which)}: they are {count(blocks, 'independent problem')}, so the counts describe this sweep and no "
+        "further problems."
+    )

@@ -1,0 +1,1 @@
+"""A topic of reports: what the parameters of a sweep contribute."""

@@ -1,0 +1,1 @@
+"""A topic of reports: the time of a trial, and the machines."""

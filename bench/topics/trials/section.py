@@ -1,0 +1,181 @@
+"""Whether the trials were enough: how many would separate more pairs, what looks decided, and how stable ranks are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis.integrity import undeclared
+from bench.analysis.sequential import levels
+from bench.analysis.trials_needed import LARGEST
+from bench.report.parts import Part, Section, Table
+from bench.report.wording import count, interval, listing
+from bench.topics.findings import Final, Findings
+from bench.topics.topic import Topic
+from bench.topics.trials.figures import stability_figure
+
+TITLE = "Enough trials"
+SHOWN = 40  # rows of the table on the page
+NOT_ADJUSTED = (
+    "A cell that a look stopped has no A12 and no interval of it, as they would overstate its differences; medians and "
+    "ranks are of all trials made."
+)
+CAUTION = (
+    "The estimates take the trials made for the truth, so they are as uncertain as A12 is, and a pair that is equal "
+    "looks as if more trials could separate it. To add trials because of them, or of p-values, is optional stopping: a "
+    "new study with declared looks keeps its level."
+)
+
+
+def section(findings: Findings) -> Section:
+    """Return the section, or one that states that there is nothing to compare."""
+    if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
+        return Section(TITLE, ("There is nothing to compare, so no number of trials can be judged.",), on_demand=True)
+    text = [
+        *looks_text(findings),
+        *extension_text(findings),
+        *summary(findings.final.needed, len(findings.final.pairs)),
+    ]
+    if findings.trials.precisions:
+        text.append("Where instances are pooled, the trials of all of them count, one of each instance in turn.")
+    items: list[Part] = []
+    if findings.results.study.looks:
+        items.append(_looks(findings))
+    if len(findings.final.needed):
+        items.append(_needed(findings.final))
+    if len(findings.final.stability):
+        items.append(stability_figure(findings.final.stability, findings.display.pens))
+    return Section(TITLE, tuple(text), tuple(items), on_demand=True)
+
+
+def summary(needed: pd.DataFrame, pairs: int, power: float = 0.8) -> list[str]:
+    """Return sentences on how many pairs would be separated by how many trials."""
+    if needed.empty:
+        return [f"{'The pair of optimizers is' if pairs == 1 else f'All {pairs:,} pairs are'} separated."]
+    wanted = needed["needed"].to_numpy(dtype=float)
+    finite = np.sort(wanted[np.isfinite(wanted)])
+    whose = "of the pairs with the leader of a problem, " if (needed["method"] == "formula").any() else ""
+    text = f"{count(len(needed), 'pair')} {'is' if len(needed) == 1 else 'are'} not separated. "
+    if whose:
+        text = f"{whose[0].upper()}{whose[1:]}{text[0].lower()}{text[1:]}"
+    parts = []
+    if len(finite):
+        span = f"{finite[0]:,.0f}" if finite[0] == finite[-1] else f"{finite[0]:,.0f} to {finite[-1]:,.0f}"
+        parts.append(f"{span} trials of each optimizer would separate {_of(len(finite), len(needed), 'it')}")
+    if far := int(np.isinf(wanted).sum()):
+        parts.append(f"{_of(far, len(needed), 'it')} would need more than {LARGEST:,}: practically not separable")
+    if unknown := int(np.isnan(wanted).sum()):
+        parts.append(f"nothing can be said of {_of(unknown, len(needed), 'it')}, with fewer than two trials in a cell")
+    return [f"{text}With a power of {power:.0%}, {'; '.join(parts)}.", CAUTION]
+
+
+def _of(number: int, pairs: int, it: str) -> str:
+    return it if pairs == 1 else f"all {pairs:,}" if number == pairs else f"{number:,} of them"
+
+
+def looks_text(findings: Findings) -> list[str]:
+    """Return what the study's looks decided; nothing without looks."""
+    looks, decisions = findings.results.study.looks, findings.trials.decisions
+    if not looks:
+        return []
+    cells = len(findings.trials.coverage)
+    at = {look: list(decisions.stopped.values()).count(look) for look in looks[:-1]}
+    stopped = [f"{number:,} at {look}" for look, number in at.items() if number]
+    ended = f"Of {count(cells, 'cell')}, {listing(stopped)} trials were stopped early" if stopped else (
+        f"None of the {count(cells, 'cell')} was stopped early"
+    )  # fmt: skip
+    unseen = [label for label in findings.trials.problems if not decisions.reached.get(label)]
+    return [
+        f"The study declares looks at {listing([str(look) for look in looks])} trials: at each, the pairs of a problem "
+        f"are tested, and a cell all of whose pairs are decided gets no more trials. {ended}. The p-value of a pair is "
+        f"that of the look at which it is smallest, adjusted for all looks. {NOT_ADJUSTED}"
+        + (f" Not even the first look is complete on {count(len(unseen), 'problem')}." if unseen else "")
+    ]
+
+
+def extension_text(findings: Findings) -> list[str]:
+    """Return what an extension without declared looks means; nothing where there was none."""
+    return [
+        f"Optional stopping: {held:,} trials of each cell were complete, and could be looked at, when {asked:,} were "
+        "asked for, and no looks had been declared. If the results were a reason for that, the p-values are too small "
+        "and the tests err more often than alpha says."
+        for held, asked in undeclared(findings.trials.extensions)
+    ]
+
+
+def _looks(findings: Findings) -> Table:
+    looks, stopped = findings.results.study.looks, list(findings.trials.decisions.stopped.values())
+    named: dict[int, list[str]] = {}
+    for (problem, optimizer), look in findings.trials.decisions.stopped.items():
+        named.setdefault(look, []).append(f"{optimizer} on {problem}")
+    frame = pd.DataFrame(
+        {
+            "trials": looks,
+            "nominal level": levels(looks, 0.05),
+            "cells decided": [stopped.count(look) for look in looks],
+            "which": [listing(named[look], at_most=6) if look in named else "" for look in looks],
+        }
+    )
+    data = pd.DataFrame(
+        [(problem, optimizer, look) for (problem, optimizer), look in findings.trials.decisions.stopped.items()],
+        columns=["problem", "optimizer", "look"],
+    )
+    return Table(
+        "looks",
+        "The declared looks: the level at which a single p-value would be significant there, and the cells all of "
+        "whose pairs it decided.",
+        frame.assign(**{"nominal level": [f"{level:.2g}" for level in frame["nominal level"]]}).set_index("trials"),
+        note="With several pairs Holm’s method applies to the p-values, adjusted for the looks.",
+        data=data,
+    )
+
+
+def rows(needed: pd.DataFrame) -> pd.DataFrame:
+    """Return the estimates in words, the smallest numbers first."""
+    ordered = needed.sort_values(["needed", "low"], kind="stable")
+    smaller = ordered[["n_first", "n_second"]].min(axis=1)
+    return pd.DataFrame(
+        {
+            "problem": ordered["problem"].astype(object),
+            "first": ordered["first"].astype(object),
+            "second": ordered["second"].astype(object),
+            "trials": smaller.astype(int),
+            "A12": ordered["a12"],
+            "interval": [interval(*ends, 2) for ends in zip(ordered["a12_low"], ordered["a12_high"], strict=True)],
+            "needed": list(map(_number, ordered["needed"])),
+            "range": [
+                "" if np.isnan(low) else f"{_number(low)} to {_number(high)}"
+                for low, high in zip(ordered["low"], ordered["high"], strict=True)
+            ],
+            "more": [
+                f"{wanted - made:,.0f}" if np.isfinite(wanted) else ""
+                for wanted, made in zip(ordered["needed"], smaller, strict=True)
+            ],
+        }
+    ).reset_index(drop=True)
+
+
+def _number(trials: float) -> str:
+    return "–" if np.isnan(trials) else f">{LARGEST:,}" if np.isinf(trials) else f"{trials:,.0f}"
+
+
+def _needed(final: Final) -> Table:
+    shown, method = rows(final.needed), final.needed["method"].iloc[0]
+    how = (
+        "simulated by drawing from the samples, with the test and level of this report"
+        if method == "simulation"
+        else "by Noether’s formula, of the pairs with the leader of a problem"
+    )
+    rest = f" The page shows {SHOWN} of {len(shown):,} pairs." if len(shown) > SHOWN else ""
+    return Table(
+        "trials-needed",
+        f"The trials of each optimizer that would separate pairs that are not separated, with a power of 80%, {how}.",
+        shown.head(SHOWN),
+        decimals={"A12": 2},
+        note="A12 with its 95% interval; the range of the number is that of the interval. The level of a pair is alpha "
+        f"over the pairs of all problems that are not separated.{rest}",
+        data=final.needed,
+    )
+
+
+TOPIC = Topic(TITLE, section, place=700)

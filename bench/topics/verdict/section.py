@@ -1,0 +1,327 @@
+"""The verdict: who is best, by how much, how sure that is and at what budget, with the ranks on every problem."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from math import comb
+
+import numpy as np
+import pandas as pd
+
+from bench import analysis
+from bench.analysis import ALPHA
+from bench.report.parts import Card, File, Part, Section
+from bench.report.wording import count, listing, unfinished_trials
+from bench.storage.folder import ANSWER
+from bench.topics.findings import Final, Findings, Trials
+from bench.topics.integrity.section import warnings
+from bench.topics.matched.conditions import sentences
+from bench.topics.matched.controls import REPORTED, controls
+from bench.topics.matched.differing import differing, options_differing
+from bench.topics.ranks.tables import rank_map
+from bench.topics.ranks.words import across, dependent
+from bench.topics.topic import Topic
+from bench.topics.trials.power import error_text
+from bench.topics.trials.section import NOT_ADJUSTED, extension_text
+from bench.topics.verdict.answer import answer
+from bench.topics.verdict.clock import clock
+from bench.topics.verdict.first_picture import evidence
+from bench.topics.verdict.winner import TIED, Across, Stage, Standing, verdict, winner_rule
+
+TITLE = "Verdict"
+SEPARABLY = (
+    "Separably lower: on a problem, a run of one ends lower than a run of the other more often than not, and a test "
+    "shows that."
+)
+
+
+def section(findings: Findings) -> Section:
+    """Return the verdict, or a section that states why there is nothing to compare."""
+    if findings.trials.whole.empty:
+        return Section(TITLE, warnings=("The study has no trial yet, so there is no verdict.",))
+    lost, troubles = unfinished_trials(findings.trials.comparable.working), warnings(findings)
+    nothing = ""
+    if len(findings.final.ranking) < 2:
+        nothing = f"There is nothing to compare: {findings.trials.optimizers[0]} is the only optimizer."
+    elif not len(findings.final.medians):
+        nothing = "There is nothing to compare: no problem has trials of every optimizer that can be compared."
+    elif not (findings.trials.frame["status"] == "ok").any():
+        nothing = "There is nothing to compare: no trial finished."
+    if nothing:
+        return Section(TITLE, (nothing,), lost=lost, warnings=troubles)
+    known, leader = standing(findings), findings.final.ranked[0]
+    said, conditions = verdict(known), sentences(findings.study, findings.descriptions, leader)
+    definition = (SEPARABLY,) if any("separably" in line.text for line in said.lines) else ()
+    cards = (
+        Card("", (said.headline,), "claim" if said.clear else "open", lines=said.lines),
+        Card("The numbers behind it", (*said.details, *definition, _evidence(findings)), "limit", folded=True),
+        Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
+        Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
+        Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
+    )
+    items: list[Part] = [evidence(findings, bool(known.leads)), rank_map(findings)]
+    return Section(TITLE, (), tuple(items), troubles, cards=cards, lost=lost)
+
+
+CHOSEN = (
+    "Tests, levels and simulated rates are those of the selection, as if it had been fixed before the first trial; who "
+    "selects after a look can choose what is claimed, so compare the report of the whole study."
+)
+
+
+def standing(findings: Findings) -> Standing:
+    """Return what the verdict is written from."""
+    trials, final = findings.trials, findings.final
+    complete = list(final.medians.index)
+    ranking = final.ranking.merge(final.certainty.drop(columns="problems"), on="optimizer")
+    ranking = ranking.sort_values("place", kind="stable")
+    clear = final.pairs[final.pairs["problem"].isin(complete) & (final.pairs["lower"] != "")]
+    beaten: Counter[tuple[str, str]] = Counter()
+    for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):
+        beaten[str(lower), str(second if lower == first else first)] += 1
+    all_known = all(label in trials.unbeaten for label in complete)
+    best = "the optimum" if all_known else "the best known value"
+    least, most = trials.per_cell
+    return Standing(
+        ranking, beaten, _across(final), final.levels, len({trials.blocks[str(problem)] for problem in complete}),
+        budget="their largest common budget" if trials.common else findings.study.budget_words,
+        problem=str(complete[0]) if len(complete) == 1 else "",
+        trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
+        conditions=differing(findings),
+        matched=_controls(findings),
+        differing=_dimensions(findings),
+        left_out=[label for label in trials.problems if label not in complete],
+        size=_size(findings),
+        near_shares=findings.anytime.near_best,
+        near=f"{findings.anytime.near_words} of {best}",
+        course=_course(findings),
+        unit="of the budget" if trials.scaled else "evaluations",
+        clock=clock(findings),
+        sweep=dependent(findings),
+        selected=bool(findings.selection),
+    )  # fmt: skip
+
+
+def _controls(findings: Findings) -> str:
+    """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
+    if not options_differing(findings):
+        return ""  # controls would change nothing
+    chances, missing = findings.of(controls).chances, findings.of(controls).cost
+    second = next(iter(chances["rival"]), "")
+    of_second = chances[(chances["conditions"] != REPORTED) & (chances["rival"] == second)]
+    parts = [
+        f"{row['probability']:.2f} [{row['low']:.2f}, {row['high']:.2f}] ({row['conditions']})"
+        for row in of_second.to_dict("records")
+    ]
+    same = f"Under the same conditions it beats {second} with probability {listing(parts)}." if parts else ""
+    return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
+
+
+def _across(final: Final) -> dict[tuple[str, str], Across]:
+    """Return each pair over all problems, seen from either side."""
+    pair_of, level = {}, final.levels.across
+    for pair in final.overall.to_dict("records"):
+        first, second = str(pair["first"]), str(pair["second"])
+        ends = {name: float(pair[name]) for name in ("probability", "low", "high", "further_low", "further_high")}
+        chance, low, high, least, most = ends.values()
+        p, clear = float(pair["p"]), bool(pair["p"] <= level)
+        beyond = clear and bool(pair["p_further"] <= level)
+        sides = [(clear and pair["lower"] == label, beyond and pair["lower"] == label) for label in (first, second)]
+        pair_of[first, second] = Across(chance, low, high, (least, most), p, *sides[0])
+        pair_of[second, first] = Across(1 - chance, 1 - high, 1 - low, (1 - most, 1 - least), p, *sides[1])
+    return pair_of
+
+
+def _dimensions(findings: Findings) -> str:
+    """Return in which dimensions of a suite another optimizer has the lowest mean rank; "" where none does."""
+    standing = findings.final.standings[findings.final.standings["problem"].isin(list(findings.final.medians.index))]
+    dimension = standing["problem"].astype(object).map(findings.trials.dimensions)
+    suite = {label for label in findings.trials.suite_functions if label in findings.trials.dimensions}
+    if dimension.nunique() < 2 or not set(findings.final.medians.index) <= suite:
+        return ""
+    leader, others = findings.final.ranked[0], {}
+    for in_dimension, rows in standing.groupby(dimension):
+        ranks = analysis.mean_ranks(rows)
+        lowest = [str(label) for label in ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]]
+        if leader not in lowest:
+            others[f"{in_dimension:g}"] = listing(lowest, 2)
+    if len(others) > 2:
+        return f"not in {len(others)} of {dimension.nunique()} dimensions"
+    return f"not in dimension {listing([f'{d} ({names})' for d, names in others.items()])}" if others else ""
+
+
+def _size(findings: Findings) -> str:
+    """Return by how much the first in rank is lower than the second: in evaluations on suites, else in medians."""
+    first, second = findings.final.ranked[:2]
+    chosen = findings.anytime.target_set
+    if chosen.absolute and not findings.anytime.running_times.empty:
+        table = findings.anytime.running_times
+        at_level = table[np.isclose(table[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
+        ert = (
+            analysis.table(at_level, "ert")
+            .astype(float)
+            .reindex(columns=[first, second])
+            .replace(np.inf, np.nan)
+            .dropna()
+        )
+        if ert.empty:
+            return ""
+        factor = _times(float((ert[second] / ert[first]).median()))
+        return (
+            f"To {chosen.at(chosen.level)}, {second} needs {factor} evaluations (median ratio of expected running "
+            f"times over the {count(len(ert), 'problem')} where both reach it)."
+        )
+    medians = findings.final.medians[[first, second]].replace(np.inf, np.nan).dropna().astype(float)
+    medians = medians[medians[first] != 0]
+    if medians.empty:
+        return ""
+    if len(medians) == 1:
+        one, other = medians.iloc[0]
+        return f"The medians are {one:.4g} and {other:.4g}, {abs(other - one):.3g} apart."
+    if not (medians > 0).all(axis=None):
+        return ""  # a share of a value at or below zero means nothing
+    gain = 100 * (medians[second] - medians[first]) / medians[second]
+    low, middle, high = gain.quantile([0.0, 0.5, 1.0])
+    which = "lower" if middle >= 0 else "higher"
+    return f"Its median is {_figure(middle)}% {which} in the median over problems{_spread(low, high)}."
+
+
+def _times(ratio: float) -> str:
+    """Return a ratio of running times in words."""
+    if 0.995 <= ratio < 1.05:
+        return "about as many"
+    return f"{ratio:.2g} times as many" if ratio >= 1 else f"only {ratio:.0%} as many"
+
+
+def _figure(percentage: float) -> str:
+    """Return a percentage without its sign, in digits alone."""
+    return f"{abs(percentage):.2g}" if abs(percentage) < 99.5 else f"{abs(percentage):,.0f}"
+
+
+def _spread(low: float, high: float) -> str:
+    """Return in brackets how much lower, in percent, a median is on the problem with the least gain and the most."""
+    ends = [f"{_figure(end)}%" for end in (low, high)]
+    if ends[0] == ends[1] and low * high >= 0:
+        return ""
+    if low < 0 < high:
+        return f" ({ends[0]} higher to {ends[1]} lower)"
+    return f" ({ends[0]} to {ends[1]} lower)" if low >= 0 else f" ({ends[1]} to {ends[0]} higher)"
+
+
+def _course(findings: Findings) -> list[Stage]:
+    """Return who is shown to end lower than the leader at the budgets of the figure beside the verdict."""
+    if not findings.trials.traces:
+        return []
+    leader = findings.final.ranked[0]
+    leads = findings.anytime.earlier_leads(leader, findings.final.levels.course)
+    shown = leads[leads["shown"].astype(bool)].groupby("share")["optimizer"].agg(tuple).to_dict()
+    spent = findings.anytime.stages.drop_duplicates("share")
+    if len(spent) < 2:
+        return []  # nothing is known of smaller budgets
+    return [
+        Stage(f"{share:.0%}" if findings.trials.scaled else f"{evaluations:,}", shown.get(share, (leader,)))
+        for share, evaluations in zip(spent["share"], spent["evaluations"], strict=True)
+    ]
+
+
+def _evidence(findings: Findings) -> str:
+    """Return on how much evidence the verdict rests."""
+    study, levels = findings.study, findings.final.levels
+    low, high = findings.trials.per_cell
+    trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
+    working = findings.trials.comparable.working
+    failed = working.loc[working["status"] != "ok", "optimizer"].astype(str).value_counts(sort=False)
+    lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items()]
+    parts = [f"{levels.problems:g} for tests on problems"] if levels.problems else []
+    parts += [f"{levels.across:g} for tests over all"] if levels.across else []
+    problems = count(len(findings.final.medians), "problem")
+    alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
+    return (
+        f"n = {trials} of at most {study.budget_words} on each of N = {problems}; "
+        f"{alpha}; p-values are adjusted by Holm’s method over pairs, and on single problems over these, too; those of "
+        "a winner are not, as all must reject; in brackets: 95% intervals"
+        + (f"; failed: {listing(lost)}" if lost else "")
+        + "."
+    )
+
+
+def _limits(findings: Findings) -> tuple[str, ...]:
+    problems = len(findings.final.medians)
+    counted = "this one problem" if problems == 1 else f"these {problems} problems"
+    texts = [
+        f"The counts describe {counted} at this budget and with these options; others may give another ranking.",
+        across(findings),
+    ]
+    texts += extension_text(findings)
+    if findings.trials.decisions.stopped:
+        texts.append(NOT_ADJUSTED)
+    if looked := findings.results.looked:
+        texts.append(
+            f"The runs in {listing(looked)} were stopped by declared looks; the tests of this comparison do not "
+            "account for these, so their p-values are too small."
+        )
+    if findings.trials.common:
+        texts.insert(0, unequal_budgets(findings.trials))
+    if findings.selection:
+        texts.insert(0, f"{findings.selection} {CHOSEN}")
+    return tuple(filter(None, (*texts, unused(findings.anytime.unused))))
+
+
+def unequal_budgets(trials: Trials) -> str:
+    """Return at which budget values are compared where the optimizers had different ones."""
+    return (
+        f"The optimizers had different budgets: ranks, medians and tests compare values {trials.common_words}, and "
+        "running times to targets count all evaluations."
+    )
+
+
+def unused(shares: pd.DataFrame) -> str:
+    """Return who left a part of the budget unused, which restarts could have spent; "" where nobody did."""
+    left = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
+    if left.empty:
+        return ""
+    shown = [f"{label} {share:.0%}" for label, share in zip(left["optimizer"], left["unused"], strict=True)]
+    return (
+        f"A part of the budget was left unused (mean share): {listing(shown, at_most=5)}. These trials ended by a "
+        "criterion of the optimizer, without a restart; what they would find with the rest is not known."
+    )
+
+
+def _grounds(findings: Findings) -> str:
+    looks, levels = findings.results.study.looks, findings.final.levels
+    over = [f"for looks at {listing([str(look) for look in looks])} trials"] if looks else []
+    over += [f"by Holm’s method over the {count(findings.final.tests, 'pair')} of all problems"]
+    both = levels.problems and levels.across
+    few = (
+        f"; with {count(findings.trials.per_cell[0], 'trial')} a cell no test on a problem could, so none is made here"
+    )
+    over_all = (
+        "Over all problems, the probability to end lower is the mean of A12 over problems. That it is 0.5 on these "
+        f"problems is tested at alpha = {levels.across:g} for each pair, by Holm’s method over the "
+        f"{comb(len(findings.trials.optimizers), 2)} pairs; where it is rejected, the same is tested for further "
+        "problems, of which these would be an independent sample, at the same level by Gaffke’s bound. Problems of one "
+        "sweep, and one function in several dimensions, count once there."
+    )
+    over_all = over_all if levels.across else "Over all problems nothing is tested, as nothing could be significant."
+    return (
+        "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
+        "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
+        "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects"
+        + (f" at alpha = {levels.problems:g}, adjusted {' and '.join(over)}" if levels.problems else few)
+        + ". The order over all problems is that of the rivals beaten, with a probability to end lower above 0.5, and "
+        f"of the mean of it where these are as many. {over_all} "
+        + (f"All levels together are {ALPHA:g}. " if both else "")
+        + f"{winner_rule(bool(looks))} The counts are over the problems on which every optimizer has a trial. Smaller "
+        "budgets are the points of the figure of mean ranks; at these, each other one is tested against the first in "
+        f"the mean over these problems at {levels.course:g}, by Bonferroni’s method."
+    )
+
+
+def answer_file(findings: Findings) -> list[File]:
+    """Return the answer in a few lines, which 'bench run' and 'bench status' print."""
+    lines = answer(findings, findings.of(section))
+    return [File(ANSWER, "The answer in a few lines, as JSON.", json.dumps(lines, ensure_ascii=False, indent=1))]
+
+
+TOPIC = Topic(TITLE, lambda findings: findings.of(section), place=0, files=answer_file)

@@ -1,0 +1,159 @@
+"""Write the report of a study's folder, or of several folders compared with each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from bench.errors import BenchError, nearest
+from bench.helpers.console import OnStep
+from bench.helpers.text import file_name
+from bench.report.drawing import Drawer
+from bench.report.wording import count
+from bench.report.write import MANIFEST, Chapter, Writer
+from bench.results.results import Results
+from bench.study.rope import Rope
+from bench.study.selection import Dimensions, Patterns
+from bench.study.targets import Targets
+from bench.topics.explore.explore import look_further
+from bench.topics.findings import Findings
+from bench.topics.findings.replication import each_problem
+from bench.topics.topic import Topic, topics
+
+FEW = 4  # problems up to which other processes would take longer to start than to draw
+COMPARISONS = Path("results") / "comparisons"
+
+
+def write_report(
+    path: str | PathLike[str],
+    *others: str | PathLike[str],
+    output: str | PathLike[str] | None = None,
+    n_jobs: int = -1,
+    targets: Any = None,
+    rope: Any = None,
+    beside_best: bool = False,
+    reference: str | None = None,
+    optimizers: Patterns = None,
+    problems: Patterns = None,
+    dimensions: Dimensions = None,
+    versions: Sequence[str] = (),
+    on_progress: OnStep | None = None,
+) -> Path:
+    """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
+
+    Several folders are compared as one study (:class:`bench.Results`). The same results give the same bytes. A
+    plug-in's section that fails becomes a warning on the page, and so do damaged trials, which are left out. Files
+    that only an earlier report had are removed.
+
+    Args:
+        path: a study's folder.
+        others: further folders to compare with it.
+        output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
+        n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
+        targets: what counts as reached, other than the study's own (:meth:`bench.study.targets.Targets.read`).
+        rope: differences that count as equal, other than the study's own (:class:`bench.study.rope.Rope`).
+        beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
+            (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
+        reference: the label of the optimizer that the competition's table compares with each other one.
+        optimizers: labels or patterns of the only optimizers to show (:meth:`bench.Results.select`). The page, the
+            methods and the answer say what was left out, and a selection needs an ``output`` of its own.
+        problems: likewise of problems.
+        dimensions: the only dimensions of problems to show.
+        versions: labels or patterns of optimizers whose earlier versions stand beside them, as ``label@1``.
+        on_progress: called before every step.
+
+    Raises:
+        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
+            are none, the best of 2009 is of other problems, the study has no optimizer ``reference``, nothing has a
+            pattern or a dimension that is selected, a selection has no ``output``, or that cannot be written or holds
+            another study.
+    """
+    chosen = None if targets is None else Targets.read(targets, "the targets of a report")
+    equal = None if rope is None else Rope.read(rope, "the rope of a report")
+    results = Results(path, *others, versions=versions)
+    if (optimizers, problems, dimensions) != (None, None, None):
+        results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
+    findings = Findings(results, chosen, equal, beside_best, reference)
+    if reference is not None and reference not in findings.trials.optimizers:
+        raise BenchError(
+            f"the study has no optimizer {reference!r} to refer to{nearest(reference, findings.trials.optimizers)}"
+        )
+    findings.anytime.check_targets()
+    folder = _folder(results, None if output is None else Path(output))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # Threads of BLAS gain nothing on matrices as small as these, and wait for each other where cores are busy.
+        with threadpool_limits(limits=1), Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
+            writer = Writer(
+                folder,
+                drawer,
+                study=results.study.name,
+                problems=len(findings.study.problems),
+                printed=not findings.trials.many,
+                on_step=on_progress or (lambda *_: None),
+            )
+            title = findings.study.title or findings.study.name
+            page = writer.write(title, lead(findings), chapters(findings), look_further(findings))
+    except OSError as error:
+        raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
+    results.note_stores()
+    return page
+
+
+def chapters(findings: Findings) -> list[Chapter]:
+    """Return the chapters of a report, one a topic that is installed.
+
+    Raises:
+        BenchError: when none is, as after an update of the harness that was not installed again.
+    """
+    installed = topics()
+    if not installed:
+        raise BenchError("no topic of a report is installed; install the harness again: python -m pip install .")
+    return [_chapter(name, topic, findings) for name, topic in installed]
+
+
+def _chapter(name: str, topic: Topic | Exception, findings: Findings) -> Chapter:
+    if isinstance(topic, Exception):
+        return Chapter(name, f"Section {name}", _raising(topic), list)
+    return Chapter(name, topic.title, lambda: topic.sections(findings), lambda: topic.files(findings))
+
+
+def _raising(error: Exception) -> Callable[[], Any]:
+    def fail() -> Any:
+        raise error
+
+    return fail
+
+
+def lead(findings: Findings) -> str:
+    """Return the sentence below the title of the page: what was run how often, and what was selected of it."""
+    study = findings.study
+    trials = each_problem(findings.trials.replications, at_most=study.trials if study.looks else 0)
+    text = (
+        f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on {count(len(study.problems), 'problem')}, "
+        f"{trials}, {'at most ' * bool(study.imported)}{study.budget_words} a trial."
+    )
+    return f"{text} {findings.selection}".rstrip()
+
+
+def _folder(results: Results, output: Path | None) -> Path:
+    paths = results.paths
+    own = {path.resolve() for path in paths}
+    if results.partial and (output is None or output.resolve() in own):
+        raise BenchError(
+            "a selection is another report than that of the whole folder, which it would replace; give it a folder of "
+            "its own by --output"
+        )
+    if output is None:
+        return paths[0] if len(paths) == 1 else COMPARISONS / "-".join(map(file_name, results.names))
+    if len(paths) == 1 and output.resolve() == paths[0].resolve():
+        return output
+    if (output / "study.toml").exists():
+        raise BenchError(f"{output} is the folder of a study, whose own report would be lost; give another --output")
+    if output.is_dir() and any(output.iterdir()) and not (output / MANIFEST).exists():
+        raise BenchError(f"{output} holds other files and no report of ours; give an --output of its own")
+    return output

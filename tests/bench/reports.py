@@ -1,0 +1,171 @@
+"""Studies to report on, and a reader of pages."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from py_mini_racer import MiniRacer
+
+from bench import Trace
+from bench.columns import packed
+from bench.report.interactive.part import in_one_scope
+from bench.storage.folder import Folder
+from bench.study import Entry, Study
+
+VOID = {"meta", "link", "input", "img", "br", "hr"}
+
+
+class Document(HTMLParser):
+    """A page's elements as (tag, attributes, text within), tags checked to be closed in order."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.html, self.elements, self.open, self.words = html, [], [], []
+        self.feed(html)
+        self.close()
+        assert not self.open
+        self.tags = [tag for tag, _, _ in self.elements]
+        self.text = " ".join(" ".join(self.words).split())  # what a reader sees, and the title
+
+    def handle_starttag(self, tag, attrs):
+        self.handle_startendtag(tag, attrs)
+        if tag not in VOID:
+            self.open.append(self.elements[-1])
+
+    def handle_startendtag(self, tag, attrs):
+        assert len(dict(attrs)) == len(attrs)
+        self.elements.append((tag, dict(attrs), []))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        for _, _, text in self.open:
+            text.append(data)
+        if self.open and self.open[-1][0] not in ("style", "script"):
+            self.words.append(data)
+
+    def texts(self, tag, **attributes):
+        return [
+            " ".join("".join(text).split())
+            for name, attrs, text in self.elements
+            if name == tag and attributes.items() <= attrs.items()
+        ]
+
+    def values(self, attribute):
+        return [attrs[attribute] for _, attrs, _ in self.elements if attribute in attrs]
+
+    def check_that_it_stands_alone(self, files):
+        """It has nothing to fetch, links only to such files, and every reference to an id resolves, to one element."""
+        assert not {"link", "img", "iframe", "object", "base"} & set(self.tags)
+        assert not self.values("src")
+        assert "@import" not in self.html
+        assert not re.search(r"url\((?!#)", self.html)
+        hrefs, ids = self.values("href") + self.values("xlink:href"), self.values("id")
+        for href in hrefs:
+            assert href.startswith(("#", *files))
+        referred = [href[1:] for href in hrefs if href.startswith("#")]
+        referred += self.values("aria-labelledby") + re.findall(r"url\(#([^)]+)\)", self.html)
+        assert len(referred) > 10
+        assert set(referred) <= set(ids)
+        assert len(ids) == len(set(ids))
+
+
+@pytest.fixture(scope="session")
+def read():
+    """Return a function that reads a page, given as HTML or as its path."""
+    return lambda page: Document(page if isinstance(page, str) else page.read_text(encoding="utf-8"))
+
+
+# Studies to report on, written straight into their folder.
+
+
+def finished(fun, rng):
+    """Return the row of a trial that found a value."""
+    wall = 0.1 + 0.01 * rng.random()
+    trace = Trace(np.array([1, 10, 50]), np.array([fun + 9, fun + 1, fun]))
+    return {
+        "status": "ok", "fun": fun, "nfev": 100, "wall_s": wall, "cpu_s": wall, "objective_s": wall / 2,
+        "stop": "budget", "outside_box": 0, "x": {"x1": rng.random()}, "metrics": {}, "trace": trace,
+    }  # fmt: skip
+
+
+FAILED = {"status": "failed", "error": "ValueError: <b>boom</b> & more\nTraceback …"}
+RAISED = {"status": "failed", "error": "ProblemError: ValueError: no convergence\nTraceback …"}
+
+
+@pytest.fixture(scope="session")
+def make():
+    """Return a function that writes a study whose optimizers differ by 1 a place.
+
+    ``skip``, ``fail`` and ``raised`` hold cells (problem, optimizer) or trials (problem, optimizer, number), of which
+    the problem loses those that are ``raised``; ``changes`` holds what is otherwise in the rows of an optimizer's
+    finished trials, by optimizer; ``options`` its options, likewise.
+    """
+
+    def write_study(
+        folder,
+        problems=("p", "q"),
+        optimizers=("a", "b", "c"),
+        trials=8,
+        *,
+        skip=(),
+        fail=(),
+        raised=(),
+        changes=None,
+        options=None,
+    ):
+        def place_of(trial):
+            return trial.number, problems.index(trial.problem), optimizers.index(trial.optimizer)
+
+        own = options or {}
+        entries = (
+            tuple(Entry("any", label, own.get(label, {})) for label in labels) for labels in (problems, optimizers)
+        )
+        study = Study("made", *entries, trials=trials, budget=100)
+        rng = np.random.default_rng(0)
+        place = Folder(folder)
+        place.path.mkdir(parents=True, exist_ok=True)
+        place.claim(study)
+        with place.store.writer() as writer:
+            for trial in sorted(study.plan(), key=place_of):
+                matches = {(trial.problem, trial.optimizer), trial.key}
+                value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
+                if matches & {*fail, *raised}:
+                    writer.add(trial, packed(RAISED if matches & set(raised) else FAILED))
+                elif not matches & set(skip):
+                    writer.add(trial, packed(finished(value, rng) | (changes or {}).get(trial.optimizer, {})))
+        return folder
+
+    return write_study
+
+
+@pytest.fixture(scope="session")
+def call():
+    """Return a function that calls one of the page's own functions, in V8 without a browser."""
+    engine = MiniRacer()
+    engine.eval(in_one_scope("numbers") + in_one_scope("standing"))
+    engine.eval("""const plain = (_, value) =>
+      value instanceof Float64Array ? Array.from(value)
+      : typeof value === "number" && !Number.isFinite(value) ? `number ${value}` : value;""")
+
+    def number(value):
+        return float(value.removeprefix("number ")) if str(value).startswith("number ") else value
+
+    def returned(value):
+        if isinstance(value, dict):
+            return {name: returned(each) for name, each in value.items()}
+        return [returned(each) for each in value] if isinstance(value, list) else number(value)
+
+    def called(name, *arguments):
+        return returned(json.loads(engine.eval(f"JSON.stringify(({name})(...{json.dumps(arguments)}), plain)")))
+
+    return called
+
+
+@pytest.fixture(scope="session")
+def decoded(call):
+    """Return the page's function that reads a curve's text."""
+    return lambda text, count: np.array(call("decode", text, count))

@@ -1,0 +1,71 @@
+"""The section on feasibility: there only for constrained problems whose constraints were handled."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench import BenchError, Results, Study
+from bench.columns import packed
+from bench.objective import Trace
+from bench.storage.folder import Folder
+from bench.storage.selection import Selection
+from bench.study import Entry, Fingerprints
+from bench.topics.comparison import feasibility
+from bench.topics.comparison import section as comparison
+from bench.topics.findings import Findings
+from bench.topics.methods.methods import methods
+from tests.bench.reports import finished
+
+NONE = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
+
+
+def written(path, noted=True):
+    """Write a study on a problem with constraints and one without, where trial 0 of scatter found no feasible point."""
+    problems, optimizers = (
+        tuple(Entry(each, each) for each in labels) for labels in (("ring-2", "sphere-2"), ("scatter", "early"))
+    )
+    study = Study("made", problems, optimizers, trials=4, budget=100)
+    folder, rng = Folder(path), np.random.default_rng(0)
+    path.mkdir()
+    found = Fingerprints({"ring-2": study.problem("ring-2").fingerprint()} if noted else {}, {}, {})
+    folder.claim(study, Selection(study.cells(found)))
+    with folder.store.writer() as writer:
+        for trial in study.plan():
+            lost = trial.key == ("ring-2", "scatter", 0)
+            writer.add(trial, packed(finished(10.0, rng) | (NONE if lost else {})))
+    return Findings(Results(path))
+
+
+def test_the_share_of_trials_with_a_feasible_point(testing_plugins, tmp_path):
+    (section,) = feasibility.sections(written(tmp_path / "s"))
+    (text,) = section.text
+    assert text == (
+        "1 problem with constraints, handled by 'lexicographic'. Only feasible points are recorded. 1 of 8 trials "
+        "found no feasible point and score worse than any other."
+    )
+    (table,) = section.items
+    assert table.frame.loc["ring-2"].tolist() == [75.0, 100.0]
+    assert table.lost.loc["ring-2"].tolist() == [True, False]
+    assert table.data["first"].tolist() == [1.0, 1.0]
+
+
+def test_it_is_part_of_the_comparison_and_the_methods(testing_plugins, tmp_path):
+    found = written(tmp_path / "s")
+    assert [each.title for each in comparison.section(found).sections] == ["Feasibility"]
+    assert "1 problem has constraints" in "".join(methods(found).text)
+
+
+def test_without_handled_constraints_there_is_none(testing_plugins, make, tmp_path):
+    assert feasibility.sections(Findings(Results(make(tmp_path / "s")))) == ()
+    old = written(tmp_path / "old", noted=False)  # begun before constraints were handled: nothing can be said
+    assert comparison.section(old).sections == ()
+
+
+def test_two_handlings_are_not_compared(testing_plugins, tmp_path):
+    """As their values mean the same, but their optimizers saw other problems."""
+    written(tmp_path / "one")
+    other = written(tmp_path / "two").results.study
+    Folder(tmp_path / "two").claim(replace(other, constraints="death"))
+    with pytest.raises(BenchError, match="handles constraints by 'lexicographic' and 'made' by 'death'"):
+        Results(tmp_path / "one", tmp_path / "two")

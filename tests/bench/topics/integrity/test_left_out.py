@@ -1,0 +1,132 @@
+"""What is not compared, in one sentence each, and what a page then says."""
+
+import pandas as pd
+import pytest
+
+from bench import Results
+from bench.analysis.comparable import Comparable
+from bench.study import Entry, Study
+from bench.topics.explore.explore import explore
+from bench.topics.findings import Findings
+from bench.topics.findings.selection import selection
+from bench.topics.integrity.left_out import left_out
+from bench.topics.methods.methods import methods
+from bench.topics.verdict import section as verdict
+
+PROBLEMS = ["f1-d2-i1", "f1-d2-i2", "f8-d2-i1", "f8-d2-i2"]
+
+
+FOUR, TWO = "3 optimizers and 4 problems", "3 optimizers and 2 problems"
+
+
+@pytest.mark.parametrize(
+    ("optimizers", "problems", "every", "missing"),
+    [
+        ("b", PROBLEMS, TWO, "2 optimizers (a and c)"),
+        ("ab", PROBLEMS[:2], TWO, "1 optimizer (c) and 1 problem (f8-d2)"),
+        ("abc", PROBLEMS[::2], TWO, "2 of 4 instances"),
+        ("abc", PROBLEMS[::2], FOUR, "2 problems (f1-d2-i2 and f8-d2-i2)"),
+    ],
+)
+def test_a_selection_names_what_is_left_out(optimizers, problems, every, missing):
+    entries = [tuple(Entry("any", label) for label in labels) for labels in (PROBLEMS, "abc", problems, optimizers)]
+    whole, shown = Study("s", *entries[:2]), Study("s", *entries[2:])
+    assert selection(whole, shown, by_instance=every == FOUR) == (
+        f"Selected from {every} after the results were seen; left out: {missing}."
+    )
+    assert selection(whole, whole, by_instance=every == FOUR) == ""
+
+
+NONE = Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {})
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({}, None),
+        (
+            {"failed": {"prob.py:raises": (15, 16)}},
+            (
+                "The problem that failed is not compared, as its own code raised, not an optimizer’s: "
+                "prob.py:raises (in 15 of 16 trials)."
+            ),
+        ),
+        (
+            {"failed": {"p": (1, 1), "q": (2, 9)}},
+            (
+                "The 2 problems that failed are not compared, as their own code raised, not an optimizer’s: p "
+                "(in 1 of 1 trial) and q (in 2 of 9 trials)."
+            ),
+        ),
+        (
+            {"instances": {"f": (2, 4)}},
+            (
+                "Final values are compared on the instances that all optimizers share (2 of 4 on f); running "
+                "times to targets count all instances."
+            ),
+        ),
+        ({"instances": {"f": (0, 4)}}, "The optimizers share no instance of f, so they are not compared there."),
+        (
+            {"unknown": {("p", "a"): 3, ("q", "a"): 1}},
+            (
+                "a spent more evaluations than others had on p and q, and what was found by then is not known, "
+                "so it is not compared there."
+            ),
+        ),
+        (
+            {"unknown": {("p", "a"): 3, ("p", "b"): 1}},
+            (
+                "a and b spent more evaluations than others had on p, and what was found by then is not known, "
+                "so they are not compared there."
+            ),
+        ),
+    ],
+)
+def test_each_reason_has_its_sentence(changes, sentence):
+    assert left_out(NONE._replace(**changes)) == (() if sentence is None else (sentence,))
+
+
+def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
+    """One trial of a survived: it was best on the problem, before."""
+    raised = [("q", label, number) for label in "abc" for number in range(8) if (label, number) != ("a", 0)]
+    found = Findings(Results(make(tmp_path / "s", raised=raised)))
+    assert list(found.final.medians.index) == ["p"]
+    section = verdict.section(found)
+    assert section.warnings[0].startswith("The problem that failed is not compared")
+    assert "q (in 23 of 24 trials)" in section.warnings[0]
+    assert section.lost == ""  # no optimizer lost a trial
+    assert "failed" not in "".join(section.cards[1].text)
+    assert not any(warning.startswith("Error: Failures") for warning in section.warnings)
+    text = " ".join(methods(found).text)
+    assert "failed or found no finite value" not in text
+    assert "q is not compared, as its own code raised in a trial." in text
+
+
+def test_a_problem_that_is_not_compared_is_named_on_the_first_screen_and_drawn_nowhere(make, tmp_path):
+    raised = [("q", "a", 0)]
+    found = Findings(Results(make(tmp_path / "s", ("p", "q", "r"), raised=raised)))
+    section = verdict.section(found)
+    assert section.cards[0].lines[0].text.endswith("; not compared: q")
+    picture, ranks = section.items
+    assert set(picture.data["problem"]) == {"p", "r"}
+    assert list(ranks.frame.index) == ["p", "r"]
+    assert "mpty" not in ranks.note
+    assert (found.final.tests, len(found.final.pairs)) == (6, 9)
+    assert "the 6 tests" in section.cards[3].text[-1]
+    assert "over the 6 pairs of all problems" in section.cards[4].text[0] or not found.final.levels.problems
+    one = verdict.section(Findings(Results(make(tmp_path / "t", raised=raised))))
+    assert one.cards[0].lines[0].text == "not compared: q"
+
+
+def test_where_every_problem_failed_there_is_nothing_to_compare(make, tmp_path):
+    found = Findings(Results(make(tmp_path / "s", problems=("p",), raised=[("p", "a", 0)])))
+    section = verdict.section(found)
+    assert section.text[0].startswith("There is nothing to compare: no problem")
+    assert "p (in 1 of 24 trials)" in section.warnings[0]
+
+
+def test_runs_that_are_not_compared_can_be_looked_at(make, tmp_path):
+    found = Findings(Results(make(tmp_path / "s", raised=[("p", "a", 0)])))
+    assert len(found.trials.frame) < len(found.trials.whole)
+    cells = explore(found)["cells"]
+    assert len(cells) == 6

@@ -1,0 +1,168 @@
+"""The same conditions in the report: what differs as a clause, chances recomputed by hand, controls in no ranking."""
+
+import numpy as np
+import pytest
+
+from bench import Results, Study, Trace
+from bench.columns import packed
+from bench.storage.folder import Folder
+from bench.topics.findings import Findings
+from bench.topics.matched import section as matched
+from bench.topics.matched.controls import controls
+from bench.topics.matched.differing import differing
+from bench.topics.write import write_report
+
+CONTROLS = [
+    {"name": "gwo", "label": "gwo (box)", "agents": 9, "handling": "box"},
+    {"name": "cma-es", "label": "cma-es (repair, random)", "agents": 9, "handling": "repair", "start": "random"},
+]
+LEVELS = {"cma-es": 0.0, "gwo": 2.5, "random-search": 40.0, "gwo (box)": 3.5, "cma-es (repair, random)": 4.0}
+
+
+@pytest.fixture
+def made(tmp_path):
+    """Return a function that writes a study whose trials end at a level and their number, and returns its findings."""
+
+    def make(controls=CONTROLS, optimizers=(), name="s", nfev=None, trials=5):
+        study = Study.from_dict({
+            "name": name, "trials": trials, "budget": 100,
+            "problems": [{"names": ["classical-sphere-d2-i1", "classical-ackley-d3-i1"]}],
+            "optimizers": list(optimizers) or [
+                {"name": "cma-es", "agents": 9, "handling": "box", "start": "midpoint"}, {"name": "gwo", "agents": 9},
+                {"name": "random-search", "agents": 9},
+            ],
+        } | ({"controls": list(controls)} if controls else {}))  # fmt: skip
+        folder = Folder(tmp_path / name)
+        folder.path.mkdir()
+        folder.claim(study)
+        with folder.store.writer() as writer:
+            number = writer.environment({"jobs": 2})
+            for trial in study.plan():
+                value = LEVELS[trial.optimizer] + trial.number + 10 * ("ackley" in trial.problem)
+                used = (nfev or {}).get(trial.optimizer, 100)
+                dimension = 3 if "ackley" in trial.problem else 2
+                row = {
+                    "status": "ok", "fun": value, "nfev": used, "wall_s": 3.0, "cpu_s": 1.0, "objective_s": 0.5,
+                    "stop": "tolfun", "outside_box": 0, "x": {f"x{i}": 0.0 for i in range(dimension)}, "metrics": {},
+                    "trace": Trace(np.array([1]), np.array([value])),
+                }  # fmt: skip
+                writer.add(trial, packed(row), number)
+        return Findings(Results(folder.path))
+
+    return make
+
+
+def by_hand(first, second):
+    """Return A12 of five trials each, whose values are a level and 0 to 4."""
+    one, other = (LEVELS[label] + np.arange(5) for label in (first, second))
+    return np.mean([(x < y) + 0.5 * (x == y) for x in one for y in other])
+
+
+def test_each_condition_has_the_chances_of_its_own_runs(made):
+    found = made().of(controls).chances.set_index(["conditions", "rival"])
+    expected = {
+        ("as reported", "gwo"): ("cma-es", "gwo"),
+        ("as reported", "random-search"): ("cma-es", "random-search"),
+        ("handling = box, start = midpoint", "gwo"): ("cma-es", "gwo (box)"),
+        ("handling = repair, start = random", "gwo"): ("cma-es (repair, random)", "gwo"),
+        ("handling = repair, start = random", "random-search"): ("cma-es (repair, random)", "random-search"),
+    }
+    assert {key: tuple(row) for key, row in found[["first", "second"]].T.items()} == expected  # no control, no row
+    for key, pair in expected.items():
+        assert found.loc[key, "probability"] == pytest.approx(by_hand(*pair))
+    assert by_hand("cma-es", "gwo") == pytest.approx(0.76 + 0.12)
+    assert by_hand("cma-es (repair, random)", "gwo") < 0.5 < by_hand("cma-es", "gwo (box)")
+    assert (found["problems"] == 2).all()
+    assert (found["low"] <= found["probability"]).all()
+
+
+def test_controls_are_in_no_ranking_and_in_no_frame(made):
+    findings, without = made(), made(controls=(), name="without")
+    assert findings.trials.optimizers == ["cma-es", "gwo", "random-search"]
+    for name in ("ranking", "pairs", "overall", "medians"):
+        own, other = getattr(findings.final, name), getattr(without.final, name)
+        assert own.to_csv() == other.to_csv(), name
+    assert findings.anytime.running_times.to_csv() == without.anytime.running_times.to_csv()
+    assert not findings.trials.frame["optimizer"].astype(str).str.contains(r"\(").any()
+    assert {key[1] for key in findings.trials.traces} == {"cma-es", "gwo", "random-search"}
+    assert len(findings.trials.controls) == 2 * 2 * 5
+
+
+def test_the_section_says_what_differs_and_what_is_missing(made):
+    section = matched.section(made())
+    assert "differ in more than their algorithms: handling and start are box, midpoint for cma-es" in section.text[0]
+    assert "against 2 of 2 rivals as reported; 1 of 1 rival with handling = box, start = midpoint; " in section.text[1]
+    assert section.text[2].startswith("The controls, gwo (box) and cma-es (repair, random), were run for this table")
+    assert section.text[3] == (
+        "The table is not complete: matched controls (bench run STUDY --matched) would add 10 trials, about 15 s on "
+        "2 jobs."
+    )
+    (table,) = section.items
+    assert table.frame.loc["gwo", "as reported"].startswith("0.88 [")
+    assert table.frame.loc["random-search", "handling = box, start = midpoint"] == "–"
+    assert "gwo and random-search have no such option as start = midpoint" in table.note
+
+
+def test_without_shared_conditions_there_is_a_cost_and_no_section(made):
+    findings = made(controls=())
+    assert matched.section(findings) is None
+    assert findings.of(controls).cost == (
+        "matched controls (bench run STUDY --matched) would add 30 trials, about 45 s on 2 jobs"
+    )
+    assert (
+        made(controls=(), name="quick")
+        .of(controls)
+        .cost.startswith("matched controls (bench run quick --matched) would")
+    )
+
+
+def test_one_trial_has_no_interval(made):
+    section = matched.section(made(trials=1))
+    assert section.items[0].frame.loc["gwo", "as reported"] == "1.00"
+
+
+def test_nothing_differs_among_equal_conditions(made):
+    alike = [{"name": name, "agents": 9} for name in ("gwo", "random-search")]
+    findings = made(controls=(), optimizers=alike)
+    assert (differing(findings), findings.of(controls).cost, matched.section(findings)) == ("", "", None)
+
+
+def test_populations_of_one_algorithm_are_conditions_that_need_no_control(made, monkeypatch):
+    for label in ("gwo 5", "gwo 9", "random-search 5", "random-search 9"):
+        monkeypatch.setitem(LEVELS, label, {"gwo 5": 3.0, "gwo 9": 0.0}.get(label, 1.5))
+    both = [
+        {"name": name, "label": f"{name} {agents}", "agents": agents}
+        for name in ("gwo", "random-search")
+        for agents in (5, 9)
+    ]
+    findings = made(controls=(), optimizers=both)
+    found = findings.of(controls).chances.set_index("conditions")
+    assert found.loc["as reported", ["first", "rival"]].tolist() == ["gwo 9", "random-search 5"]
+    assert found.loc["agents = 5", ["first", "second"]].tolist() == ["gwo 5", "random-search 5"]
+    assert found.loc["agents = 5", "probability"] == pytest.approx(by_hand("gwo 5", "random-search 5"))
+    assert found.loc["agents = 9", ["first", "second"]].tolist() == ["gwo 9", "random-search 9"]
+    assert differing(findings) == ("agents is 5 for gwo 5 and random-search 5 and 9 for the 2 others")
+
+
+def test_a_budget_that_a_rival_did_not_spend_differs(made):
+    stopped = made(nfev={"gwo": 72})
+    assert differing(stopped).endswith("for the 2 others, gwo stopped after 72% of the budget")
+    assert "stopped" not in differing(made(name="t", nfev={"gwo": 99}))
+
+
+def test_less_budget_is_not_held_against_the_leader_nor_against_who_needs_no_more(made, monkeypatch):
+    assert "stopped" not in differing(made(nfev={"cma-es": 21}))
+    assert "stopped" not in differing(made(name="t", nfev={"cma-es": 21, "gwo": 21}))
+    monkeypatch.setitem(LEVELS, "gwo", 1e-9)  # at the optimum of one of two problems, where it needs no more
+    assert differing(made(name="u", nfev={"gwo": 20}, trials=1)).endswith("gwo stopped after 60% of the budget")
+
+
+@pytest.mark.slow
+def test_the_page_has_the_table_and_the_trials_of_controls(made, tmp_path):
+    findings = made()
+    page = write_report(findings.results.paths[0]).read_text(encoding="utf-8")
+    assert page.index('id="part.verdict"') < page.index('id="part.under-the-same-conditions"')
+    tables = findings.results.paths[0] / "tables"
+    assert "gwo (box)" not in (tables / "trials.csv").read_text()
+    assert (tables / "controls.csv").read_text().count("\n") == 1 + 2 * 2 * 5
+    assert "gwo (box)" in (tables / "same-conditions.csv").read_text()

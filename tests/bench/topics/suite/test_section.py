@@ -1,0 +1,240 @@
+"""The overview of a suite: functions of two groups in two dimensions, of two instances each."""
+
+import numpy as np
+import pytest
+
+from bench import Results, Study, run
+from bench.analysis import PRECISIONS
+from bench.analysis import table as table_of
+from bench.report.latex import to_latex
+from bench.topics import write_report
+from bench.topics.anytime import section as anytime
+from bench.topics.comparison import section as comparison
+from bench.topics.datasets import section as datasets
+from bench.topics.findings import Findings
+from bench.topics.integrity.checks import checks
+from bench.topics.ranks.tables import rank_map
+from bench.topics.suite import section as suite
+
+
+@pytest.fixture(scope="module")
+def findings(tmp_path_factory):
+    table = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2, 5], "instances": "1-2"}
+    study = Study.from_dict(
+        {"name": "suite", "trials": 3, "budget": "200 * d", "problems": [table],
+         "optimizers": [{"name": "cma-es-fast"}, {"name": "random-search"}]}
+    )  # fmt: skip
+    return Findings(Results(run(study, tmp_path_factory.mktemp("run") / "s", n_jobs=1).folder))
+
+
+@pytest.fixture(scope="module")
+def items(findings):
+    return {item.name: item for item in suite.section(findings).items}
+
+
+def test_instances_are_pooled(findings):
+    assert findings.trials.problems == [f"classical-{each}-d{d}" for each in ("sphere", "rastrigin") for d in (2, 5)]
+    assert findings.trials.per_cell == (6, 6)
+    assert set(findings.trials.optima.values()) == {0.0}
+    assert findings.trials.budgets == {label: 200 * d for label, d in findings.trials.dimensions.items()}
+
+
+def test_the_checks_count_instances_and_problems_each_by_its_name(findings, monkeypatch):
+    again = Findings(findings.results)
+    assert len(again.trials.pooled.members) == 4
+    monkeypatch.setattr(Results, "frame", findings.results.frame.assign(fun=1.0))  # every cell has ties alone
+    said = again.of(checks).set_index("check").at["ties", "finding"]
+    assert "cma-es-fast on 8 instances of 4 problems, random-search on 8 instances of 4 problems" in said
+
+
+def test_the_text_says_what_is_pooled(findings):
+    _, text = suite.section(findings).text
+    assert text.startswith("2 functions in 2 groups, in dimensions 2 and 5.")
+    assert "(2 each) are pooled" in text
+
+
+def test_who_reached_the_most_targets_is_said_first(findings, items):
+    first, _ = suite.section(findings).text
+    curves = items["targets-by-group"].data
+    ends = curves[np.isclose(curves["per_dimension"], 200)]  # the budget; simulated restarts go on
+    shares = ends[ends["problem"] == "all functions, d = 5"].set_index("optimizer")["fraction"]
+    assert first.startswith("Within the whole budget, the most targets were reached by ")
+    assert f"5 ({shares.max():.0%})" in first
+    assert shares.idxmax() in first
+
+
+def test_all_who_reached_the_most_targets_are_named(findings, items):
+    reached = items["targets-by-group"].data.assign(fraction=0.5)
+    assert suite._most_targets(reached) == (
+        "Within the whole budget, the most targets were reached by cma-es-fast and random-search in dimension "
+        "2 (50%) and 5 (50%)."
+    )
+
+
+@pytest.mark.parametrize("nothing", [0.0, np.nan])
+def test_nobody_leads_where_no_target_was_reached(items, nothing):
+    reached = items["targets-by-group"].data.assign(fraction=nothing)
+    assert suite._most_targets(reached) == "No trial reached a target."
+
+
+def test_a_precision_is_drawn_once(findings):
+    names = [item.name for each in anytime.section(findings).sections for item in each.items]
+    assert any(name.startswith("regret-curves") for name in names)
+    assert not any(name.startswith("convergence") for name in names)
+    assert [item.name for item in comparison.section(findings).items] == ["comparison"]
+
+
+def test_shares_of_the_budget_are_compared_where_budgets_differ(findings):
+    text = anytime.section(findings).text[0]
+    assert text.startswith("After 1% of the budget ")
+    assert "After 100% of the budget " in text
+
+
+def test_ranks_are_given_by_group_and_dimension(findings, items):
+    table = items["ranks-by-group"].frame
+    ranks = table_of(findings.final.standings, "rank")
+    assert table["problems"].tolist() == [2, 2, 1, 1, 1, 1]
+    assert table.loc["all functions, d = 5", "cma-es-fast"] == pytest.approx(
+        ranks.loc[["classical-sphere-d5", "classical-rastrigin-d5"], "cma-es-fast"].mean()
+    )
+
+
+def test_one_rule_ranks_everywhere(findings, items):
+    """The ranks by group were those of medians, and differed from the figure and the ranking of the same page."""
+    by_group, of_all = items["ranks-by-group"].frame, findings.final.ranking.set_index("optimizer")["mean_rank"]
+    overall = by_group.loc[["all functions, d = 2", "all functions, d = 5"], list(of_all.index)]
+    assert overall.mean().to_dict() == pytest.approx(of_all.to_dict())
+    last = (
+        findings.anytime.stages[findings.anytime.stages["share"] == 1.0]
+        .groupby("optimizer", observed=True)["rank"]
+        .mean()
+    )
+    assert last.to_dict() == pytest.approx(of_all.to_dict())
+
+
+def test_the_map_of_a_suite_has_a_row_a_function(findings, monkeypatch):
+    monkeypatch.setattr("bench.topics.findings.trials.MANY_PROBLEMS", 3)
+    found = rank_map(findings)
+    first, second = findings.final.ranked
+    assert list(found.frame) == [f"{name}, d = {d}" for name in (first, second) for d in (2, 5)]
+    assert list(found.frame.index) == ["sphere", "rastrigin"]
+    assert found.cells["rastrigin", f"{second}, d = 5"] == ("classical-rastrigin-d5", second)
+    ranks = table_of(findings.final.standings, "rank")
+    for (row, column), (problem, optimizer) in found.cells.items():
+        assert float(found.frame.at[row, column]) == ranks.at[problem, optimizer]
+    assert len(found.cells) == 8
+    assert (found.bold.shape, found.shades.shape, found.marks.shape) == ((2, 4),) * 3
+
+
+def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):
+    curves = items["targets-by-group"].data
+    assert curves["problem"].nunique() == 6
+    assert curves["per_dimension"].max() == pytest.approx(2000)  # ten times the budget, by simulated restarts
+
+
+def test_running_times_are_shown_over_the_dimension(findings, items):
+    table = items["scaling"].data.set_index(["problem", "dimension", "optimizer"])["ert"]
+    hits = findings.anytime.hits
+    own = hits[(hits["problem"] == "classical-sphere-d5") & (hits["optimizer"] == "cma-es-fast")]
+    own = own[np.isclose(own["tau"], 1e-2)]
+    reached = np.isfinite(own["evaluations"])
+    expected = np.where(reached, own["evaluations"], own["spent"]).sum() / reached.sum() / 5
+    assert table["classical sphere", 5, "cma-es-fast"] == pytest.approx(expected)
+
+
+def test_functions_have_their_own_curves_and_one_table_a_dimension(findings):
+    first, second = suite.section(findings).sections
+    assert [first.title, second.title] == [f"Function by function in dimension {d}" for d in (2, 5)]
+    curves, table = second.items
+    assert curves.name == "targets-by-function-d5"
+    assert curves.data["problem"].unique().tolist() == ["sphere, d = 5", "rastrigin, d = 5"]
+    assert table.name == "running-times-d5"
+    assert table.frame.index.tolist() == [
+        (each, label) for each in ("sphere", "rastrigin") for label in findings.trials.optimizers
+    ]
+    times = findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
+    ert = times.at[("classical-sphere-d5", "cma-es-fast", 10.0), "ert"]
+    assert table.frame.at[("sphere", "cma-es-fast"), "10"].startswith(f"{ert:,.0f} (")
+    assert table.frame.at[("rastrigin", "random-search"), "1e-08"] == "∞ (1,000)"
+    assert table.frame.at[("rastrigin", "random-search"), "successes"] == "0/6"
+    assert not table.marks.loc[("sphere", "random-search")].any()
+    assert r"\begin{tabular}" in to_latex(table, "t")
+
+
+def test_functions_of_one_name_stand_under_their_labels(findings):
+    members = suite._members(findings.trials).assign(function="same")
+    (first, _) = suite._each_dimension(findings, members)
+    curves, table = first.items
+    assert curves.data["problem"].unique().tolist() == ["classical-sphere-d2, d = 2", "classical-rastrigin-d2, d = 2"]
+    assert table.frame.index.get_level_values("function").nunique() == 2
+
+
+def test_a_suite_without_a_target_has_its_ranks_alone(findings):
+    again = Findings(findings.results)
+    again.anytime.__dict__["hits"] = findings.anytime.hits[:0]
+    section = suite.section(again)
+    assert [item.name for item in section.items] == ["ranks-by-group"]
+    assert section.text[0] == "No trial has a target."
+
+
+def test_the_suite_begins_with_the_targets_of_all_functions(findings):
+    figure = suite.section(findings).items[0]
+    assert figure.name == "targets-of-all"
+    assert figure.data["problem"].unique().tolist() == ["all functions, d = 2", "all functions, d = 5"]
+    crosses = [line for ax in figure.figure.axes for line in ax.lines if line.get_marker() == "x"]
+    assert {float(line.get_xdata()[0]) for line in crosses} == {200.0}  # evaluations / d, where restarts begin
+    assert "Crosses: the end of the budget" in figure.caption
+
+
+def test_the_running_times_of_two_are_scattered(findings, items):
+    table = items["ert-scatter"].data
+    assert set(findings.final.ranked[:2]) <= set(table)
+    assert set(table["kind"]) == {"d = 2", "d = 5"}
+    assert suite._scatter(Findings(findings.results, reference="random-search"), suite._members(findings.trials))[
+        0
+    ].caption.startswith("Expected running time / d of cma-es-fast over that of random-search")
+
+
+def test_dimensions_are_in_order_beside_the_scatter(findings):
+    members = suite._members(findings.trials)
+    (figure,) = suite._scatter(findings, members.assign(dimension=members["dimension"].replace(2, 20)))
+    assert list(figure.data["kind"].unique()) == ["d = 5", "d = 20"]
+
+
+@pytest.mark.slow
+def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.topics.findings.trials.MANY_PROBLEMS", 3)
+    tables = write_report(findings.results.paths[0], output=tmp_path / "out", n_jobs=1).parent / "tables"
+    assert (tables / "running-times-d2.tex").exists()
+    assert not list(tables.glob("cells-*.tex"))
+    figures = tables.with_name("figures")
+    assert list(figures.glob("distribution-*.svg"))
+    assert not list(figures.glob("distribution-*.pdf"))
+    assert list(tables.glob("cells-*.csv"))
+
+
+def test_a_study_of_one_kind_has_no_overview(make, tmp_path):
+    assert suite.section(Findings(Results(make(tmp_path / "s")))) is None
+
+
+def test_expected_running_times_are_given_to_coco_s_precisions(findings):
+    table = findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
+    pooled, paid, solved = findings.trials.pooled, 0, 0
+    for (problem, optimizer, _), trace in pooled.traces.items():
+        if (problem, optimizer) == ("classical-sphere-d2", "cma-es-fast"):
+            hits = trace.evaluations[trace.values <= 0.1]
+            paid, solved = paid + (hits[0] if len(hits) else 60), solved + (len(hits) > 0)
+    row = table.loc["classical-sphere-d2", "cma-es-fast", 0.1]
+    assert (row["trials"], row["successes"]) == (6, solved)
+    assert row["ert"] == paid / solved
+    assert table.index.get_level_values("precision").unique().tolist() == list(PRECISIONS)
+
+
+def test_a_function_s_own_section_has_its_expected_running_times(findings):
+    (own, *_) = datasets.section(findings).sections
+    table = next(item for item in own.items if item.name == "running-times-classical-sphere-d2")
+    shown, times = table.frame, findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
+    assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "95%", "ERT / d",
+                           "seconds", "successes"]  # fmt: skip
+    assert shown.loc["cma-es-fast", "10"] == times.loc[("classical-sphere-d2", "cma-es-fast", 10.0), "ert"]
+    assert shown.loc["random-search", "successes"] == "0/6"

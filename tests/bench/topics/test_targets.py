@@ -1,0 +1,201 @@
+"""Targets in the sections: the usual ones, those asked for, running times and the order under three sets."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, load_problem
+from bench.results.results import ProblemFacts
+from bench.topics.anytime import section as anytime
+from bench.topics.datasets import section as datasets
+from bench.topics.findings import Findings
+from bench.topics.findings import anytime as findings_module
+from bench.topics.methods.methods import methods
+from tests.bench.formats.made import make as made
+from tests.bench.formats.made import record
+
+
+@pytest.fixture(scope="module")
+def folder(make, tmp_path_factory):
+    """Return the folder of a study without optima: optimizers a, b and c find about 5, 6 and 7 on p and q."""
+    return make(tmp_path_factory.mktemp("usual") / "s", trials=4)
+
+
+def findings(folder, asked=None, expected=None, **optima):
+    found = Findings(Results(folder), asked)
+    if expected:
+        found.results._facts = lambda label: ProblemFacts(expected=expected)
+    found.trials.__dict__["optima"] = optima
+    return found
+
+
+def refused(names):
+    raise BenchError("it is not installed")
+
+
+class TestDefault:
+    @pytest.mark.parametrize(
+        ("known", "functions", "usual"),
+        [
+            ({"p": ProblemFacts(0.0, features={"suite": "bbob-noisy"})}, [], True),
+            ({"p": ProblemFacts(0.0, features={"suite": "bbob"}), "q": ProblemFacts(0.0)}, [], False),
+            ({"p": ProblemFacts(None, features={"suite": "cec2011"})}, [], False),
+            ({"p": ProblemFacts(1.0, features={"suite": "engineering"})}, [], False),
+            ({"p": ProblemFacts(0.0, features={"suite": "mine"})}, ["p"], True),
+            ({"p": ProblemFacts(0.0)}, [], False),
+            ({}, [], False),
+        ],
+    )
+    def test_precisions_only_where_the_field_has_them(self, known, functions, usual):
+        assert findings_module.are_of_the_field(known, functions) == usual
+
+    def test_those_asked_for_come_before_the_study_s(self, folder):
+        found = findings(folder)
+        found.results.study = found.results.study.override(targets="quantiles")
+        assert found.anytime.target_set == "quantiles"
+        again = findings(folder, [0.1])
+        again.results.study = found.results.study
+        assert again.anytime.target_set == [0.1]
+
+
+class TestSections:
+    @pytest.mark.sampled(1)
+    @pytest.mark.parametrize(
+        ("chosen", "optima"),
+        [
+            *(("precisions", optima) for optima in ({}, {"p": 4.0}, {"p": 4.0, "q": 0.0})),
+            *(("relative", optima) for optima in ({}, {"p": 4.0, "q": 0.0})),
+            ("quantiles", {"p": 4.0}),
+            ("tolerance", {}),
+            *(([9.0, 1.0, 0.1], optima) for optima in ({}, {"p": 4.0})),
+            (["50%"], {"p": 4.0, "q": 0.0}),
+        ],
+    )
+    def test_every_set_has_its_parts(self, folder, chosen, optima):
+        found = findings(folder, chosen, {"speed": (1.0, 2.0)} if chosen == "tolerance" else None, **optima)
+        found.anytime.check_targets()
+        section = anytime.section(found)
+        names = [item.name for item in section.items]
+        assert names.count("target-sets") == 1
+        assert ("aocc" in names) == (found.anytime.target_set.absolute and bool(found.trials.unbeaten))
+        assert "nan" not in " ".join(section.text)
+        assert datasets.section(found).sections
+        assert methods(found).text
+
+    def test_running_times_have_their_spread_and_seconds(self, folder):
+        found = findings(folder, [5.0, 2.0, 1e-3], p=4.0, q=4.0)
+        table = found.anytime.running_times
+        spread = ["low", "high", "p10", "p90", "ert_per_d", "ert_s", "low_s", "high_s", "p10_s", "p90_s"]
+        cell = ["problem", "optimizer", "precision", "trials", "successes", "ert", "unsuccessful"]
+        assert list(table) == [*cell, *spread]
+        own = table[table["successes"] > 0]
+        assert len(own)
+        assert (own["low"] <= own["ert"]).all()
+        assert (own["ert"] <= own["high"]).all()
+        assert (own["ert_s"] > 0).all()
+
+    def test_one_optimizer_is_not_ordered(self, make, tmp_path):
+        found = findings(make(tmp_path / "s", optimizers=("a",), trials=1), "precisions", p=4.0)
+        section = anytime.section(found)
+        assert "choice" not in " ".join(section.text)
+        assert "target-sets" not in [item.name for item in section.items]
+
+    def test_failed_trials_alone_have_no_targets(self, make, tmp_path):
+        folder = make(tmp_path / "s", fail=[(p, o) for p in "pq" for o in "abc"])
+        found = findings(folder, "precisions")
+        assert found.anytime.running_times.empty
+        assert anytime.section(found).text
+
+    def test_a_tolerance_needs_an_expected_metric(self, folder):
+        with pytest.raises(BenchError, match="need a problem with an expected metric, and this study has none"):
+            findings(folder, "tolerance").anytime.check_targets()
+
+
+class TestRunLengths:
+    """Targets by running length, of f08 in 2 dimensions: 3 trials of 100 evaluations, of optimizers a and b."""
+
+    @pytest.fixture
+    def small(self, tmp_path, monkeypatch):
+        def found(asked=None, function="bbob-f08-d2", **changes):
+            precisions = [1e2, 10**1.8, 10**1.6, 10**1.4, 10**1.2]
+            known = pd.DataFrame(
+                {"problem": "bbob-f08-d2", "precision": precisions, "ert": [1.0, 2.0, 6.0, 19.0, 99.0]}
+            )
+            monkeypatch.setattr(findings_module, "best2009", lambda names: known)
+            optimum = load_problem(f"{function}-i1").optimum
+
+            def row(trial, _values):
+                ends = {"a": 10**1.3, "b": 90.0}[trial.optimizer]
+                values = np.concatenate([np.full(7, 500.0), np.full(93, ends)]) + optimum
+                return record(values, 2)
+
+            study = {"trials": 3, "row": row} | changes
+            folder = made(tmp_path / "s", {f"{function}-i1": 2}, **study).paths[0]
+            return Findings(Results(folder), asked)
+
+        return found
+
+    def test_they_are_the_usual_ones_of_small_budgets_where_the_best_is_there(self, small, monkeypatch):
+        found = small()
+        assert found.anytime.target_set == "runlength"
+        assert found.anytime.near == 0
+        monkeypatch.setattr(findings_module, "EXPENSIVE", 60)  # 120 evaluations are 60 d
+        assert Findings(found.results).anytime.target_set == "precisions"
+        monkeypatch.undo()
+        monkeypatch.setattr(findings_module, "best2009", refused)
+        assert Findings(found.results).anytime.target_set == "precisions"
+
+    def test_a_function_without_the_best_has_precisions(self, small):
+        assert small(function="bbob-f09-d2").anytime.target_set == "precisions"
+
+    def test_the_tables_name_budgets_and_the_files_have_them(self, small):
+        found = small()
+        times = found.anytime.target_set.in_unit(found.anytime.running_times, "budget / d")
+        own = times[times["optimizer"] == "a"].set_index("budget / d")["ert"]
+        assert own.to_dict() == pytest.approx({0.5: 8.0, 1.2: 8.0, 3.0: 8.0, 10.0: np.inf, 50.0: np.inf})
+        rates = next(item for item in anytime.section(found).items if item.name == "success-rates")
+        assert list(rates.frame) == [f"the target for {each} d evaluations" for each in (3, 10, 50)]
+        assert sorted(rates.data["tau"].unique()) == pytest.approx([3, 10, 50])
+        problem = datasets._running_times(found, found.trials.problems[0])
+        assert list(problem.frame)[:5] == ["0.5", "1.2", "3", "10", "50"]
+        assert "trials that reached 50." in problem.note
+        assert "by running length: for budgets of 0.5, 1.2, 3, 10 and 50 times" in " ".join(methods(found).text)
+
+    def test_a_beaten_optimum_leaves_no_target_and_that_is_said(self, small):
+        found = small("runlength")
+        found.trials.__dict__["unbeaten"] = {}
+        assert found.anytime.targets.empty
+        assert "leave out 1 problem whose optimum was beaten, or" in " ".join(anytime.section(found).text)
+
+    def test_they_need_the_best(self, folder):
+        with pytest.raises(BenchError, match="the study has no such problem"):
+            findings(folder, "runlength").anytime.check_targets()
+
+
+class TestOrder:
+    @staticmethod
+    def said(folder, **ranks):
+        found = findings(folder)
+        rows = [
+            {"set": name, "problems": 2, "optimizer": label, "area": 0.5, "rank": rank}
+            for name, own in ranks.items()
+            for label, rank in zip("abc", own, strict=True)
+        ]
+        found.anytime.__dict__["target_sets"] = pd.DataFrame(rows)
+        return " ".join(anytime._sets_agree(found))
+
+    def test_the_choice_matters_or_not(self, folder):
+        same = self.said(folder, x=[1, 2, 3], y=[1, 2, 3], z=[1, 2, 3])
+        assert same == (
+            "The choice of targets does not matter here: the order of the optimizers is the same under 3 sets of "
+            "targets (x, y and z)."
+        )
+        assert "the first is the same, a, but the order of the others" in self.said(folder, x=[1, 2, 3], y=[1, 3, 2])
+        other = self.said(folder, x=[1, 2, 3], y=[2, 1, 3], z=[1.5, 1.5, 3])
+        assert (
+            "matters: of 3 sets of targets (x, y and z), the first is a under x; b under y; a and b under z." in other
+        )
+
+    def test_where_nothing_can_be_compared_nothing_is_said(self, folder):
+        assert self.said(folder, x=[1, 2, 3]) == ""
+        assert self.said(folder, x=[np.nan] * 3, y=[1, 2, 3]) == ""
