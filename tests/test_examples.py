@@ -15,7 +15,7 @@ from bench import Study, load_results
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "examples"
-OPTIMIZER, PROBLEM, STUDY = EXAMPLES / "optimizer", EXAMPLES / "problem", EXAMPLES / "study"
+OPTIMIZER, PROBLEM, TOPIC, STUDY = (EXAMPLES / kind for kind in ("optimizer", "problem", "topic", "study"))
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
 
@@ -42,7 +42,7 @@ def wheels(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheels")
     uv = [sys.executable, "-m", "uv"]
     succeed(*uv, "build", "--out-dir", folder, ROOT)  # the sdist, and the wheel from it
-    for source in (OPTIMIZER, PROBLEM):
+    for source in (OPTIMIZER, PROBLEM, TOPIC):
         succeed(*uv, "build", "--wheel", "--out-dir", folder, source)
     return {wheel.name.partition("-")[0]: wheel for wheel in sorted(folder.glob("*.whl"))}
 
@@ -128,7 +128,7 @@ def test_bench_run_takes_the_problems(programs, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("package", [OPTIMIZER, PROBLEM], ids=["optimizer", "problem"])
+@pytest.mark.parametrize("package", [OPTIMIZER, PROBLEM, TOPIC], ids=["optimizer", "problem", "topic"])
 def test_the_author_s_own_tests_pass(package, programs, tmp_path):
     succeed(programs / "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", package / "tests", cwd=tmp_path)
 
@@ -136,7 +136,11 @@ def test_the_author_s_own_tests_pass(package, programs, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "name", "checks"),
-    [("optimizer", "my-swarm", ["check", "my-swarm", "--no-bias"]), ("problem", "my-field", ["list", "problems"])],
+    [
+        ("optimizer", "my-swarm", ["check", "my-swarm", "--no-bias"]),
+        ("problem", "my-field", ["list", "problems"]),
+        ("topic", "my-topic", ["doctor"]),
+    ],
 )
 def test_a_new_package_builds_installs_and_passes_its_tests(kind, name, checks, programs, tmp_path):
     """What 'bench new' of the installed wheel writes; the folder of the fresh environment holds the templates."""

@@ -1,4 +1,4 @@
-"""bench new: write a package with an optimizer or a family of problems, or a study, to begin with.
+"""bench new: write a package with an optimizer, a family of problems or a topic of reports, or a study.
 
 The templates are the project's own examples, which its tests build, install and run: the example's name is replaced by
 the new one.
@@ -49,6 +49,12 @@ TEMPLATES = {
         "problems",
         "cd {path} && pip install . pytest && pytest && bench run study.toml",
     ),
+    "topic": Template(
+        "worst-runs",
+        {"": "topic"},
+        "report_sections",
+        "cd {path} && pip install . pytest && pytest && bench run study.toml",
+    ),
     "study": Template("smallest", {"": "study/smallest.toml"}, "studies", "bench run {path}"),
 }
 
@@ -58,13 +64,13 @@ def _kinds(incomplete: str) -> list[str]:
 
 
 def command(
-    kind: Annotated[str, typer.Argument(help="optimizer, problem or study.", autocompletion=_kinds)],
+    kind: Annotated[str, typer.Argument(help="optimizer, problem, topic or study.", autocompletion=_kinds)],
     name: Annotated[str, typer.Argument(help="Its name: lower-case words joined by hyphens, such as hill-climber.")],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder to write, or file of a study; default: NAME.")
     ] = None,
 ) -> None:
-    """Write a package with an optimizer or a family of problems that installs and passes its tests, or a study.
+    """Write a package that installs and passes its tests (an optimizer, problems, a topic of reports), or a study.
 
     A package has its own tests and a workflow for GitHub; that of an optimizer also has a gate, which stops pull
     requests that make it worse (see 'bench gate').
