@@ -3,7 +3,8 @@
     python performance              # about ten minutes on two idle cores; 'nox -s performance' does it
     python performance --quick      # small sizes, to try the scripts: the file is marked, and so is the page
 
-Each script runs alone, one after the other, in a process of its own.
+Each script runs alone, one after the other, in a process of its own. Each row is printed beside the committed one; the
+rows whose time or memory grew to 1.3 times or more are named at the end.
 """
 
 import argparse
@@ -15,10 +16,13 @@ from importlib.metadata import distributions
 from pathlib import Path
 from time import monotonic
 
+from _rows import growth
+
 from bench.storage.provenance import machine
 
 HERE = Path(__file__).resolve().parent
 RESULT = HERE.parent / "docs" / "reference" / "performance.json"
+GROWN = 1.3  # times the committed time or memory
 PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "joblib", "mealpy", "ioh", "coco-experiment")
 
 
@@ -26,7 +30,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true")
     quick = parser.parse_args().quick
-    rows = []
+    known, rows, grown = committed(quick), [], []
     for script in sorted(HERE.glob("[a-z]*.py")):
         began = monotonic()
         command = [sys.executable, str(script), "--json", *(["--quick"] if quick else [])]
@@ -36,7 +40,21 @@ def main() -> None:
         found = json.loads(done.stdout.splitlines()[-1])
         rows += found
         print(f"{script.name}: {len(found)} rows in {monotonic() - began:.0f} s", flush=True)
+        for row in found:
+            before = known.get(row["measured"], "none")
+            print(f"  {row['measured']}: {row['value']} (committed: {before})", flush=True)
+            if (times := growth(before, row["value"])) >= GROWN:
+                grown.append(f"{times:.1f} times the committed one: {row['measured']}")
     RESULT.write_text(json.dumps(record(quick) | {"rows": rows}, indent=1) + "\n", encoding="utf-8")
+    print("\n".join(grown or [f"nothing is {GROWN} times slower or larger than the committed rows"]))
+
+
+def committed(quick: bool) -> dict[str, str]:
+    """Return the committed value of each row; empty outside a checkout, and where its sizes were others."""
+    place = f"HEAD:./{RESULT.name}"
+    done = subprocess.run(["git", "show", place], cwd=RESULT.parent, capture_output=True, check=False)
+    before = json.loads(done.stdout or "{}")
+    return {row["measured"]: row["value"] for row in before.get("rows", ()) if before["quick"] == quick}
 
 
 def record(quick: bool) -> dict[str, object]:

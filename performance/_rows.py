@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -54,6 +55,16 @@ def short(number: float) -> str:
 def times(number: float) -> str:
     """Return a ratio as text, such as "1.6 times"."""
     return f"{short(number)} times"
+
+
+def growth(before: str, now: str) -> float:
+    """Return the largest ratio of the times and sizes in two values of one row; 1 where these are of other kinds."""
+    measured = [re.findall(r"([\d.,]*\d) (s|ms|us|MB|bytes)\b", value) for value in (before, now)]
+    units = [[unit for _, unit in each] for each in measured]
+    if units[0] != units[1]:
+        return 1.0
+    pairs = zip(*([float(number.replace(",", "")) for number, _ in each] for each in measured), strict=True)
+    return max((new / old for old, new in pairs if old), default=1.0)
 
 
 def main(measure: Callable[[bool], Rows]) -> None:
