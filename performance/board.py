@@ -36,7 +36,7 @@ def archive(path: Path, study: Study) -> Path:
     """Write a study's folder of trials that are filled by hand, and return its archive."""
     folder, rng = Folder(path), np.random.default_rng(study.seed)
     path.mkdir()
-    (path / "study.toml").write_text(study.to_toml(), encoding="utf-8")
+    folder.claim(study)
     with folder.store.writer() as writer:
         environment = writer.environment({"python": sys.version.split()[0], "ended": "2026-01-01T00:00:00+00:00"})
         for trial in study.plan():
