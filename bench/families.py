@@ -23,7 +23,7 @@ LARGEST_INSTANCE = 200_000
 
 
 class Member(NamedTuple):
-    """What the name of a suite's problem says; ``instance`` is 0 where the suite has no instances."""
+    """The parts of a suite problem's name; ``instance`` is 0 where the suite has no instances."""
 
     function: str
     dimension: int
@@ -86,7 +86,7 @@ class Grid:
                     yield from (f"{stem}-i{number}" for number in numbers) if self.instances else (stem,)
 
     def member(self, name: str) -> Member:
-        """Return what a name says; raises BenchError where it names no problem of this suite."""
+        """Return the parts of a problem's name; raises BenchError where it names no problem of this suite."""
         instance = "-i(0|[1-9][0-9]{0,17})" if self.instances else "()"
         match = re.fullmatch(rf"{re.escape(self.suite)}-(.+)-d(0|[1-9][0-9]{{0,17}}){instance}", name)
         if match is None:

@@ -267,7 +267,7 @@ def floats(numbers: ArrayLike, what: str, problem: Problem | None = None) -> Flo
 
 
 def repaired(problem: Problem, x: Floats) -> Floats:
-    """Return what a problem's rule makes of the (n, d) points; raises ValueError where it changes their shape."""
+    """Repair (n, d) points by the problem's rule; raises ValueError where it changes their shape."""
     given = floats(x, "points")  # the rule may compute in place, or return an array that it keeps
     shape = given.shape
     points = floats(problem.repair(given), "repaired points", problem)
@@ -277,7 +277,7 @@ def repaired(problem: Problem, x: Floats) -> Floats:
 
 
 def as_values(problem: Problem, returned: ArrayLike, n: int) -> Floats:
-    """Return what a problem returned for n points as a new array, (n,) float64; raises ValueError for another shape."""
+    """Return a problem's values of n points as a new array, (n,) float64; raises ValueError for another shape."""
     values = floats(returned, "values", problem)
     if values.shape != (n,):
         raise ValueError(f"problem {problem.name!r} returned shape {values.shape} for {n} points")

@@ -125,7 +125,7 @@ class Run(Strategy):
         super().tell(f + self.penalty(f))
 
     def penalty(self, f: Floats) -> Floats:
-        """Return what is added to the (agents,) values of the last points for their distance from the box."""
+        """Return the penalty on the (agents,) values of the last points for their distance from the box."""
         x = self.points
         outside = (x - self.box(x)) / (FREE * (self.box.upper - self.box.lower))
         ordered = np.sort(f[np.isfinite(f)])

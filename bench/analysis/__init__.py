@@ -84,7 +84,7 @@ from bench.analysis.error_rates import (
     trials_to_separate,
 )
 from bench.analysis.feasibility import feasibility
-from bench.analysis.input import checked
+from bench.analysis.input import guarded
 from bench.analysis.instances import SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
@@ -226,4 +226,4 @@ __all__ = [
 
 for _name in __all__:
     if isfunction(globals()[_name]):
-        globals()[_name] = checked(globals()[_name])
+        globals()[_name] = guarded(globals()[_name])

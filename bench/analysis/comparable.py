@@ -36,7 +36,7 @@ class Comparable(NamedTuple):
 
 
 def comparable(frame: pd.DataFrame, traces: Traces, allowed: Budgets, late: Collection[str] = ()) -> Comparable:
-    """Return what of a tidy frame is compared.
+    """Return the part of a tidy frame, and of its traces, that is compared.
 
     A problem whose own code raised in any trial is left out, as the failure says nothing about an optimizer. Of a
     problem with pooled instances, those count that all optimizers with trials on it share. Where budgets differ, values

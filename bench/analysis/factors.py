@@ -37,7 +37,7 @@ Factors = tuple[str, ...]
 
 
 class Contributions(NamedTuple):
-    """What the parameters of a sweep contribute.
+    """The contributions of the parameters of a sweep.
 
     Attributes:
         levels: problem, factor, level and ``chance``, the mean over the combinations with that value.
@@ -55,7 +55,7 @@ class Contributions(NamedTuple):
 
 
 def contributions(frame: pd.DataFrame, sweep: Sweep) -> Contributions:
-    """Return what the parameters of a sweep contribute on each problem; the sweep must lack no combination."""
+    """Return the contributions of a sweep's parameters on each problem; the sweep must lack no combination."""
     factors = {name: levels for name, levels in sweep.factors.items() if len(levels) > 1}
     by_cell = cells(frame[frame["optimizer"].isin(list(sweep.labels.values()))], merge=True)
     chosen = {

@@ -19,8 +19,8 @@ KINDS: dict[str, tuple[type, str]] = {
 """By annotation: what an argument must be, and what to give."""
 
 
-def checked(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the function, which then raises BenchError for frames and traces of another kind or without a column.
+def guarded(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a function so that it raises BenchError for frames and traces of another kind or without a column.
 
     Functions without such arguments stay as they are. Whatever else raises within one does so as before.
     """

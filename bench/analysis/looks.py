@@ -41,7 +41,7 @@ class Decisions:
 
 
 def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> Decisions:
-    """Return what the looks at the trials decided.
+    """Decide at each look which cells need no more trials.
 
     Args:
         frame: the tidy frame, or its columns problem, optimizer, trial, status and fun. A look counts for a cell

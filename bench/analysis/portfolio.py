@@ -35,7 +35,7 @@ ROUNDING = 12  # decimals of scores: sums of equal numbers in another order diff
 
 
 class Portfolio(NamedTuple):
-    """What a portfolio of all optimizers is worth on these problems.
+    """The worth of a portfolio of all optimizers on these problems.
 
     Attributes:
         gap: one row: ``single``, the label of the single best; ``problems``, ``functions``; ``single_score`` and

@@ -65,7 +65,7 @@ def single_best(table: pd.DataFrame, blocks: Mapping[str, str]) -> str:
 def validated_selection(
     features: pd.DataFrame, scores: pd.DataFrame, charged: pd.DataFrame, blocks: Mapping[str, str]
 ) -> pd.DataFrame:
-    """Return what the choice by features would have been for each problem, without any problem of its function.
+    """Return the optimizer that features choose for each problem, learnt without the problems of its function.
 
     Columns: problem, function, nearest (the neighbour), chosen, ``score`` (charged), ``single_score`` (of the single
     best of all these problems), ``gain`` (the difference, positive where the choice is better). Empty with fewer than

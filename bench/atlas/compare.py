@@ -35,7 +35,7 @@ GROUPS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 @dataclass(frozen=True)
 class Atlas:
-    """What was found.
+    """The findings of a survey.
 
     Attributes:
         surveyed: every implementation, in order.
@@ -158,7 +158,7 @@ def centre_bias(measures: Mapping[str, Floats]) -> float:
 
 
 def findings(seen: Surveyed) -> list[str]:
-    """Return what was found of an implementation alone, in words: biases, parameters without effect, or its failure."""
+    """Return the findings on an implementation alone, in words: biases, parameters without effect, or its failure."""
     if seen.failed:
         return [f"failed: {seen.failed}"]
     sentences = []

@@ -49,7 +49,7 @@ SIZES = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped"
 
 
 @dataclass(frozen=True)
-class Task:
+class AtlasRun:
     """One run: its problem, budget, seed, and the evaluations of a generation."""
 
     problem: str
@@ -60,7 +60,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Surveyed:
-    """What was seen of an implementation.
+    """The measurements of an implementation.
 
     Attributes:
         implementation: the implementation.
@@ -134,7 +134,7 @@ def _begin(
     except Exception as error:  # a plug-in may raise anything
         return Surveyed(implementation, failed=f"it cannot be loaded: {describe_error(error)}"), [], {}
     tasks = [
-        Task(problem, budget, trial_seed(seed, problem, implementation.key, trial), method.generation)
+        AtlasRun(problem, budget, trial_seed(seed, problem, implementation.key, trial), method.generation)
         for problem in PROBLEMS
         for trial in range(trials)
     ]
@@ -156,7 +156,7 @@ def _collect(
         return surveyed
     rows = []
     try:
-        for row in in_order(runs, _checked):
+        for row in in_order(runs, _arrays_of):
             on_made(surveyed.implementation.key)
             rows.append(row)
     except BenchError as error:
@@ -188,7 +188,7 @@ def _columns(rows: Sequence[dict[str, Any]]) -> tuple[list[str], dict[str, Float
     }
 
 
-def _checked(record: dict[str, Any]) -> dict[str, Any]:
+def _arrays_of(record: dict[str, Any]) -> dict[str, Any]:
     """Return the record of a run with arrays of its numbers; raises ValueError, TypeError or KeyError for none."""
     sized = {name: np.asarray(record[name], dtype=np.float64).reshape(size) for name, size in SIZES.items()}
     return sized | {"points": str(record["points"])}
@@ -243,13 +243,13 @@ def ready() -> None:
     """Load this module."""
 
 
-def run(name: str, options: Mapping[str, Any], task: Task) -> dict[str, Any]:
+def run(name: str, options: Mapping[str, Any], task: AtlasRun) -> dict[str, Any]:
     """Make one run of an optimizer; return its numbers."""
     return measure(load_optimizer(name, **options), task)
 
 
 def probe(
-    name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]
+    name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[AtlasRun]
 ) -> dict[str, str]:
     """Make runs that differ in one parameter; return the values ``tried`` as text, "" where one had an effect.
 
@@ -257,7 +257,7 @@ def probe(
     """
 
     @cache
-    def points(task: Task) -> str:
+    def points(task: AtlasRun) -> str:
         return str(measure(load_optimizer(name, **options), task)["points"])
 
     tried = []
@@ -272,7 +272,7 @@ def probe(
     return {"tried": ", ".join(tried)}
 
 
-def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
+def measure(optimizer: Optimizer, task: AtlasRun) -> dict[str, Any]:
     """Make one run and return its numbers; see :class:`Surveyed` and ``MEASURES``."""
     name, place = task.problem.rsplit(" ", 1)
     problem = classic(name, DIMENSION, moved=place == "moved")

@@ -223,7 +223,7 @@ def _implementation_row(atlas: Atlas, seen: Surveyed) -> list[str]:
 
 
 def _documented(seen: Surveyed) -> str:
-    """Return what an implementation is, its options, and what is known of it, as an item of a list."""
+    """Return an implementation, its options and the findings on it as an item of a list."""
     entry = seen.implementation
     options = ", ".join(f"{name} = {value!r}" for name, value in entry.options.items()) or "default options"
     name = "" if entry.label == entry.name else f"{code(entry.name)}, "

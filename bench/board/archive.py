@@ -27,7 +27,7 @@ LONGEST = 100  # characters shown of a text of an archive, which may hold anythi
 
 @dataclass(frozen=True, order=True)
 class Setting:
-    """What two results must share to be compared.
+    """The conditions that two results must share to be compared.
 
     Attributes:
         suite: the family of the problems.
@@ -49,7 +49,7 @@ class Setting:
 
     @property
     def title(self) -> str:
-        """What is shared, in words."""
+        """The conditions in words."""
         shared = f"{printable(self.suite, LONGEST)}, d = {self.dimension:,}, {self.budget:,} evaluations"
         return f"{shared}, {count(len(self.problems), 'problem')}" + f", imported in {self.alone}" * bool(self.alone)
 

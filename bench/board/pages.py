@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from bench.board.archive import LONGEST, Archive
-from bench.board.ranks import RULE, Standing, standings
+from bench.board.ranks import RULE, SettingRanks, standings
 from bench.helpers.text import count, joined, listed, option, printable
 from bench.report import Section, Table, write_page
 from bench.scoring.constraints import DEFAULT
@@ -17,7 +17,7 @@ SHORT = 12  # digits shown of a hash
 
 
 def write_index(
-    path: Path, archives: Sequence[Archive], standings: Sequence[Standing], addresses: Mapping[str, str]
+    path: Path, archives: Sequence[Archive], standings: Sequence[SettingRanks], addresses: Mapping[str, str]
 ) -> None:
     """Write the first page: the rule, the archives, and a table for each setting."""
     rows = [
@@ -64,7 +64,7 @@ def _pairs(caption: str, facts: Mapping[str, str], links: pd.DataFrame | None = 
     return Table(caption, caption, frame, links=links, most_rows=len(frame))
 
 
-def _setting(standing: Standing, archives: Sequence[Archive], addresses: Mapping[str, str]) -> Section:
+def _setting(standing: SettingRanks, archives: Sequence[Archive], addresses: Mapping[str, str]) -> Section:
     setting, rows = standing.setting, standing.rows
     ranked = int(rows["place"].notna().sum())
     notes = [*standing.notes]

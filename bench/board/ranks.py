@@ -25,8 +25,8 @@ RULE = (
 
 
 @dataclass(frozen=True)
-class Standing:
-    """What is known of a setting.
+class SettingRanks:
+    """The ranks of the optimizers of a setting.
 
     Attributes:
         setting: what all rows share.
@@ -40,7 +40,7 @@ class Standing:
     notes: tuple[str, ...]
 
 
-def standings(archives: Sequence[Archive]) -> list[Standing]:
+def standings(archives: Sequence[Archive]) -> list[SettingRanks]:
     """Return the standing of each setting, in the order of suites, dimensions and budgets."""
     archives_of: dict[Setting, list[Archive]] = {}
     for archive in archives:
@@ -49,7 +49,7 @@ def standings(archives: Sequence[Archive]) -> list[Standing]:
     return [_standing(setting, archives_of[setting]) for setting in sorted(archives_of)]
 
 
-def _standing(setting: Setting, archives: Sequence[Archive]) -> Standing:
+def _standing(setting: Setting, archives: Sequence[Archive]) -> SettingRanks:
     rows: list[dict[str, object]] = []
     ranked, notes = [], []
     seen: dict[tuple[object, ...], str] = {}
@@ -71,7 +71,7 @@ def _standing(setting: Setting, archives: Sequence[Archive]) -> Standing:
     frame.insert(1, "chance to end lower", np.nan)
     frame.loc[frame.pop("ranked"), ["mean rank", "chance to end lower"]] = np.column_stack(mean_ranks(ranked))
     frame.insert(0, "place", frame["mean rank"].rank(method="min").astype("Int64"))
-    return Standing(setting, frame.sort_values(["place", "archive", "optimizer"], ignore_index=True), tuple(notes))
+    return SettingRanks(setting, frame.sort_values(["place", "archive", "optimizer"], ignore_index=True), tuple(notes))
 
 
 def mean_ranks(values: Sequence[Sequence[Floats]]) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ import pandas as pd
 from bench.board import pages
 from bench.board.again import make_again
 from bench.board.archive import Archive, read, refuse_twins
-from bench.board.ranks import Standing, standings
+from bench.board.ranks import SettingRanks, standings
 from bench.errors import BenchError
 from bench.helpers.atomic import names_in, replacing
 from bench.helpers.console import OnStep
@@ -101,7 +101,7 @@ def _write(archives: Sequence[Archive], output: Path) -> None:
         pd.concat(tables).to_csv(temporary / TABLE, index=False, lineterminator="\n")
 
 
-def _flat(number: int, standing: Standing) -> pd.DataFrame:
+def _flat(number: int, standing: SettingRanks) -> pd.DataFrame:
     """Return the rows of a standing behind the number of its table and its setting."""
     setting = standing.setting
     shared = {

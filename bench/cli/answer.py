@@ -25,7 +25,7 @@ def read(folder: Path) -> dict[str, Any]:
         return {}
 
 
-def shown(content: dict[str, Any]) -> Group:
+def as_lines(content: dict[str, Any]) -> Group:
     """Return an answer as lines for a terminal."""
     parts: list[RenderableType] = [Text(str(content.get("sentence", "")), style="bold")]
     if content.get("selection"):

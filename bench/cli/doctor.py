@@ -30,7 +30,7 @@ STYLES = {"ok": "green", "note": "yellow", "broken": "red"}
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What was found of one thing: ``state`` is "ok", "note" (something is missing that may be) or "broken"."""
+    """A finding on one thing: ``state`` is "ok", "note" (something is missing that may be) or "broken"."""
 
     topic: str
     name: str

@@ -229,7 +229,7 @@ def _shared_lines_first(entries: list[Entry], name: str) -> list[Entry]:
 
 
 def _tried(describe: Callable[..., Any], *arguments: Any) -> Entry:
-    """Return what a function says of a plug-in, or the error that it raised."""
+    """Describe a plug-in by a function, or by the error that this raises."""
     try:
         return {"about": describe(*arguments)}
     except Exception as error:  # a plug-in may raise anything

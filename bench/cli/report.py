@@ -84,7 +84,7 @@ def report_on(folders: list[Path], console: Console, open_page: bool = False, **
     """Write the report with settings of :func:`bench.write_report`, and print its answer and its path; open the page
     on request.
     """
-    from bench.cli.answer import read, shown
+    from bench.cli.answer import as_lines, read
     from bench.storage.folder import STORE, Folder
     from bench.topics.write import write_report
 
@@ -93,7 +93,7 @@ def report_on(folders: list[Path], console: Console, open_page: bool = False, **
     for folder in folders:
         if (noted := Folder(folder).noted(STORE)) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)
-    console.print(shown(read(page.parent)))
+    console.print(as_lines(read(page.parent)))
     print_line(f"report: {page}", console=console)
     if open_page and typer.launch(str(page)):
         print_line(f"no browser could be started; open {page} in one", "yellow", console)

@@ -51,7 +51,7 @@ def command(
         print_line(f"store: {store.sentence}", "red", console)
     noted = {} if folder.running() else answer.read(folder.path)
     if noted and noted.get("trials") == sum(cell.done + cell.failed for cell in folder.store.cells()):
-        console.print(answer.shown(noted))
+        console.print(answer.as_lines(noted))
     elif noted:
         print_line(f"the report is of other trials; write it again: bench report {folder.path}", "yellow", console)
     for line, style in _lines(folder):

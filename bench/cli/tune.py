@@ -21,7 +21,7 @@ from bench.study import Study
 from bench.study.budget import Budget
 
 if TYPE_CHECKING:
-    from bench.tuning.tune import Best, Setting
+    from bench.tuning.tune import Best, TuningSetup
 
 
 def command(
@@ -63,7 +63,7 @@ def command(
     """
     from bench.report.wording import count
     from bench.tuning import study as studies
-    from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
+    from bench.tuning.tune import OBJECTIVES, TuningSetup, method, spaces
     from bench.tuning.tune import tune as tune_all
 
     for what, number in (("--configurations", configurations), ("--trials", trials)):
@@ -80,7 +80,7 @@ def command(
     training, testing = studies.split(train, test or (), leave_out, seed)
     problems = studies.load(training)
     spent = Budget.read(budget, "--budget")
-    setting = Setting(objective, configurations, trials, spent, seed, tuple(training), pairs(set_), timeout)
+    setting = TuningSetup(objective, configurations, trials, spent, seed, tuple(training), pairs(set_), timeout)
     _refuse_others(output, setting)
     least = min(setting.budget.evaluations(problem.dimension) for problem in problems.values())
     axes = spaces(names, setting.fixed, least, condition or ())
@@ -107,9 +107,9 @@ def command(
 
 
 def gained(best: Best, score: str) -> str:
-    """Return what the tuning of an optimizer tried, and what it gained in the ``score``, as a line."""
+    """Return a line on the tuning of an optimizer: its trials, and its gain in the ``score``."""
     record = best.record
-    chosen = ", ".join(f"{key}={_shown(value)}" for key, value in best.options.items())
+    chosen = ", ".join(f"{key}={_short(value)}" for key, value in best.options.items())
     better = record.best < record.scores[0]
     return (
         f"{record.name}: {len(record.scores)} tried, {record.whole.count(False)} of them stopped early; "
@@ -118,12 +118,12 @@ def gained(best: Best, score: str) -> str:
     )
 
 
-def _shown(value: object) -> str:
+def _short(value: object) -> str:
     """Return a parameter's value with four significant digits."""
     return f"{value:.4g}" if isinstance(value, float) else option(value)
 
 
-def _refuse_others(output: Path, setting: Setting) -> None:
+def _refuse_others(output: Path, setting: TuningSetup) -> None:
     """Raise BenchError where the output is a file that another tuning, or none, wrote."""
     if not output.exists():
         return

@@ -68,7 +68,7 @@ def noted(study: Study, note: Mapping[str, Any]) -> Descriptions:
 
 
 def accepting(study: Study, describe: Callable[[Study], Descriptions]) -> Descriptions:
-    """Return what ``describe`` returns of a study, with the conditions that each optimizer accepts of the others."""
+    """Describe a study's optimizers, with the conditions that each of them accepts of the others."""
     described = describe(study)
     shared = {pair for entry in study.optimizers for pair in described[entry.label].shareable}
     asked = [

@@ -86,7 +86,7 @@ def matched(study: Study, descriptions: Mapping[str, Description]) -> list[Match
 
 
 def _algorithm(entry: Entry) -> str:
-    """Return what two optimizers share that differ in conditions alone."""
+    """Return a text that is equal for two optimizers that differ in conditions alone."""
     return json.dumps([entry.name, {k: v for k, v in entry.options.items() if k not in CONDITIONS}], default=str)
 
 

@@ -26,7 +26,7 @@ class RefusedError(RuntimeError):
 
 @dataclass(frozen=True)
 class Box:
-    """What must be known of a problem to check an answer: variables, the box as (d,) bounds, (d,) integer flags."""
+    """The box of a problem, in which an answer must lie: variables, the box as (d,) bounds, (d,) integer flags."""
 
     variables: tuple[str, ...]
     lower: Floats

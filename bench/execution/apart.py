@@ -48,7 +48,7 @@ class RemoteProblem(Problem):
         self._ask(_EVALUATE, b"")  # no point, which starts the clock
 
     def evaluate(self, x: Floats) -> Floats:
-        """Return what the objective that is served returns for the (n, d) points."""
+        """Return the values of the served objective at the (n, d) points."""
         return self._ask(_EVALUATE, x.tobytes())
 
     def repair(self, x: Floats) -> Floats:

@@ -51,7 +51,7 @@ BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least on
 
 @dataclass(frozen=True)
 class Task:
-    """What every trial of a run has in common."""
+    """The settings that all trials of a run share."""
 
     study: Study  # as frozen in its folder; processes load its plug-ins by name
     timeout: float | None = None  # wall seconds that a trial may take
@@ -194,7 +194,7 @@ class Job:
             return kept
 
     def _with_problem(self, problem: str) -> ForkServer:
-        """Return what starts processes that have loaded a problem, and the others of its family where they can."""
+        """Return the server of processes that have loaded a problem, and the others of its family where they can."""
         task = self._task
         if problem not in self._problems:
             for trusted in (self._root, self._alone):
@@ -213,7 +213,7 @@ class Job:
         self._problems[label] = server
 
     def _with_optimizer(self, problems: ForkServer, optimizer: str) -> ForkServer:
-        """Return what starts processes that have loaded an optimizer, and others of its package, beside problems."""
+        """Return the server of processes that have loaded an optimizer, and others of its package, beside problems."""
         package = self._packages[optimizer] if problems.forks else optimizer
         server = self._loaded.get((problems, package))
         if server is None:
@@ -244,7 +244,7 @@ class _Ready:
 
 
 def root(task: Task, *, without_problems: bool = False) -> ForkServer:
-    """Return what starts processes for a task; of code that nobody trusts, in a sandbox, where BenchError is raised.
+    """Return the server of a task's processes; of code that nobody trusts, in a sandbox, where BenchError is raised.
 
     Processes ``without_problems`` find no installed problem in the sandbox.
     """

@@ -97,7 +97,7 @@ class Plan:
         )
 
     def total(self, seconds: Callable[[str, str], float]) -> float:
-        """Return what all trials to be made take together, of which each takes ``seconds(problem, optimizer)``.
+        """Return the seconds of all trials to be made, of which each takes ``seconds(problem, optimizer)``.
 
         The one of each optimizer that is made again is one of those that take least.
         """

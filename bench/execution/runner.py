@@ -190,7 +190,7 @@ def plan(
     plan = _plan(study, folder, part, selection, ["" if stored.sound else stored.sentence, *reused], verify)
     plan.finished.difference_update(stored.damaged)
     for other in others:
-        plan.finished.update(other.store.keys(finished_only=True, shown=selection.shown(other.store.held())))
+        plan.finished.update(other.store.keys(finished_only=True, shown=selection.labels_in(other.store.held())))
     return plan
 
 
@@ -245,7 +245,7 @@ def _plan(
             "the budget, it cannot be repeated bit by bit, and a faster or less busy machine gives other results"
         )
     store = folder.store
-    shown = selection.shown(store.held())
+    shown = selection.labels_in(store.held())
     finished, stopped = store.keys(finished_only=True, shown=shown), stopped_cells(study, store)
     return Plan(study, shard, finished, store.cells(shown), notes, stopped, selection.seeds, verify)
 

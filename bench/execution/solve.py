@@ -71,7 +71,7 @@ def solve(
         None if limit is None else seconds(limit, name)
         for name, limit in (("evaluation_timeout", evaluation_timeout), ("time", time))
     ]
-    problem = scored(problem, handlings.checked(constraints), on_error)
+    problem = scored(problem, handlings.read_handling(constraints), on_error)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         with evaluated(problem, parallel, limits[0]) as minimized:
             found = search(minimized, optimizer, budget, seed, end_if_stuck, limits[1])

@@ -76,7 +76,7 @@ def check(task: Task) -> Checked:
     for left in reversed(range(CHECKS)):
         try:
             with root(task) as server:
-                return _checked(server, task)
+                return _loaded_in_forks(server, task)
         except BenchError:
             raise
         except TimeExceededError as error:
@@ -92,8 +92,13 @@ def check(task: Task) -> Checked:
     raise AssertionError("the last loss is raised")
 
 
-def _checked(first: ForkServer, task: Task) -> Checked:
-    """Return what forks of a process find; raises what they raise, or whatever a strange answer leads to."""
+def _loaded_in_forks(first: ForkServer, task: Task) -> Checked:
+    """Load every plug-in in its own fork of a process; return what they found.
+
+    Raises:
+        BenchError: for the first plug-in that fails.
+        Exception: for answers of another form, which plug-in code wrote in place of the harness.
+    """
 
     def ask(server: ForkServer, *call: Any) -> dict[str, Any]:
         answer = server.call(*call, seconds=LOADING)

@@ -17,7 +17,7 @@ from typing import Any
 from bench.columns import Row, packed
 from bench.errors import BenchError
 from bench.formats import FORMATS, IMPORTABLE, naming
-from bench.formats.runs import Reading, Run
+from bench.formats.runs import ImportedRun, Reading
 from bench.formats.source import opened
 from bench.helpers.atomic import replacing
 from bench.helpers.text import printable
@@ -31,7 +31,7 @@ from bench.study.entries import LONGEST_LABEL
 
 @dataclass(frozen=True)
 class Imported:
-    """What was imported: the format, the numbers of trials, problems and optimizers, and what a reader should know.
+    """The outcome of an import: the format, and the numbers of trials, problems and optimizers.
 
     ``left_out`` has a sentence on each file that could not be read, empty unless those may be left out.
     """
@@ -106,7 +106,7 @@ def import_results(
     )
 
 
-def _study_of(name: str, runs: Iterable[Run]) -> Study:
+def _study_of(name: str, runs: Iterable[ImportedRun]) -> Study:
     """Return the study that numbered runs make up.
 
     Its budget is the largest number of evaluations of any run, by dimension where all dimensions are known: other tools
@@ -135,13 +135,13 @@ def _study_of(name: str, runs: Iterable[Run]) -> Study:
     )
 
 
-def _numbered(runs: Iterable[Run]) -> list[Run]:
+def _numbered(runs: Iterable[ImportedRun]) -> list[ImportedRun]:
     """Return the runs with the numbers of their trials: those given, or their order within their cell.
 
     Raises:
         BenchError: for a number that is given twice.
     """
-    results: list[Run] = []
+    results: list[ImportedRun] = []
     counts: Counter[tuple[str, str]] = Counter()
     seen: set[tuple[str, str, int]] = set()
     for run in runs:
@@ -154,7 +154,7 @@ def _numbered(runs: Iterable[Run]) -> list[Run]:
     return results
 
 
-def _write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any]) -> None:
+def _write(folder: Path, study: Study, runs: Iterable[ImportedRun], record: dict[str, Any]) -> None:
     """Write a study's folder in which every row refers to the one environment, ``record``.
 
     Raises:
@@ -176,7 +176,7 @@ def _write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, An
             folder.rmdir()  # it is empty
 
 
-def _row(run: Run) -> Row:
+def _row(run: ImportedRun) -> Row:
     """Return a run as a row of the store, with NULL for unknown values."""
     row: Row = {"status": "ok", "fun": run.fun, "nfev": run.nfev, "x": {}, "metrics": {}} | dict(run.columns)
     trace = {"trace": run.trace} if row["status"] == "ok" else {}

@@ -14,7 +14,7 @@ from pathlib import PurePosixPath
 from typing import NamedTuple
 
 from bench.errors import BenchError
-from bench.formats.runs import inside, label, optimizer_labels, shown
+from bench.formats.runs import inside, label, optimizer_labels, quoted
 from bench.formats.source import Source
 
 _PAIR = re.compile(r"""(\w+)\s*=\s*(?:(['"])(.*?)\2(?=\s*(?:,|$))|([^,]*))""")
@@ -118,7 +118,7 @@ def _add_runs(text: str, where: str, data: DataSet, run: re.Pattern[str]) -> Non
     for item in filter(None, (part.strip() for part in text.split(","))):
         if match := run.fullmatch(item):
             if not data.logs:
-                raise BenchError(f"{where} names a run before its log: {shown(item)}")
+                raise BenchError(f"{where} names a run before its log: {quoted(item)}")
             instance, evaluations, final = match.groups()
             try:
                 logged = Logged(
@@ -127,12 +127,12 @@ def _add_runs(text: str, where: str, data: DataSet, run: re.Pattern[str]) -> Non
                     None if final is None else float(final),
                 )
             except ValueError as error:
-                raise BenchError(f"{where} has the run {shown(item)}, which cannot be read") from error
+                raise BenchError(f"{where} has the run {quoted(item)}, which cannot be read") from error
             data.logs[-1][1].append(logged)
         elif _LOG.fullmatch(item):
             data.logs.append((inside(data.index.parent, item, where).with_suffix(".dat"), []))
         elif "=" not in item:  # a remark
-            raise BenchError(f"{where} has {shown(item)} where a run such as '1:301|8.5e-02' is expected")
+            raise BenchError(f"{where} has {quoted(item)} where a run such as '1:301|8.5e-02' is expected")
 
 
 def _whole(data: DataSet) -> DataSet:

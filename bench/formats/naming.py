@@ -16,7 +16,7 @@ from bench.plugins import loading, registry, selection
 
 
 class Known(NamedTuple):
-    """What the family of a problem says of it, as far as it is installed here.
+    """The facts on a problem that its family knows, as far as it is installed here.
 
     Attributes:
         optimum: the best known objective value.
@@ -56,7 +56,7 @@ def _grid(suite: str) -> Grid | None:
 
 @cache
 def known(name: str) -> Known:
-    """Return what is known of the problem of that name; nothing where its family is unknown or not installed."""
+    """Return the known facts on the problem of that name; none where its family is unknown or not installed."""
     try:
         problem = loading.load_problem(name)
         return Known(None if problem.optimum is None else float(problem.optimum), tuple(problem.variables))

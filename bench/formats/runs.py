@@ -27,7 +27,7 @@ Found = TypeVar("Found")
 
 @dataclass
 class Reading:
-    """What the reader of a format may leave out, and what it has to say.
+    """The parts that the reader of a format may leave out, and its messages.
 
     Attributes:
         partial: whether the parts that cannot be read are left out; else the first one ends the import.
@@ -53,7 +53,7 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Run:
+class ImportedRun:
     """One run of an optimizer on a problem; what the format does not hold stays unknown.
 
     Attributes:
@@ -93,7 +93,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Reader:
-    """What reads a format.
+    """The reader of a format.
 
     Attributes:
         index: the file with which reading begins, in words.
@@ -103,7 +103,7 @@ class Reader:
 
     index: str
     is_index: Callable[[Source, PurePosixPath], bool]
-    runs: Callable[[Source, Sequence[PurePosixPath], Reading], Iterator[Run]]
+    runs: Callable[[Source, Sequence[PurePosixPath], Reading], Iterator[ImportedRun]]
 
 
 def improvements(evaluations: NDArray[np.int64], values: Floats) -> Trace:
@@ -165,7 +165,7 @@ def inside(folder: PurePosixPath, name: object, where: str) -> PurePosixPath:
     """Return the path of a file that an index in ``folder`` names; raises BenchError for one outside the folder."""
     path = PurePosixPath(str(name).replace("\\", "/"))
     if path.is_absolute() or ".." in path.parts:
-        raise BenchError(f"{where} names {shown(path)}, which is outside the folder")
+        raise BenchError(f"{where} names {quoted(path)}, which is outside the folder")
     return folder / path
 
 
@@ -181,10 +181,10 @@ def label(text: object, where: str) -> str:
     """Return the name of a problem or an optimizer as a label; raises BenchError for one that cannot be."""
     name = str(text).strip()
     if not name or not name.isprintable() or len(name) > LONGEST_LABEL or is_formula(name):
-        raise BenchError(f"{where} has a name that is empty, too long, not printable or a formula: {shown(name)}")
+        raise BenchError(f"{where} has a name that is empty, too long, not printable or a formula: {quoted(name)}")
     return name
 
 
-def shown(text: object) -> str:
-    """Return a file's words as a message shows them."""
+def quoted(text: object) -> str:
+    """Return text of a file as a message quotes it: printable, and at most 60 characters."""
     return repr(printable(str(text), 60))

@@ -16,7 +16,7 @@ from bench.formats.unpacking import extract, members_of, refuse_excess
 
 @dataclass(frozen=True)
 class Source:
-    """What is imported.
+    """The folder, file or archive that is imported.
 
     Attributes:
         name: the name of the folder or file.

@@ -24,7 +24,7 @@ OTHERS = "other-problems"
 
 @dataclass(frozen=True)
 class Writer:
-    """What writes a format.
+    """The writer of a format.
 
     Attributes:
         files: returns the path, within the export's folder, and the content of every file; raises BenchError at the

@@ -40,7 +40,7 @@ class Module(NamedTuple):
 
     @property
     def facts(self) -> Facts:
-        """What counts of it."""
+        """The parts of it that decide trials."""
         return facts(self.content, self.path.suffix == ".py")
 
 
@@ -74,7 +74,7 @@ def hashes(found: Mapping[str, Module]) -> Code:
 
 
 def identity(optimizer: Optimizer) -> Code:
-    """Return what decides the trials of a loaded optimizer.
+    """Return the code that decides the trials of a loaded optimizer.
 
     These are its own ``fingerprint``, the versions of the packages that hold its classes and of the ``libraries`` that
     it declares, and the files of classes that are not installed, or only as a link to their checkout. The harness
@@ -153,7 +153,7 @@ def _trace(wanted: Iterable[str], places: Sequence[str], read: Callable[[Path], 
             if name not in specs:
                 specs[name] = spec = _spec(name, places, specs.get(package))
                 if spec is not None and (module := _module(spec, read)):
-                    found[_shown(spec, module.path)] = module
+                    found[_path_in_package(spec, module.path)] = module
                     exports[name] = module.facts.exports
                     inside = name if spec.submodule_search_locations is not None else package
                     left.extend(module.facts.imported(inside))
@@ -210,7 +210,7 @@ def _module(spec: ModuleSpec, read: Callable[[Path], bytes]) -> Module | None:
     return None
 
 
-def _shown(spec: ModuleSpec, path: Path) -> str:
+def _path_in_package(spec: ModuleSpec, path: Path) -> str:
     parts = spec.name.split(".")
     return "/".join([*(parts if spec.submodule_search_locations is not None else parts[:-1]), path.name])
 

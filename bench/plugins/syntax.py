@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 
 class Facts(NamedTuple):
-    """What counts of a file.
+    """The parts of a file that decide trials.
 
     Attributes:
         digest: a hash of its syntax tree; of its bytes where it is no valid Python.
@@ -41,7 +41,7 @@ class Facts(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def facts(content: bytes, python: bool = True) -> Facts:
-    """Return what counts of a file with this content, of which it may be known that it is no Python."""
+    """Return the facts of a file with this content; ``python`` is False where it is known to be no Python."""
     if python:
         # ValueError: a NUL byte; the last two: nesting that is too deep
         with suppress(SyntaxError, ValueError, RecursionError, MemoryError), warnings.catch_warnings():

@@ -15,7 +15,7 @@ from bench.study.budget import Budget
 
 
 class _Results(Protocol):
-    """What is needed of :class:`bench.Results`."""
+    """The part of :class:`bench.Results` that is needed here."""
 
     study: Study
     budgets: dict[str, Budget]

@@ -117,7 +117,7 @@ def _require_alike(first: Study, study: Study) -> None:
 
 
 def compared(studies: Sequence[Study]) -> dict[str, str]:
-    """Return what each problem is compared as, by label, of those that all studies have.
+    """Return the name under which each problem is compared, by label, of those that all studies have.
 
     That is its function in a dimension where instances are repetitions by construction, as those of COCO's suites are:
     each study may have other ones. Elsewhere it is the problem itself.

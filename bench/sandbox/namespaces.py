@@ -28,16 +28,16 @@ def enter() -> int:
     """
     user, group = os.getuid(), os.getgid()
     system = ctypes.CDLL(None, use_errno=True)
-    _checked(system.unshare(_NEW))
+    _require_success(system.unshare(_NEW))
     system.prctl(_DUMPABLE, 1, 0, 0, 0)  # otherwise the files below are not its own
     for name, text in (("setgroups", "deny"), ("uid_map", f"{user} {user} 1"), ("gid_map", f"{group} {group} 1")):
         Path("/proc/self", name).write_text(text)
     if pid := os.fork():
         return int(pid)
-    _checked(system.mount(b"scratch", SCRATCH.encode(), b"tmpfs", _NOSUID | _NODEV, b"size=%d" % SIZE))
+    _require_success(system.mount(b"scratch", SCRATCH.encode(), b"tmpfs", _NOSUID | _NODEV, b"size=%d" % SIZE))
     system.mount(b"proc", b"/proc", b"proc", 0, None)  # refused where the sandbox hides parts of the one that is there
     system.prctl(_DUMPABLE, 0, 0, 0, 0)
-    _checked(system.capset((ctypes.c_uint32 * 2)(_CAPABILITIES, 0), (ctypes.c_uint32 * 6)()))
+    _require_success(system.capset((ctypes.c_uint32 * 2)(_CAPABILITIES, 0), (ctypes.c_uint32 * 6)()))
     return 0
 
 
@@ -47,7 +47,7 @@ def shares(own: int) -> bool:
         return len(os.listdir("/proc/self/fd")) > own + 2 or any(" rw-s " in line for line in maps)  # noqa: PTH208
 
 
-def _checked(result: int) -> None:
+def _require_success(result: int) -> None:
     if result:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 

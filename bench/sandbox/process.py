@@ -92,7 +92,7 @@ class RemoteError(RuntimeError):
 
 
 FAILURES = (TimeExceededError, MemoryExceededError, PrintedTooMuchError, DiedError, RemoteError)
-"""What may come of a call by the fault of what is called; a LostError may have any cause."""
+"""Errors of a call that plug-in code can cause; a LostError may have any cause."""
 
 
 class Process:
@@ -294,7 +294,7 @@ class Process:
             )
 
     def _look(self) -> int | None:
-        """Return what :func:`bench.sandbox.tree.look` does of this process."""
+        """Return the state of this process (:func:`bench.sandbox.tree.look`)."""
         if self._original is not None:
             return self._original._request("look", self._pid)
         process = self._process

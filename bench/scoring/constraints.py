@@ -36,8 +36,8 @@ COEFFICIENT = 1e6  # R
 BARRIER = 1e100  # B
 
 
-def shown(handling: str, values: Floats, total: Floats) -> Floats:
-    """Return what an optimizer sees of n points under one of the ``HANDLINGS``.
+def visible_values(handling: str, values: Floats, total: Floats) -> Floats:
+    """Return the (n,) values that an optimizer sees of n points under one of the ``HANDLINGS``.
 
     Args:
         handling: with ``repair``, values and violations are those of the repaired points.
@@ -56,7 +56,7 @@ def shown(handling: str, values: Floats, total: Floats) -> Floats:
     return np.where(feasible, values, np.inf)
 
 
-def checked(handling: Any, what: str = "'constraints'") -> str:
+def read_handling(handling: Any, what: str = "'constraints'") -> str:
     """Return the handling; raises BenchError for an unknown one, naming it ``what``."""
     if handling not in HANDLINGS:
         hint = nearest(handling, HANDLINGS) if isinstance(handling, str) else ""

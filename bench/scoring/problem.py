@@ -32,7 +32,7 @@ ON_ERROR = ("fail", "worst")
 
 
 class Assessment(NamedTuple):
-    """What n points are worth.
+    """The values of n points: those recorded, and those that the optimizer sees.
 
     Attributes:
         points: (n, d) the points in whose place values are recorded: repaired where the handling repairs, and rounded.
@@ -81,7 +81,7 @@ class Scored(Problem):
         return self._feasible(self._true(x), self._total(x))
 
     def assess(self, x: Floats, rng: np.random.Generator) -> Assessment:
-        """Return what the (n, d) points ``x``, all in the box, are worth; noise is drawn from ``rng``."""
+        """Assess the (n, d) points ``x``, all in the box; noise is drawn from ``rng``."""
         if self.handling == "repair":
             x = repaired(self.problem, x)
         x = self.rounded(x)
@@ -91,7 +91,7 @@ class Scored(Problem):
         if self.handling == "repair":  # nothing else has checked these
             total = np.where(((x >= self.lower) & (x <= self.upper)).all(axis=1), total, np.inf)
         seen = self._observed(x, rng) if self.problem.noisy else true
-        shown = constraints.shown(self.handling, seen, total)
+        shown = constraints.visible_values(self.handling, seen, total)
         return Assessment(x, self._feasible(true, total), shown, total, failed)
 
     def rounded(self, x: Floats) -> Floats:
@@ -127,7 +127,7 @@ class Scored(Problem):
         return self._computed(self.problem.noiseless, x)
 
     def _computed(self, values: Callable[[Floats], Floats], x: Floats) -> Floats:
-        """Return what a function of the problem returns for the (n, d) points, +inf where it may fail and raises."""
+        """Call a function of the problem with the (n, d) points; return +inf where it may fail and raises."""
         try:
             return as_values(self.problem, values(x.copy()), len(x))
         except PointError as error:
@@ -231,7 +231,7 @@ def scored(problem: Problem, handling: str, on_error: str = "fail") -> Problem:
     if problem.integer is not None:
         _check_integer(problem, problem.integer)
     if constrained or problem.noisy or problem.integer is not None or on_error == "worst":
-        return Scored(problem, constraints.checked(handling) if constrained else "", on_error)
+        return Scored(problem, constraints.read_handling(handling) if constrained else "", on_error)
     return problem
 
 

@@ -15,7 +15,7 @@ from bench.study.looks import Looks
 
 @dataclass
 class Cells:
-    """What a store holds beside its trials.
+    """The cells of a store, and those that its last study selects.
 
     Attributes:
         all: every cell by its number.
@@ -57,7 +57,7 @@ class Cells:
                 versions.setdefault(cell.optimizer, []).append(number)
         return versions
 
-    def shown(self, number: int) -> Labels:
+    def display_labels(self, number: int) -> Labels:
         """Return the labels of a cell for people, whether it is selected or not."""
         if number in self.selected or number not in self.all:
             return self.selected.get(number, UNKNOWN)
@@ -105,7 +105,7 @@ def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str, L
 
 
 def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
-    """Return what the digests of a cell's rows begin with, whose variables and metrics have these names."""
+    """Return the hash that begins the digests of a cell's rows whose variables and metrics have these names."""
     return binding(*(str(part).encode() for part in cell), *names)
 
 

@@ -27,7 +27,7 @@ class Committed(NamedTuple):
 
 
 def read(folder: Path) -> Committed:
-    """Return what was noted last; nothing where the note is missing or damaged."""
+    """Return the last note; an empty one where the note is missing or damaged."""
     try:
         noted = parse_json((folder / FILE).read_bytes())
         return Committed(int(noted["commits"]), int(noted["trials"]))

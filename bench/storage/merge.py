@@ -179,7 +179,7 @@ def copy(
             else:
                 same += 1
                 if row["status"] == "ok" and (different := disagreement(present, row)):
-                    problem, optimizer = cells.shown(cell)
+                    problem, optimizer = cells.display_labels(cell)
                     raise BenchError(
                         f"trial {row['trial']} of {optimizer} on {problem} has another {different} in {name} than in "
                         f"{writer.path.parent}, though both were made from one seed; find out which is right ('bench "

@@ -257,7 +257,7 @@ def _cells_3(older: Older, labels: dict[int, Labels]) -> tuple[dict[int, Cell], 
 
 
 def _of_file_3(name: str, noted: Any) -> Any:
-    """Return what a record has of the code or the data of a plug-in, whose hash was noted if it is in a file."""
+    """Return the hash that a record gets of the code or data of a plug-in, which was noted if it is in a file."""
     if (parts := from_file.split(name)) is None:
         return noted
     try:
@@ -268,7 +268,7 @@ def _of_file_3(name: str, noted: Any) -> Any:
 
 
 def _noted_3(older: Older) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
-    """Return what each run noted of data and of code by label, the last one first."""
+    """Return the hashes of data and of code that each run noted, by label, the last run first."""
     notes: tuple[list[dict[str, str]], list[dict[str, str]]] = [], []
     with suppress(sqlite3.DatabaseError):
         query = f"SELECT record FROM {older.prefix}environments ORDER BY id DESC"

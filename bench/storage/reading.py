@@ -191,7 +191,7 @@ class Reader:
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        return self._sound(self.cells.shown, where, *values)
+        return self._sound(self.cells.display_labels, where, *values)
 
     def _sound(
         self, shown: Callable[[int], Labels | None], where: str, *values: object
@@ -245,7 +245,7 @@ class Reader:
 
     def _place(self, row: Sequence[Any]) -> Key:
         _, cell, _, trial, *_ = row
-        return (*self.cells.shown(cell), trial if isinstance(trial, int) else -1)
+        return (*self.cells.display_labels(cell), trial if isinstance(trial, int) else -1)
 
 
 def record_digest(number: int, record: bytes) -> bytes:

@@ -34,8 +34,8 @@ class Selection:
         """The labels that seeds are made from, by the labels shown."""
         return {labels: cell.labels for labels, cell in self.cells.items()}
 
-    def shown(self, held: Cells) -> dict[int, Labels]:
-        """Return the labels of the cells that a store has, by their number in it."""
+    def labels_in(self, held: Cells) -> dict[int, Labels]:
+        """Return the labels of the selected cells that a store holds, by their number in it."""
         known = {cell: number for number, cell in held.all.items()}
         known |= {now: known[cell] for cell, now in self.completed.items() if cell in known}  # not completed yet
         return {known[cell]: labels for labels, cell in self.cells.items() if cell in known}
@@ -117,7 +117,7 @@ def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored:
 
 @dataclass(frozen=True)
 class _Changes:
-    """What changed since the study that ran in a folder before."""
+    """The changes since the study that ran in a folder before."""
 
     now: Mapping[Labels, Cell]
     most: int
@@ -127,7 +127,7 @@ class _Changes:
 
     @cached_property
     def before(self) -> dict[Labels, Cell]:
-        """What the study before selects."""
+        """The cells that the study before selects."""
         return self.held.by_labels
 
     def notes(self) -> Iterator[str]:

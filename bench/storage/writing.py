@@ -244,7 +244,7 @@ def rebind(connection: sqlite3.Connection, before: Bound, now: Bound) -> None:
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
-    """Return what distinguishes a file from another one in its place, None where there is none."""
+    """Return device and number of a file, which another one in its place has not; None where there is none."""
     try:
         status = path.stat()
     except OSError:

@@ -57,7 +57,7 @@ def record(**content: Any) -> str:
 
 @cache
 def read(text: str) -> dict[str, Any]:
-    """Return what a record holds, which must not be changed; of a damaged one nothing is known."""
+    """Return the content of a record, which must not be changed; of a damaged one nothing is known."""
     content = None
     with suppress(ValueError):
         content = json.loads(text)

@@ -110,7 +110,7 @@ class Study:
     budget: Checked[Budget] = Checked(Budget.read, Budget.read(10_000))
     seed: Checked[int] = Checked(partial(_whole, least=0, most=LARGEST_SEED), 0)
     title: str = ""
-    constraints: Checked[str] = Checked(handlings.checked, handlings.DEFAULT)
+    constraints: Checked[str] = Checked(handlings.read_handling, handlings.DEFAULT)
     on_error: Checked[str] = Checked(require_on_error, "fail")
     evaluation_timeout: Checked[float | None] = Checked(seconds)
     time: Checked[float | None] = Checked(seconds)

@@ -53,7 +53,7 @@ def fractions(known: bool) -> Floats:
 
 
 class Found(NamedTuple):
-    """What the trials on a problem found, from which its targets follow.
+    """The values that the trials on a problem found, from which its targets follow.
 
     Attributes:
         reference: the optimum where that is ``known``, or the lowest value found where it is unknown or beaten.
@@ -139,7 +139,7 @@ class Targets(Value, ABC):
         return self._meaning.format(self, "the known optimum" if all(known) else found)
 
     def method(self, reference: str) -> str:
-        """Return what methods say of the targets, with keys of works; ``reference`` is what values are beside."""
+        """Return the sentence of the methods on the targets; ``reference`` is the value beside which others are set."""
         return self._method.format(self, reference)
 
     def shown(self, level: float) -> str:

@@ -21,7 +21,7 @@ WIDE = 1e3  # the ratio of the ends of a range without a declared scale, from wh
 
 @dataclass(frozen=True)
 class Axis:
-    """What is tried of one parameter: a closed range of numbers, or choices where ``choices`` holds any.
+    """An axis of the search space, a parameter: a closed range of numbers, or choices where ``choices`` holds any.
 
     ``default`` is None where the optimizer chooses the value itself; the first configuration then leaves it out.
     """
@@ -56,7 +56,7 @@ class Axis:
 def space(
     name: str, optimizer: Optimizer, fixed: Collection[str], budget: int, conditions: Collection[str] = ()
 ) -> list[Axis]:
-    """Return what is tried of each parameter of an optimizer but those ``fixed``.
+    """Return the axis of each parameter of an optimizer but those ``fixed``.
 
     The conditions of a comparison (:data:`bench.optimizer.CONDITIONS`) are tried only where ``conditions`` names them:
     an optimizer that is tuned in them meets the others under conditions of its own.

@@ -14,7 +14,7 @@ from bench.problem import Problem
 from bench.seeds import trial_seed
 from bench.study import Study
 from bench.study.tuned import Tuning
-from bench.tuning.tune import Best, Setting
+from bench.tuning.tune import Best, TuningSetup
 
 
 def split(train: Sequence[str], test: Sequence[str], leave_out: str | None, seed: int) -> tuple[list[str], list[str]]:
@@ -66,7 +66,7 @@ def load(names: Sequence[str]) -> dict[str, Problem]:
     return problems
 
 
-def untuned(name: str, test: Sequence[str], optimizers: Sequence[str], setting: Setting) -> Study:
+def untuned(name: str, test: Sequence[str], optimizers: Sequence[str], setting: TuningSetup) -> Study:
     """Return the study of the defaults; raises BenchError for what cannot be run, before anything is tuned."""
     entries = [{"name": optimizer, **setting.fixed} for optimizer in optimizers]
     study = Study.from_dict(_head(name, test, setting) | {"optimizers": entries}, repr(name))
@@ -74,7 +74,7 @@ def untuned(name: str, test: Sequence[str], optimizers: Sequence[str], setting: 
     return study
 
 
-def tuned(name: str, test: Sequence[str], bests: Sequence[Best], setting: Setting, **about: str) -> Study:
+def tuned(name: str, test: Sequence[str], bests: Sequence[Best], setting: TuningSetup, **about: str) -> Study:
     """Return the study that runs the defaults and the best configuration of each optimizer on the test problems.
 
     ``about`` holds ``left_out`` and ``method`` of :class:`bench.study.tuned.Tuning`.
@@ -91,7 +91,7 @@ def tuned(name: str, test: Sequence[str], bests: Sequence[Best], setting: Settin
     return Study.from_dict(_head(name, test, setting) | {"optimizers": entries, "tuning": record.sealed()}, repr(name))
 
 
-def _head(name: str, test: Sequence[str], setting: Setting) -> dict[str, Any]:
+def _head(name: str, test: Sequence[str], setting: TuningSetup) -> dict[str, Any]:
     return {
         "name": name, "title": "Default and tuned parameters", "seed": setting.seed,
         "budget": setting.budget, "problems": [{"names": list(test)}],

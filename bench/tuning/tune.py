@@ -42,8 +42,8 @@ LEAST, MOST = 1e-8, 1e100  # regrets: COCO's smallest precision, and that of a f
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What is the same for all optimizers of a tuning.
+class TuningSetup:
+    """The settings that all optimizers of a tuning share.
 
     Attributes:
         objective: what is minimised: "aocc", one less the mean area over the convergence curve (van Stein et al. 2024),
@@ -68,7 +68,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Run:
+class TuningRun:
     """One run of a configuration: its best value and its trace, or the ``error`` that it ended with."""
 
     fun: float = np.inf
@@ -89,7 +89,7 @@ class Best:
 def spaces(
     names: Sequence[str], fixed: Mapping[str, Any], least: int, conditions: Sequence[str] = ()
 ) -> dict[str, list[Axis]]:
-    """Return what is tried of each optimizer; ``least`` is the smallest budget of a run.
+    """Return the axes of each optimizer's search space; ``least`` is the smallest budget of a run.
 
     ``conditions`` are those of :data:`bench.optimizer.CONDITIONS` that are tuned, too.
 
@@ -113,7 +113,7 @@ def spaces(
 def tune(
     axes: Mapping[str, list[Axis]],
     problems: Mapping[str, Problem],
-    setting: Setting,
+    setting: TuningSetup,
     journal: Path,
     n_jobs: int = -1,
     on_progress: OnStep = lambda *_: None,
@@ -150,7 +150,7 @@ class _Search:
     """The tuning of one optimizer: an optuna study, whose finished trials are the configurations so far."""
 
     def __init__(
-        self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting,
+        self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: TuningSetup,
         problems: Mapping[str, Problem], begin: Begin,
     ) -> None:  # fmt: skip
         self.optuna, self.name, self.axes, self.setting, self.begin = optuna, name, axes, setting, begin
@@ -282,7 +282,7 @@ class _Search:
         return {name: round(float(share), 4) for name, share in shares.items()}
 
 
-def score(runs: Sequence[Run], objective: str, optimum: float, budget: int) -> float:
+def score(runs: Sequence[TuningRun], objective: str, optimum: float, budget: int) -> float:
     """Return the score of a configuration's runs on one problem; lower is better, and a failed run is the worst."""
     if objective == "regret":
         regrets = [MOST if run.error else run.fun - optimum for run in runs]
@@ -298,19 +298,19 @@ def method(optuna: Any) -> str:
     return f"optuna {optuna.__version__}, TPESampler and WilcoxonPruner"
 
 
-def _run(record: dict[str, Any]) -> Run:
+def _run(record: dict[str, Any]) -> TuningRun:
     """Return the run of a record; raises ValueError, TypeError or KeyError for what is none."""
     trace = Trace(record["at"].astype(np.int64), record["values"])
-    run = Run(float(record["fun"]), int(record["nfev"]), float(record["wall_s"]), trace)
+    run = TuningRun(float(record["fun"]), int(record["nfev"]), float(record["wall_s"]), trace)
     return run if np.isfinite(run.fun) else replace(run, error="it found no finite value")
 
 
-def _outcome(future: Future[Any]) -> Run:
-    """Return what a run found, or why it failed."""
+def _outcome(future: Future[Any]) -> TuningRun:
+    """Return the result of a run, or why it failed."""
     try:
         return found(future, _run)
     except BenchError as error:
-        return Run(error=str(error))
+        return TuningRun(error=str(error))
 
 
 def _storage(optuna: Any, journal: Path) -> Any:

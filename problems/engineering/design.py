@@ -16,7 +16,7 @@ Columns = Sequence[Floats]
 
 @dataclass(frozen=True)
 class Design:
-    """What is published of a design problem.
+    """The published facts on a design problem.
 
     Formulas take the columns of (n, d) points. They use products instead of powers: products give the same bits for one
     point as for many, a library's power may not.

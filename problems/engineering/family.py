@@ -23,7 +23,7 @@ DESIGNS = {
 
 
 class Family:
-    """What the entry point names."""
+    """The family of engineering problems, which the entry point names."""
 
     def names(self) -> list[str]:
         """Return the names of all design problems."""

@@ -65,7 +65,7 @@ def unpack(file: str | PathLike[str], output: str | PathLike[str], *, limit_gb: 
         for name, digest in sums.items():
             if sha256_of(temporary / name) != digest:
                 raise BenchError(f"{source}: {name} was changed: its SHA-256 is not that of {SUMS}")
-        trials, sentence = _checked(temporary, source)
+        trials, sentence = _read_whole(temporary, source)
     return Unpacked(target, len(names), trials, sentence)
 
 
@@ -123,7 +123,7 @@ def _describes(content: bytes, sums: Mapping[str, str], source: Path) -> None:
         )
 
 
-def _checked(temporary: Path, source: Path) -> tuple[int, str]:
+def _read_whole(temporary: Path, source: Path) -> tuple[int, str]:
     """Read what was unpacked as any folder is read; return the number of its trials, and what their digests say."""
     folder = Folder(temporary)
     try:

@@ -81,7 +81,7 @@ def data_sets(suite: str, source: Path | None = None) -> list[DataSet]:
         if kept.stat().st_size > LARGEST:
             raise ValueError("it is too large")
         rows = [row for row in ast.literal_eval(kept.read_text(encoding="utf-8")) if len(row) == 3]
-        return [DataSet(suite, *_checked(*row)) for row in rows]
+        return [DataSet(suite, *_row_of_list(*row)) for row in rows]
     except (OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError) as error:
         raise BenchError(f"{kept} is no list of an archive ({error}); remove it to get it anew") from error
 
@@ -141,7 +141,7 @@ def _stem(path: str) -> str:
     return re.sub(r"\.(tgz|tar\.gz|tar|zip)$", "", path, flags=re.IGNORECASE)
 
 
-def _checked(path: object, sha256: object, kilobytes: object) -> tuple[str, str, float]:
+def _row_of_list(path: object, sha256: object, kilobytes: object) -> tuple[str, str, float]:
     """Return a row of the list; raises ValueError for one that is none."""
     parts = PurePosixPath(str(path)).parts
     if not parts or ".." in parts or PurePosixPath(str(path)).is_absolute() or "\\" in str(path):

@@ -27,7 +27,7 @@ from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.coco.writer import STAND_IN
 from bench.formats.index import DataSet, Logged, algorithm_labels, by_log, data_sets
-from bench.formats.runs import Reader, Reading, Run, improvements, label, require_increasing, shown
+from bench.formats.runs import ImportedRun, Reader, Reading, improvements, label, quoted, require_increasing
 from bench.formats.source import Source
 from bench.helpers.text import joined
 from bench.typing import Floats
@@ -61,7 +61,7 @@ def is_index(source: Source, file: PurePosixPath) -> bool:  # noqa: ARG001 - as 
     return file.suffix == ".info" and not file.name.startswith("IOHprofiler")
 
 
-def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
+def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[ImportedRun]:
     """Yield the runs of every index, log by log.
 
     Raises:
@@ -76,7 +76,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     names, named = algorithm_labels(sets), by_log(sets)
     unfinished, longer = 0, 0
 
-    def runs_of(log: PurePosixPath) -> Iterator[Run]:
+    def runs_of(log: PurePosixPath) -> Iterator[ImportedRun]:
         nonlocal unfinished, longer
         for data, entry, one, timed in _blocks(source, log, named[log]):
             yield _run(data, names[data.index.parent, data.algorithm], log, entry, one, timed)
@@ -181,12 +181,12 @@ def logged(source: Source, file: PurePosixPath) -> list[Block]:
             cells = line.split(None, 3)
             if not header or len(cells) < 3:
                 what = "is cut short" if header else "comes before the header of a run"
-                raise BenchError(f"{file}, line {number}, {what}: {shown(line)}")
+                raise BenchError(f"{file}, line {number}, {what}: {quoted(line)}")
             rows.append((number, cells[0], cells[2]))
     if header:
         blocks.append(_block(header, begin, rows, file))
     if lines and not text.endswith(("\n", "\r")) and _is_cut(lines[-2:]):
-        raise BenchError(f"{file} is cut short in line {len(lines)}: {shown(lines[-1])}")
+        raise BenchError(f"{file} is cut short in line {len(lines)}: {quoted(lines[-1])}")
     return blocks
 
 
@@ -206,12 +206,12 @@ def _block(header: str, begin: int, rows: list[tuple[int, str, str]], file: Pure
     except ValueError:
         for number, *cells in rows:
             if not all(map(_is_number, cells)):
-                raise BenchError(f"{file}, line {number}, has {shown(' … '.join(cells))}, no numbers") from None
+                raise BenchError(f"{file}, line {number}, has {quoted(' … '.join(cells))}, no numbers") from None
         raise
     whole = evaluations.astype(np.int64)
     if not (whole == evaluations).all():
         at = int(np.flatnonzero(whole != evaluations)[0])
-        raise BenchError(f"{file}, line {places[at]}, has {shown(counts[at])} evaluations, no whole number")
+        raise BenchError(f"{file}, line {places[at]}, has {quoted(counts[at])} evaluations, no whole number")
     best[np.isnan(best)] = np.inf  # an objective that failed
     require_increasing(whole, places, str(file), repeats=True)
     twice = np.flatnonzero((np.diff(whole) == 0) & (np.diff(best) != 0))
@@ -230,7 +230,9 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: Block, timed: Block | None) -> Run:
+def _run(
+    data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: Block, timed: Block | None
+) -> ImportedRun:
     of_suite = not data.comment.startswith(STAND_IN)
     where = f"{log}, line {one.line},"
     if of_suite:
@@ -243,14 +245,14 @@ def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: 
     _require_whole(entry, block, log)
     finite = block.values < INFINITE
     trace = improvements(block.evaluations[finite], block.values[finite] + optimum)
-    return Run(problem, algorithm, data.dimension, max(last, entry.evaluations or 0), trace)
+    return ImportedRun(problem, algorithm, data.dimension, max(last, entry.evaluations or 0), trace)
 
 
 def _optimum(problem: str, header: str, where: str, *, of_suite: bool) -> float:
     """Return f_opt: the family's, with all its digits, where the header's agrees with it."""
     match = _FOPT.search(header)
     if match is None or not _is_number(match[1]):
-        raise BenchError(f"{where} is the header of a run without its f_opt: {shown(header)}")
+        raise BenchError(f"{where} is the header of a run without its f_opt: {quoted(header)}")
     optimum = naming.known(problem).optimum if of_suite else None
     if optimum is None:
         return float(match[1])

@@ -62,7 +62,7 @@ COLUMNS = (
 
 
 class Place(NamedTuple):
-    """What a problem is in COCO: its suite and the numbers of its function and instance there."""
+    """The identity of a problem in COCO: its suite and the numbers of its function and instance there."""
 
     suite: str
     function: int

@@ -22,7 +22,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.formats.index import DataSet, Logged, algorithm_labels, by_log, data_sets
 from bench.formats.ioh.reader import GUESSED, Block, is_guessed, logged, problem_of
-from bench.formats.runs import Reader, Reading, Run, improvements
+from bench.formats.runs import ImportedRun, Reader, Reading, improvements
 from bench.formats.source import Source
 
 VALUE = "best-so-far f(x)"
@@ -38,7 +38,7 @@ def is_index(source: Source, file: PurePosixPath) -> bool:  # noqa: ARG001 - as 
     return file.suffix == ".info" and file.name.startswith("IOHprofiler")
 
 
-def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
+def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[ImportedRun]:
     """Yield the runs of every index, log by log.
 
     Raises:
@@ -49,7 +49,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
         reading.notes.append(GUESSED.format("bbob"))
     names, named = algorithm_labels(sets), by_log(sets)
 
-    def runs_of(log: PurePosixPath) -> Iterator[Run]:
+    def runs_of(log: PurePosixPath) -> Iterator[ImportedRun]:
         entries = [(data, entry) for data, entry in named[log] if entry.evaluations]  # without one, a run has no rows
         file = next((path for path in map(log.with_suffix, SUFFIXES) if path in source.files), log)
         read = partial(logged, source, file, FIRST, index=named[log][0][0].index, number=len(entries))
@@ -77,7 +77,7 @@ def _name(data: DataSet) -> str:
     return data.keys.get("funcName", "")
 
 
-def _run(data: DataSet, algorithm: str, entry: Logged, block: Block, shifted: Block, where: str) -> Run:
+def _run(data: DataSet, algorithm: str, entry: Logged, block: Block, shifted: Block, where: str) -> ImportedRun:
     function = int(data.function) if data.function.isdecimal() else data.function
     problem, lacking = problem_of(data.suite, function, _name(data), data.dimension, entry.instance, data.index)
     evaluations, values = block
@@ -92,7 +92,7 @@ def _run(data: DataSet, algorithm: str, entry: Logged, block: Block, shifted: Bl
     if lacking and shifted is not block:
         _require_optimum(float(values[-1]), float(shifted[1][-1]), lacking, problem, where)
     trace = improvements(evaluations, values + lacking)
-    return Run(problem, algorithm, data.dimension, max(entry.evaluations or 0, int(evaluations[-1])), trace)
+    return ImportedRun(problem, algorithm, data.dimension, max(entry.evaluations or 0, int(evaluations[-1])), trace)
 
 
 def _require_whole(final: float, last: float, best: list[float], where: str) -> None:

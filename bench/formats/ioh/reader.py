@@ -24,16 +24,16 @@ from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.ioh.writer import BBOB, F_OPT
 from bench.formats.runs import (
+    ImportedRun,
     Reader,
     Reading,
-    Run,
     evaluation,
     improvements,
     inside,
     label,
     optimizer_labels,
+    quoted,
     require_increasing,
-    shown,
 )
 from bench.formats.source import Source
 from bench.helpers.parsing import parse_json
@@ -71,7 +71,7 @@ def is_index(source: Source, file: PurePosixPath) -> bool:  # noqa: ARG001 - as 
     return file.name.startswith("IOHprofiler") and file.suffix == ".json"
 
 
-def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
+def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[ImportedRun]:
     """Yield the runs of every JSON file, log by log.
 
     Raises:
@@ -92,7 +92,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
         (data.file.parent, data.algorithm, (data.head["function_id"], data.dimension)) for data in scenarios
     )
 
-    def runs_of(data: _Data) -> Iterator[Run]:
+    def runs_of(data: _Data) -> Iterator[ImportedRun]:
         blocks = logged(source, data.log, "evaluations", VALUE, data.file, len(data.runs))
         for position, (run, block) in enumerate(zip(data.runs, blocks, strict=True), start=1):
             yield _run(data, names[data.file.parent, data.algorithm], run, block, f"{data.log}, run {position},")
@@ -135,7 +135,7 @@ def logged(
     text = source.text(log)
     lines = text.splitlines()
     if lines and not text.endswith("\n"):
-        raise BenchError(f"{log} is cut short in line {len(lines)}: {shown(lines[-1])}")
+        raise BenchError(f"{log} is cut short in line {len(lines)}: {quoted(lines[-1])}")
     blocks: list[Block] = []
     columns: list[str] = []
     rows: list[tuple[int, float]] = []
@@ -155,7 +155,7 @@ def logged(
         try:
             rows.append((evaluation(cells[0]), float(cells[columns.index(value)])))
         except (ValueError, IndexError) as error:
-            raise BenchError(f"{log}, line {place}, is no row of evaluations and values: {shown(line)}") from error
+            raise BenchError(f"{log}, line {place}, is no row of evaluations and values: {quoted(line)}") from error
     if len(blocks) != number:
         raise BenchError(f"{log} has {len(blocks)} runs and {index} names {number}; one of them is cut short")
     return blocks
@@ -170,7 +170,7 @@ def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Blo
     return evaluations, values
 
 
-def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> Run:
+def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> ImportedRun:
     exported = "trial" in run and "seed" in run  # this package's export
     name = str(data.head.get("function_name", ""))
     if exported and F_OPT not in run:  # of no suite
@@ -186,7 +186,7 @@ def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: 
     if exported and is_whole(run["seed"]):
         columns["seed"] = run["seed"]
     number = run["trial"] if exported and is_whole(run["trial"]) and run["trial"] >= 0 else None
-    return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
+    return ImportedRun(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
 
 
 def _is_bbob(data: _Data) -> bool:

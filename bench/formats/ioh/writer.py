@@ -51,7 +51,7 @@ SUITES = {"bbob": "BBOB", "sbox-cost": "SBOX"}
 
 
 class Place(NamedTuple):
-    """What a problem is for readers: the suite, the function's number and name, and the instance.
+    """The identity of a problem for readers of IOH files: the suite, the function's number and name, and the instance.
 
     ``optimum`` is what logged values lack, None for a problem of no suite.
     """

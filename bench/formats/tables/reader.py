@@ -19,7 +19,7 @@ import pandas as pd
 from bench.columns import FEATURES, RESERVED, STORED
 from bench.errors import BenchError
 from bench.formats import naming
-from bench.formats.runs import Reader, Reading, Run, improvements, label, require_increasing
+from bench.formats.runs import ImportedRun, Reader, Reading, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.objective import Trace
 
@@ -42,7 +42,7 @@ def is_index(source: Source, file: PurePosixPath) -> bool:
     return set(COLUMNS) <= {cell.strip().strip('"') for cell in head.split(",")}
 
 
-def runs(source: Source, tables: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
+def runs(source: Source, tables: Sequence[PurePosixPath], reading: Reading) -> Iterator[ImportedRun]:
     """Return the runs of every table.
 
     Raises:
@@ -51,18 +51,18 @@ def runs(source: Source, tables: Sequence[PurePosixPath], reading: Reading) -> I
     return reading.each(tables, partial(_runs_of, source))
 
 
-def _runs_of(source: Source, file: PurePosixPath) -> Iterator[Run]:
+def _runs_of(source: Source, file: PurePosixPath) -> Iterator[ImportedRun]:
     beside = file.with_name(TRIALS)
     whole = file.name == IMPROVEMENTS and beside in source.files
     return _exported(source, file, beside) if whole else _plain(source, file)
 
 
-def _plain(source: Source, file: PurePosixPath) -> Iterator[Run]:
+def _plain(source: Source, file: PurePosixPath) -> Iterator[ImportedRun]:
     table = _table(source, file)
     for key, rows in table.groupby(KEYS, sort=False):
         problem, optimizer, number = cast("tuple[str, str, int]", key)
         nfev = int(rows["evaluations"].iloc[-1])
-        yield Run(problem, optimizer, naming.dimension_of(problem), nfev, _trace(rows, file), int(number))
+        yield ImportedRun(problem, optimizer, naming.dimension_of(problem), nfev, _trace(rows, file), int(number))
 
 
 def _trace(rows: pd.DataFrame, file: PurePosixPath) -> Trace:
@@ -116,7 +116,7 @@ def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[f
         raise BenchError(f"{file} has a {name} that is no number: {error}") from error
 
 
-def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Iterator[Run]:
+def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Iterator[ImportedRun]:
     """Yield the trials of this package's own export, with those that failed."""
     traces = {key: _trace(rows, file) for key, rows in _table(source, file).groupby(KEYS, sort=False)}
     table = _read(source, trials)
@@ -148,7 +148,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         optimizer = label(row["optimizer"], str(trials))
         problem = label(row["problem"], str(trials))
         dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
-        yield Run(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NONE), key[2], columns)
+        yield ImportedRun(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NONE), key[2], columns)
 
 
 def _known(value: float) -> float | None:

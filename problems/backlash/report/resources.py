@@ -20,7 +20,7 @@ def sections(study: Study) -> list[Section]:
 
 
 def measured() -> pd.DataFrame:
-    """Return what ``python performance/memory.py`` measured: a row an optimizer and number of agents.
+    """Return the measurements of ``python performance/memory.py``: a row an optimizer and number of agents.
 
     Columns: optimizer (plug-in name), agents, process_mb (the process before the search), resident_kb and traced_kb
     (the peak of the search above it, as the system and as Python see it); on an AMD EPYC, Linux, Python 3.11.

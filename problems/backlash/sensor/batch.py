@@ -126,7 +126,7 @@ def _estimated_joint(path: Path, joint: str, recording: Callable[[], Recording],
 
 
 def _failed(path: Path, joint: str, error: Exception) -> Failed:
-    """Return what is told of an error; a fault of this program costs no other recording."""
+    """Return the message of an error; a fault of this program costs no other recording."""
     sentence = str(error)
     if not isinstance(error, BenchError):
         line, *_ = sentence.splitlines() or ["no message"]

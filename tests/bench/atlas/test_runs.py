@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench import Optimizer, parameter
-from bench.atlas.runs import MEASURES, PROBLEMS, Task, _checked, alternatives, measure, probe, run, survey
+from bench.atlas.runs import MEASURES, PROBLEMS, AtlasRun, _arrays_of, alternatives, measure, probe, run, survey
 from bench.atlas.table import parse
 
 FILE = '''
@@ -63,22 +63,22 @@ def table(swarm, *names):
 
 
 def test_a_parameter_without_effect_is_found_and_one_with_effect_is_not(swarm):
-    tasks = [Task(problem, 60, 3, 5) for problem in ("sphere moved", "Rastrigin moved")]
+    tasks = [AtlasRun(problem, 60, 3, 5) for problem in ("sphere moved", "Rastrigin moved")]
     assert probe(f"{swarm}:Swarm", {}, "inertia", [0.35, 1.0], tasks) == {"tried": "0.35, 1.0"}
     assert probe(f"{swarm}:Swarm", {}, "step", [0.2], tasks) == {"tried": ""}
     assert probe(f"{swarm}:Swarm", {}, "inertia", [7.0, 0.35], tasks) == {"tried": "0.35"}  # 7 is refused
 
 
 def test_a_run_gives_its_measures(swarm):
-    found = run(f"{swarm}:Swarm", {}, Task("sphere centred", 60, 3, 5))
+    found = run(f"{swarm}:Swarm", {}, AtlasRun("sphere centred", 60, 3, 5))
     start, following, course, final = found["measures"]
     assert found["evaluations"] == 60
     assert final > 0
     assert np.log10(final) <= course
     assert start > np.log10(final)
     assert following > np.log10(final)
-    assert run(f"{swarm}:Swarm", {}, Task("sphere centred", 60, 3, 5))["points"] == found["points"]
-    assert run(f"{swarm}:Swarm", {}, Task("sphere centred", 60, 4, 5))["points"] != found["points"]
+    assert run(f"{swarm}:Swarm", {}, AtlasRun("sphere centred", 60, 3, 5))["points"] == found["points"]
+    assert run(f"{swarm}:Swarm", {}, AtlasRun("sphere centred", 60, 4, 5))["points"] != found["points"]
 
 
 def test_the_first_generation_is_measured_by_its_median():
@@ -88,7 +88,7 @@ def test_the_first_generation_is_measured_by_its_median():
                 objective(np.full(5, value))
             objective.stop("done")
 
-    found = measure(Fixed(), Task("sphere centred", 60, 0, 3))
+    found = measure(Fixed(), AtlasRun("sphere centred", 60, 0, 3))
     assert found["measures"][MEASURES.index("start")] == pytest.approx(np.log10(500))
     assert found["measures"][MEASURES.index("next")] == pytest.approx(np.log10(5))
     assert found["measures"][MEASURES.index("final")] == 5.0
@@ -116,10 +116,10 @@ def test_other_values_of_parameters_are_those_it_accepts():
 
 @pytest.mark.parametrize("change", [{"measures": [1.0]}, {"behaviour": None}, {"clamped": "much"}, {"cpu_s": [1, 2]}])
 def test_an_answer_that_is_no_record_of_a_run_is_refused(swarm, change):
-    record = run(f"{swarm}:Swarm", {}, Task(PROBLEMS[0], 60, 3, 5))
-    assert _checked(record)["measures"].shape == (len(MEASURES),)
+    record = run(f"{swarm}:Swarm", {}, AtlasRun(PROBLEMS[0], 60, 3, 5))
+    assert _arrays_of(record)["measures"].shape == (len(MEASURES),)
     with pytest.raises((ValueError, TypeError)):
-        _checked(record | change)
+        _arrays_of(record | change)
 
 
 @pytest.mark.slow

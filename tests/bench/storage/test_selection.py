@@ -32,13 +32,13 @@ def test_the_same_study_selects_the_same_cells_and_says_nothing():
     chosen = again(study("a", "b"), study("a", "b"))
     assert chosen.cells == study("a", "b").cells(FOUND)
     assert chosen.notes == []
-    assert chosen.shown(held(study("a", "b"))[0]) == {1: ("p", "a"), 2: ("p", "b"), 3: ("q", "a"), 4: ("q", "b")}
+    assert chosen.labels_in(held(study("a", "b"))[0]) == {1: ("p", "a"), 2: ("p", "b"), 3: ("q", "a"), 4: ("q", "b")}
 
 
 def test_changed_code_is_another_cell_and_the_file_is_named():
     chosen = again(study("a", "b"), study("a", "b"), now_found=FOUND._replace(code=FOUND.code | {"a": {"f.py": "new"}}))
     assert chosen.notes == ["a changed (f.py) and is version 2 now: 6 trials to make; the 6 of version 1 are kept"]
-    assert chosen.shown(held(study("a", "b"))[0]) == {2: ("p", "b"), 4: ("q", "b")}
+    assert chosen.labels_in(held(study("a", "b"))[0]) == {2: ("p", "b"), 4: ("q", "b")}
 
 
 def test_a_version_that_is_there_already_is_taken_up_again():
@@ -48,7 +48,7 @@ def test_a_version_that_is_there_already_is_taken_up_again():
     cells = Cells(cells.all | more, {3: ("p", "a"), 4: ("q", "a")}, "id")
     chosen = select(study("a").cells(FOUND), 3, cells, trials | dict.fromkeys(more, 2))
     assert chosen.notes == ["a changed (f.py) and is version 1 now: 0 trials to make; the 4 of version 2 are kept"]
-    assert chosen.shown(cells) == {1: ("p", "a"), 2: ("q", "a")}
+    assert chosen.labels_in(cells) == {1: ("p", "a"), 2: ("q", "a")}
     assert [*cells.versions("a").values()] == [[1, 2], [3, 4]]
 
 
@@ -118,7 +118,7 @@ def test_what_an_older_version_did_not_note_is_completed_and_continued():
     chosen = again(study("a"), study("a"), unknown, FOUND)
     assert chosen.notes == []
     assert [*chosen.completed.values()] == [*study("a").cells(FOUND).values()]
-    assert len(chosen.shown(held(study("a"), unknown)[0])) == 2
+    assert len(chosen.labels_in(held(study("a"), unknown)[0])) == 2
 
 
 def test_cells_that_are_others_now_are_named_whatever_their_labels():

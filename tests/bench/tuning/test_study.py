@@ -6,9 +6,9 @@ from bench import BenchError
 from bench.study.budget import Budget
 from bench.study.tuned import Tuned
 from bench.tuning.study import load, split, tuned, untuned
-from bench.tuning.tune import Best, Setting
+from bench.tuning.tune import Best, TuningSetup
 
-SETTING = Setting("aocc", 2, 1, Budget.read("20 * d"), 7, ("sphere-3",), {"agents": 6})
+SETTING = TuningSetup("aocc", 2, 1, Budget.read("20 * d"), 7, ("sphere-3",), {"agents": 6})
 WEAK = "multimodal, weak global structure"
 
 

@@ -10,9 +10,9 @@ from bench import BenchError, solve
 from bench.plugins import loading
 from bench.seeds import trial_seed
 from bench.study.budget import Budget
-from bench.tuning.tune import Run, Setting, _outcome, score, spaces, tune
+from bench.tuning.tune import TuningRun, TuningSetup, _outcome, score, spaces, tune
 
-SETTING = Setting("regret", 8, 2, Budget.read(60), 3, ("sphere-2", "sphere-3"), {})
+SETTING = TuningSetup("regret", 8, 2, Budget.read(60), 3, ("sphere-2", "sphere-3"), {})
 
 
 def tuned(folder, setting=SETTING, optimizers=("scatter",), n_jobs=1):
@@ -127,7 +127,7 @@ def test_failed_runs_score_worst_and_lose_nothing_else(tmp_path):
 
 
 def test_regrets_are_medians_and_failed_runs_the_worst():
-    runs = [Run(5.001), Run(5.0), Run(error="lost")]
+    runs = [TuningRun(5.001), TuningRun(5.0), TuningRun(error="lost")]
     assert score(runs, "regret", 5.0, 60) == pytest.approx(-3)
     assert score(runs[1:2], "regret", 5.0, 60) == pytest.approx(-8)
     assert score(runs[2:], "regret", 5.0, 60) == pytest.approx(100)
@@ -138,7 +138,7 @@ def test_the_area_is_that_of_the_definition():
     trace = solve("sphere-2", loading.load_optimizer("scatter", agents=6), budget=60, seed=5).trace
     curve = [trace.values[trace.evaluations <= evaluation].min() for evaluation in range(1, 61)]
     area = np.mean([1 - (np.clip(np.log10(value), -8, 2) + 8) / 10 for value in curve])
-    runs = [Run(1.0, trace=trace), Run(error="lost")]
+    runs = [TuningRun(1.0, trace=trace), TuningRun(error="lost")]
     assert score(runs, "aocc", 0.0, 60) == pytest.approx(1 - area / 2)
 
 
