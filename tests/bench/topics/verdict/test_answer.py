@@ -5,7 +5,7 @@ from io import StringIO
 
 from rich.console import Console
 
-from bench.cli.answer import read, shown
+from bench.cli.answer import as_lines, read
 from bench.results.results import Results
 from bench.storage.folder import ANSWER
 from bench.topics.findings import Findings
@@ -20,7 +20,7 @@ def noted(folder):
 
 def lines(answer, width=80):
     console = Console(width=width, file=StringIO())
-    console.print(shown(answer))
+    console.print(as_lines(answer))
     return console.file.getvalue().splitlines()
 
 
