@@ -65,6 +65,8 @@ class Problem(ABC):
         repairs: whether the points that :meth:`repair` returns violate no constraint.
         integer: (d,) bool, the variables that are whole numbers, or None without any (default). The harness rounds them
             before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.
+        compiles: whether the first evaluation compiles code, or loads compiled code: each job of a run then evaluates
+            a point before its trials. A problem that has numba imported when it is loaded is taken for one that does.
         noisy: whether :meth:`evaluate` takes a random generator, ``evaluate(x, rng)``, and returns what is observed;
             :meth:`noiseless` then returns the true values. An optimizer sees the former, the latter are recorded.
     """
@@ -82,6 +84,7 @@ class Problem(ABC):
     repairs: bool = False
     integer: Flags | None = None
     noisy: bool = False
+    compiles: bool = False
 
     @property
     def dimension(self) -> int:

@@ -17,6 +17,8 @@ class SuiteProblem(FunctionProblem):
 
     optimum_source = "the definition of the suite"
 
+    compiles = True  # many call compiled code, and none takes long
+
     def __init__(self, *arguments: Any, options: Mapping[str, Any] | None = None, **naming: Any) -> None:
         super().__init__(*arguments, **naming)
         self.evaluate = self._fun  # type: ignore[method-assign] # it takes and returns arrays of float64, see evaluated

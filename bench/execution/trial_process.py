@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import sys
 import traceback
 from contextlib import AbstractContextManager, closing
 from functools import cache
@@ -74,10 +75,12 @@ def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str,
 def load_problem(label: str) -> dict[str, Any] | str:
     """Load a problem; return its variables, bounds and integer flags, or the error of loading it.
 
-    One point of each kind of problem is evaluated, so that no copy waits for a compiler or holds compiled code alone.
+    One point of each kind of problem that compiles code is evaluated, so that no copy waits for a compiler or holds
+    compiled code alone; no other problem is evaluated, as that may take long.
     """
     try:
         problem = _problem(label)
+        compiles = problem.unscored.compiles or "numba" in sys.modules
         described = {
             "variables": [str(name) for name in problem.variables],
             "lower": [float(value) for value in problem.lower],
@@ -88,7 +91,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
         scanner(_study().evaluations(problem.dimension), problem.dimension)
-        if (kind := type(problem.unscored)) not in _warm:
+        if compiles and (kind := type(problem.unscored)) not in _warm:
             _warm.add(kind)
             counted = scoring.objective(problem, 1, np.random.default_rng(0))
             counted(points := counted.initial(1))

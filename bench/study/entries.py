@@ -47,14 +47,16 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     entries: list[Entry] = []
     for item in items:
         options = {"name": item} if isinstance(item, str) else dict(item)
-        if len({"name", "names", "suite"} & options.keys()) > 1:
-            raise BenchError(f"study {where}: a [[{key}]] table has one of name, names and suite")
+        if len({"name", "names", "suite", "problem"} & options.keys()) > 1:
+            raise BenchError(f"study {where}: a [[{key}]] table has one of name, names, suite and problem")
+        if key == "problems" and "problem" in options:
+            options["name"] = _command("problem", options.pop("problem"), where)
         if key == "problems" and "suite" in options:
             options["names"] = selection.selected(*(options.pop(part, None) for part in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
         if key == "optimizers" and names == ["command"]:
-            names = [_command(options.pop("command", None), where)]
+            names = [_command("command", options.pop("command", None), where)]
         swept = {} if key == "problems" else _swept(options, where)
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
@@ -87,12 +89,11 @@ def check_labels(entries: Iterable[Entry], key: str, where: str) -> None:
         raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
 
 
-def _command(words: Any, where: str) -> str:
-    """Return the name of an optimizer that is a program, from the words of its command."""
+def _command(key: str, words: Any, where: str) -> str:
+    """Return the name of a plug-in that is a program, from the words of its command."""
     if not isinstance(words, list) or not words or not all(isinstance(word, str) and word for word in words):
         raise BenchError(
-            f"study {where}: the optimizer 'command' needs the words of its command, as in "
-            'command = ["Rscript", "mine.R"]'
+            f'study {where}: a program needs the words of its command as {key!r}, as in {key} = ["Rscript", "mine.R"]'
         )
     return f"command:{shlex.join(words)}"
 

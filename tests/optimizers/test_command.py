@@ -26,7 +26,7 @@ def ask(**request):
 @pytest.fixture(autouse=True)
 def patient(monkeypatch):
     """A busy machine may take long to end a process; who waits for an end waits no longer than that."""
-    monkeypatch.setattr("optimizers.command.GRACE", 30.0)
+    monkeypatch.setattr("bench.helpers.programs.GRACE", 30.0)
 
 
 @pytest.fixture
@@ -144,13 +144,13 @@ def test_what_breaks_the_protocol_is_one_sentence(program, sphere, text, expecte
 
 
 def test_a_program_that_closes_its_output_and_goes_on_is_one_sentence(program, sphere, monkeypatch):
-    monkeypatch.setattr("optimizers.command.GRACE", 0.1)
-    with pytest.raises(BenchError, match="closed its standard output; wanted is a request, or its end"):
+    monkeypatch.setattr("bench.helpers.programs.GRACE", 0.1)
+    with pytest.raises(BenchError, match="closed its standard output; wanted is another line, or its end"):
         solve(sphere, program("import os, time; os.close(1); time.sleep(600)"), budget=5)
 
 
 def test_a_line_that_never_ends_is_given_up(program, sphere, monkeypatch):
-    monkeypatch.setattr("optimizers.command.LONGEST", 10_000)
+    monkeypatch.setattr("bench.helpers.programs.LONGEST", 10_000)
     with pytest.raises(BenchError, match="wrote xxx"):
         solve(sphere, program("while True: print('x' * 1000, end='')"), budget=5)
 
@@ -159,7 +159,7 @@ def test_a_line_that_never_ends_is_given_up(program, sphere, monkeypatch):
     "last", ["print('junk', flush=True)", "ask(x=[first['lower']]); ask(stop='now')", "ask(x=[first['lower']] * 9)"]
 )
 def test_the_program_ends_with_its_trial(program, sphere, tmp_path, last, monkeypatch):
-    monkeypatch.setattr("optimizers.command.GRACE", 0.1)
+    monkeypatch.setattr("bench.helpers.programs.GRACE", 0.1)
     note = tmp_path / "pid"
     text = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\n{last}\ntime.sleep(600)"
     with suppress(BenchError):

@@ -116,7 +116,7 @@ def test_a_study_names_patterns_and_keeps_what_they_stand_for(tmp_path):
 @pytest.mark.parametrize(
     ("table", "sentence"),
     [
-        ({"suite": "bbob", "name": "sphere-2"}, "has one of name, names and suite"),
+        ({"suite": "bbob", "name": "sphere-2"}, "has one of name, names, suite and problem"),
         ({"suite": "bbob", "functions": 25}, "bbob has no function 25"),
         ({"functions": "1-24"}, "needs a name"),
     ],

@@ -1,0 +1,210 @@
+"""Programs in any language as problems: they are given points and print values, such as a simulator does."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+from collections.abc import Mapping
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench import BenchError, FunctionProblem, Problem
+from bench.errors import PointError, nearest
+from bench.helpers import ProgramCommand, Talk, short
+from bench.typing import Floats
+
+PROTOCOL = 1
+OPTIONS = ("lower", "upper", "variables", "integer", "optimum", "folder")
+PATIENCE = 60.0  # seconds for the first line of a program
+FIRST = (
+    'a first line of JSON such as {"protocol": 1, "lower": [0, 0], "upper": [1, 2]}, or lower and upper among the '
+    "options of a program that takes each point as arguments"
+)
+ANSWER = 'a line of JSON such as {"f": 0.25}'
+BOX = ("lower", "upper", "variables", "integer", "optimum", "measure")
+"""What a first line may say of the problem, beside ``protocol``."""
+
+
+class Program(FunctionProblem):
+    """A program that evaluates one point after the other.
+
+    Args:
+        name: of the problem.
+        command: of the program.
+        folder: in which it runs, None for the one in which the harness was called.
+        box: ``lower`` and ``upper``, and other arguments of :class:`bench.FunctionProblem`.
+    """
+
+    def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Mapping[str, Any]) -> None:
+        settings = dict(box)
+        self.measure = str(settings.pop("measure", ""))
+        try:
+            super().__init__(self.values, name=name, vectorized=True, **settings)
+        except (TypeError, ValueError) as error:
+            if isinstance(error, BenchError):
+                raise
+            raise BenchError(f"problem {name!r}: its box cannot be read: {error}") from error
+        self._command, self._folder = command, folder
+
+    def values(self, x: Floats) -> Floats:
+        """Return the (n,) values of the (n, d) points ``x``; raises PointError at the first that fails."""
+        values: list[float] = []
+        for row in x:
+            try:
+                value = self.value(row)
+            except BenchError as error:
+                raise PointError(str(error), [*values, np.inf]) from error
+            if isnan(value):
+                raise PointError(f"the program {self._command.title} returned NaN", [*values, np.inf])
+            values.append(value)
+        return np.array(values, dtype=np.float64)
+
+    def value(self, row: Floats) -> float:
+        """Return the value of a (d,) point; raises BenchError where the program gives none."""
+        raise NotImplementedError
+
+    def coordinates(self, row: Floats) -> list[int | float]:
+        """Return the coordinates of a (d,) point, those of integer variables as whole numbers."""
+        whole = np.zeros(self.dimension, bool) if self.integer is None else self.integer
+        return [int(value) if flag else float(value) for value, flag in zip(row, whole, strict=True)]
+
+    def fingerprint(self) -> str:
+        """Return a hash of the files that the command names."""
+        return hashlib.sha256(json.dumps(self._command.hashes, sort_keys=True).encode()).hexdigest()[:16]
+
+
+class Conversation(Program):
+    """A program that runs for as long as a trial does, and answers each point by a line of JSON."""
+
+    _talk: tuple[int, Talk] | None = None  # with the process that started it: a copy starts its own
+
+    def value(self, row: Floats) -> float:
+        """Return what the program answers."""
+        try:
+            talk = self._started()
+            talk.say(x=self.coordinates(row))
+            answer = talk.hear()
+            match answer:
+                case {"f": (int() | float()) as value, **rest} if not rest and not isinstance(value, bool):
+                    return float(value)
+                case None:
+                    raise talk.error("ended without an answer")
+                case _:
+                    raise talk.error(f"wrote {short(answer)}")
+        except BenchError:
+            self.close()  # another one is started for the next point
+            raise
+
+    def close(self) -> None:
+        """End the program."""
+        talk, self._talk = self._talk, None
+        if talk is not None and talk[0] == os.getpid():
+            talk[1].close()
+
+    def _started(self) -> Talk:
+        if self._talk is None or self._talk[0] != os.getpid():
+            talk = Talk(self._command, ANSWER, self._folder)
+            self._talk = os.getpid(), talk
+            talk.hear()  # the box again
+        return self._talk[1]
+
+
+class OncePerPoint(Program):
+    """A program that is started for each point, takes its coordinates as arguments, and prints its value last.
+
+    Where words of the command hold names of variables in braces, such as ``--gap={gap}``, the coordinates stand there;
+    else they follow the command.
+    """
+
+    def value(self, row: Floats) -> float:
+        """Return the number in the last line that the program prints."""
+        texts = dict(zip(self.variables, map(repr, self.coordinates(row)), strict=True))
+        words = [_filled(word, texts) for word in self._command.words]
+        if words == [*self._command.words]:
+            words += texts.values()
+        title = self._command.title
+        try:
+            done = subprocess.run(words, capture_output=True, cwd=self._folder, stdin=subprocess.DEVNULL)
+        except OSError as error:
+            raise BenchError(f"the program {title} cannot be started: {error.strerror}") from error
+        said = short(_last(done.stderr))
+        complaint = f"; it complained: {said}" if said else ""
+        if done.returncode:
+            how = f"with code {done.returncode}" if done.returncode > 0 else f"by signal {-done.returncode}"
+            raise BenchError(f"the program {title} ended {how}{complaint}")
+        try:
+            return float(_last(done.stdout))
+        except ValueError:
+            printed = short(_last(done.stdout))
+            what = f"printed {printed} last" if printed else "printed nothing"
+            raise BenchError(f"the program {title} {what}; wanted is the value, as in 0.25{complaint}") from None
+
+
+def _filled(word: str, texts: Mapping[str, str]) -> str:
+    for name, text in texts.items():
+        word = word.replace(f"{{{name}}}", text)
+    return word
+
+
+def _last(written: bytes) -> str:
+    lines = written.decode(errors="replace").split("\n")
+    return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+
+def _first_line(command: ProgramCommand, folder: str | None) -> dict[str, Any]:
+    """Return what a program says of its box; raises BenchError where it says none."""
+    with Talk(command, FIRST, folder) as talk:
+        first = talk.hear(PATIENCE)
+        if first is None:
+            raise talk.error("ended without a line")
+        if not isinstance(first, dict) or not {"lower", "upper"} <= first.keys():
+            raise talk.error(f"wrote {short(first)}")
+    if first.pop("protocol", None) != PROTOCOL:
+        raise BenchError(f'the first line of {command.title} must have "protocol": {PROTOCOL}')
+    for key in first:
+        if key not in BOX:
+            raise BenchError(f"the first line of {command.title} has {key!r}{nearest(key, BOX)}")
+    return first
+
+
+class Command:
+    """The family ``command:<words of a command>``: any program, in any language, that returns values of points.
+
+    It has no list of names: 'bench solve command:./simulate gwo' runs the program ./simulate; in a study, write
+    problem = ["./simulate", "--case", "3"]. The program writes its box in its first line, and answers lines of JSON; or
+    it is started for each point, where the options ``lower`` and ``upper`` give the box. The protocol is in
+    docs/reference/protocol.md; examples/simulator has programs to copy.
+    """
+
+    def names(self) -> list[str]:
+        """Return no name: there is nothing to list."""
+        return []
+
+    def load(self, name: str, /, folder: str | None = None, **box: Any) -> Problem:
+        """Return the problem of a program; raises BenchError where it cannot be started or gives no box.
+
+        Args:
+            name: ``command:`` and the words of the command, as in a shell.
+            folder: in which the program runs; by default the one in which the harness was called.
+            box: ``lower``, ``upper``, and ``variables``, ``integer`` and ``optimum``, of a program that is started for
+                each point; another one says so itself.
+        """
+        for option in box:
+            if option not in OPTIONS:
+                raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, OPTIONS)}")
+        if folder is not None and not Path(folder).is_dir():
+            raise BenchError(f"problem {name!r}: there is no folder {folder!r} to run the program in")
+        command = ProgramCommand.read(name)
+        if {"lower", "upper"} <= box.keys():
+            return OncePerPoint(name, command, folder, box)
+        if box:
+            raise BenchError(f"problem {name!r} has {', '.join(box)}, but not both lower and upper, which give a box")
+        return Conversation(name, command, folder, _first_line(command, folder))
+
+
+command = Command()
