@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     __version__: str
 
-    from bench.check import check_optimizer
+    from bench.check import check_optimizer, check_problem
     from bench.errors import BenchError
     from bench.execution.runner import run
     from bench.execution.solve import solve
@@ -45,6 +45,7 @@ __all__ = [
     "Study",
     "Trace",
     "check_optimizer",
+    "check_problem",
     "load_optimizer",
     "load_problem",
     "load_results",
@@ -59,9 +60,9 @@ _HOMES = {
     "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
     "FunctionProblem": "problem", "Grid": "families", "Objective": "objective", "Optimizer": "optimizer",
     "Problem": "problem", "Result": "trial", "Results": "results.results", "Study": "study", "Trace": "objective",
-    "check_optimizer": "check", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
-    "load_results": "results.results", "parameter": "optimizer", "run": "execution.runner",
-    "solve": "execution.solve", "write_report": "topics",
+    "check_optimizer": "check", "check_problem": "check", "load_optimizer": "plugins.loading",
+    "load_problem": "plugins.loading", "load_results": "results.results", "parameter": "optimizer",
+    "run": "execution.runner", "solve": "execution.solve", "write_report": "topics",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")
 

@@ -54,6 +54,8 @@ class Problem(ABC):
         repaired_optimum: the best known value of the points that :meth:`repair` returns, where the optimum itself may
             be none of them; None (default) where repaired points can reach the optimum. Reports count the regret and
             the targets of an optimizer that repairs its points from this value.
+        optimum_point: (d,) a point of the box at which the optimum is reached, or None where none is claimed (default);
+            no optimizer sees it, ``bench check`` evaluates it.
         optimum_source: where it is from, as the methods of a report say it, such as ``"an exhaustive search"``.
         measure: what the objective value is, with its unit, likewise, such as ``"the RMSE of the fit in rpm"``.
         expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
@@ -77,6 +79,7 @@ class Problem(ABC):
     upper: Floats
     optimum: float | None = None
     repaired_optimum: float | None = None
+    optimum_point: Floats | None = None
     optimum_source: str = ""
     measure: str = ""
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
@@ -149,6 +152,7 @@ class FunctionProblem(Problem):
         name: the name results are stored under.
         vectorized: whether ``fun`` takes many points at once.
         optimum: the best known value, if any.
+        optimum_point: (d,) where it is reached, if that is known.
         variables: d different names of the search variables; by default x1, x2, …
         features: what kind of problem it is, see :class:`Problem`.
         violations: maps (n, d) points to their (n, m) constraint violations, or one (d,) point to m of them with
@@ -170,6 +174,7 @@ class FunctionProblem(Problem):
         name: str = "function",
         vectorized: bool = True,
         optimum: float | None = None,
+        optimum_point: ArrayLike | None = None,
         variables: Sequence[str] | None = None,
         features: Mapping[str, str | int] = MappingProxyType({}),
         violations: Callable[..., Any] | None = None,
@@ -178,6 +183,7 @@ class FunctionProblem(Problem):
     ) -> None:
         self.name, self.lower, self.upper = name, *own_box(name, lower, upper)
         self.optimum = optimum
+        self.optimum_point = None if optimum_point is None else np.array(optimum_point, dtype=np.float64)
         self.features = dict(features)
         self.variables = (
             tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))

@@ -1,4 +1,4 @@
-"""Tests for authors of plug-ins: the rules of the contract as cases of pytest.
+"""Tests for authors of plug-ins: the rules of the contracts as cases of pytest.
 
 This module needs pytest, which backlash-bench does not install.
 """
@@ -13,14 +13,16 @@ from typing import Any, ClassVar
 import pytest
 
 from bench.check.checker import Checker
-from bench.check.conformance.rules import RULES, Rule
-from bench.check.conformance.subject import Subject, make_subject
+from bench.check.conformance.problem_subject import ProblemSubject, make_problem_subject
+from bench.check.conformance.rules import TABLES, Rule
+from bench.check.conformance.subject import AnySubject, Subject, make_subject
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer, is_frozen
+from bench.problem import Problem
 
-__all__ = ["RuleCheck", "parametrize_with_checks"]
+__all__ = ["RuleCheck", "parametrize_with_checks", "parametrize_with_problem_checks"]
 
-Source = str | type[Optimizer] | Optimizer
+Source = str | type[Optimizer] | Optimizer | type[Problem] | Problem
 ExpectedFailures = Mapping[str, str] | Callable[[Source], Mapping[str, str]]
 
 
@@ -53,33 +55,63 @@ def parametrize_with_checks(
         BenchError: when ``optimizers`` is a single optimizer, is empty or contains anything else, and for an unknown
             rule or a missing reason in ``expected_failures``.
     """
-    if isinstance(optimizers, (str, type, Optimizer)):
-        raise BenchError(f"give a list of optimizers, such as [{optimizers!r}]")
-    cases = [case for source in optimizers for case in _cases(source, expected_failures)]
+    return _parametrized(optimizers, "optimizer", expected_failures)
+
+
+def parametrize_with_problem_checks(
+    problems: Iterable[str | type[Problem] | Problem], *, expected_failures: ExpectedFailures | None = None
+) -> pytest.MarkDecorator:
+    """Decorate a test function, so that pytest runs it once for every problem and rule of the contract.
+
+    It does for problems, as for :func:`bench.check_problem`, what :func:`parametrize_with_checks` does for optimizers.
+
+    Example:
+        >>> from bench.testing import parametrize_with_problem_checks
+        >>>
+        >>> @parametrize_with_problem_checks(["water-filling-2", "water-filling-8"])
+        ... def test_conforms(check):
+        ...     check()
+
+    Args:
+        problems: names, classes or instances.
+        expected_failures: as of :func:`parametrize_with_checks`.
+
+    Raises:
+        BenchError: as from :func:`parametrize_with_checks`.
+    """
+    return _parametrized(problems, "problem", expected_failures)
+
+
+def _parametrized(
+    sources: Iterable[Source], kind: str, expected_failures: ExpectedFailures | None
+) -> pytest.MarkDecorator:
+    if isinstance(sources, (str, type, Optimizer, Problem)):
+        raise BenchError(f"give a list of {kind}s, such as [{sources!r}]")
+    cases = [case for source in sources for case in _cases(source, kind, expected_failures)]
     if not cases:
-        raise BenchError("give at least one optimizer to check")
+        raise BenchError(f"give at least one {kind} to check")
     return pytest.mark.parametrize("check", cases)
 
 
 class RuleCheck:
-    """The check of one optimizer against one rule of the contract; a test calls it.
+    """The check of one optimizer or problem against one rule of its contract; a test calls it.
 
     Attributes:
-        optimizer: the optimizer as it was given.
+        source: the optimizer or problem as it was given.
         rule: the name of the rule, such as ``"budget"``.
     """
 
-    _last: ClassVar[Checker | None] = None  # its process ends when another optimizer is checked
+    _last: ClassVar[Checker | None] = None  # its process ends when another plug-in is checked
 
-    def __init__(self, optimizer: Source, rule: Rule, checker: Checker) -> None:
-        self.optimizer, self.rule = optimizer, rule.name
-        self._rule, self._checker = rule, checker
+    def __init__(self, source: Source, rule: Rule, checker: Checker, kind: str) -> None:
+        self.source, self.rule = source, rule.name
+        self._rule, self._checker, self._kind = rule, checker, kind
 
     def __repr__(self) -> str:
-        return f"<check of {_label(self.optimizer)}: {self.rule}>"
+        return f"<check of {_label(self.source)}: {self.rule}>"
 
     def __call__(self) -> None:
-        """Return where the optimizer keeps the rule, and fail the test where it breaks the rule.
+        """Return where the plug-in keeps the rule, and fail the test where it breaks the rule.
 
         The test is skipped where the rule cannot be checked because another one is broken.
 
@@ -87,9 +119,9 @@ class RuleCheck:
             BenchError: for an unknown name.
         """
         __tracebackhide__ = True
-        label, checker = _label(self.optimizer), self._checker
+        label, checker = _label(self.source), self._checker
         try:
-            make_subject(self.optimizer, {}, 0)
+            _subject(self.source, self._kind)
         except BenchError as error:
             raise BenchError(str(error)) from None  # without the frames in which the name was looked up
         if RuleCheck._last not in (None, checker):
@@ -105,29 +137,37 @@ class RuleCheck:
             pytest.fail(f"{finding}\nremedy: {verdict.remedy}", pytrace=False)
 
 
-def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
+def _subject(source: Any, kind: str) -> AnySubject:
+    """Return the subject of a name, a class or an instance; raises BenchError for anything else."""
+    return (make_subject if kind == "optimizer" else make_problem_subject)(source, {}, 0)
+
+
+def _cases(source: Source, kind: str, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
     expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
-    checker = Checker(Subject(source) if isinstance(source, str) else make_subject(source, {}, 0))
+    named = Subject if kind == "optimizer" else ProblemSubject  # of a name, which is loaded where it is checked
+    checker = Checker(named(source) if isinstance(source, str) else _subject(source, kind))
     atexit.register(checker.close)
-    names = [rule.name for rule in RULES]
+    names = [rule.name for rule in TABLES[kind]]
     for name, reason in expected.items():
         if name not in names:
             raise BenchError(f"expected_failures names an unknown rule {name!r}{nearest(name, names)}")
         if not isinstance(reason, str) or not reason.strip():
             raise BenchError(f"expected_failures must give the reason for {name!r} as a text, not {reason!r}")
-    for rule in RULES:
+    for rule in TABLES[kind]:
         marks = []
         if rule.name in expected:
             marks.append(pytest.mark.xfail(reason=expected[rule.name], strict=True, raises=pytest.fail.Exception))
         name = f"{_label(source)}-{rule.name.replace(' ', '-')}"
-        yield pytest.param(RuleCheck(source, rule, checker), id=name, marks=marks)
+        yield pytest.param(RuleCheck(source, rule, checker, kind), id=name, marks=marks)
 
 
 def _label(source: Source) -> str:
-    """Return the optimizer's part of an id: a name, a class's name, or that with the parameters that were set."""
-    if isinstance(source, (str, type)):
-        return Subject(source).label
+    """Return the plug-in's part of an id: a name, a class's name, or that with the parameters that were set."""
+    if isinstance(source, str):
+        return source
+    if isinstance(source, (type, Problem)):
+        return source.__name__ if isinstance(source, type) else str(source.name)
     parameters = []
     for field in dataclasses.fields(source) if is_frozen(type(source)) else ():  # type: ignore[arg-type]
         value = getattr(source, field.name)

@@ -63,7 +63,8 @@ def _problem(name: str, member: Member) -> Problem:
 
     lower, upper = (np.full(DIMENSION, float(data[key][0, 0])) for key in ("MinCoordinate", "MaxCoordinate"))
     features = features_of("gnbg", member, group_of(number, GROUPS))
-    return SuiteProblem(evaluate, lower, upper, name=name, optimum=0.0, features=features)
+    known = {"optimum": 0.0, "optimum_point": data["OptimumPosition"].ravel(), "features": features}
+    return SuiteProblem(evaluate, lower, upper, name=name, **known)
 
 
 gnbg = Suite(Grid("gnbg", {f"f{number:02d}": (DIMENSION,) for number in range(1, 25)}), _problem)

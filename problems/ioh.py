@@ -8,9 +8,9 @@
   and no repetition of another. Source: Vermetten, Ye, Bäck and Doerr 2023, "MA-BBOB: A Problem Generator for Black-Box
   Optimization Using Affine Combinations and Shifts", arXiv:2312.11083.
 - ``star-discrepancy-uniform-100-d3-i1``: the local star discrepancy of 10 to 1000 points of a uniform, Sobol' or Halton
-  sampler in the unit cube, whose seed is the instance. It is to be maximised, so its negative is minimised; no maximum
-  is known. Source: Clément, Vermetten, de Nobel, Jesus, Paquete and Doerr 2023, "Computing Star Discrepancies with
-  Numerical Black-Box Optimization Algorithms", GECCO.
+  sampler in the unit cube, whose seed is the instance; ioh's Sobol' points are the same for every instance. It is to be
+  maximised, so its negative is minimised; no maximum is known. Source: Clément, Vermetten, de Nobel, Jesus, Paquete and
+  Doerr 2023, "Computing Star Discrepancies with Numerical Black-Box Optimization Algorithms", GECCO.
 """
 
 from __future__ import annotations
@@ -43,9 +43,8 @@ def _made(name: str, function: Any, features: dict[str, str | int], sign: float 
         values = function(x.tolist()) if len(x) else []  # lists take less time than arrays
         return sign * np.array(values, dtype=np.float64)
 
-    optimum = function.optimum.y if sign > 0 else None
-    bounds = function.bounds.lb, function.bounds.ub
-    return SuiteProblem(evaluate, *bounds, name=name, optimum=optimum, features=features)
+    known = {"optimum": function.optimum.y, "optimum_point": function.optimum.x} if sign > 0 else {}
+    return SuiteProblem(evaluate, function.bounds.lb, function.bounds.ub, name=name, features=features, **known)
 
 
 def _package(name: str) -> Any:

@@ -1,6 +1,6 @@
-"""Checks of an optimizer: whether it keeps the contract, and what biases its method has."""
+"""Checks of an optimizer, its contract and the biases of its method, and of a problem."""
 
-from bench.check.checker import check_optimizer
+from bench.check.checker import check_optimizer, check_problem
 from bench.check.verdict import Checkup, Verdict
 
-__all__ = ["Checkup", "Verdict", "check_optimizer"]
+__all__ = ["Checkup", "Verdict", "check_optimizer", "check_problem"]

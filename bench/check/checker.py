@@ -1,4 +1,4 @@
-"""Check an optimizer: the rules of the contract, in a process of its own, and the biases of its method."""
+"""Check an optimizer or a problem: the rules of its contract, in a process of its own; and biases of an optimizer."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
 from typing import Any
 
+from bench.check.conformance.problem_subject import ProblemSubject, make_problem_subject
 from bench.check.conformance.recording import LOST, explain_lost_process
-from bench.check.conformance.rules import APART, RULES, Rule, failed, find_rule, judge
-from bench.check.conformance.subject import START_SECONDS, Subject, make_subject, pack, unpack
+from bench.check.conformance.rules import APART, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
+from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, make_subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, sandbox
 from bench.execution.safe_runs import PRINTED
 from bench.helpers.text import printable
 from bench.optimizer import Optimizer
+from bench.problem import Problem
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process, RemoteError
-
-CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
 
 
 def check_optimizer(
@@ -60,13 +60,57 @@ def check_optimizer(
     apart = sandbox([optimizer]) if untrusted and isinstance(optimizer, str) else None
     prepare = Subject if apart else make_subject  # which constructs it here
     subject = prepare(optimizer, options, seed)
-    verdicts: list[Verdict] = []
-    for verdict in _verdicts(subject, bias, n_jobs, apart):
-        verdicts.append(verdict)
+    return _checkup(subject, _verdicts(subject, bias, n_jobs, apart), on_check)
+
+
+def check_problem(
+    problem: str | type[Problem] | Problem,
+    /,
+    *,
+    search: bool = False,
+    untrusted: bool = False,
+    seed: int = 0,
+    on_check: Callable[[Verdict], None] | None = None,
+    **options: Any,
+) -> Checkup:
+    """Check that a problem keeps the contract: its values, its box and repair, its claims.
+
+    The problem is asked in separate processes, so that hanging, printing or crashing costs a verdict and nothing else.
+
+    Example:
+        >>> assert bench.check_problem("signature-12")
+
+    Args:
+        problem: a name (``"signature-12"``, ``"path/file.py:Mine"``), a class or an instance.
+        search: whether CMA-ES and L-SHADE shall also try to get below the claimed optimum, with 20,000 evaluations for
+            every variable: minutes.
+        untrusted: whether to load the problem, given by name, in a sandbox of bubblewrap alone (Linux).
+        seed: of the points; the same one gives the same verdicts but for times.
+        on_check: called with every verdict as soon as it is known.
+        options: of the problem, for a name or a class; give an instance for an option named like an argument above.
+
+    Raises:
+        BenchError: for an unknown name or option, and for an argument that is no problem.
+    """
+    if untrusted and not isinstance(problem, str):
+        raise BenchError("code that nobody trusts is checked by its name, such as path/to/file.py:Mine")
+    apart = sandbox([problem]) if untrusted and isinstance(problem, str) else None
+    subject = ProblemSubject(problem, options, seed) if apart else make_problem_subject(problem, options, seed)
+    rules = (*TABLES["problem"], SEARCH) if search else TABLES["problem"]
+    with closing(Checker(subject, apart)) as checker:
+        return _checkup(subject, filter(None, map(checker.verdict, rules)), on_check)
+
+
+def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callable[[Verdict], None] | None) -> Checkup:
+    """Return all verdicts, each of which is passed on as soon as it is known."""
+    made: list[Verdict] = []
+    for verdict in verdicts:
+        made.append(verdict)
         if on_check is not None:
             on_check(verdict)
-    made = {verdict.check for verdict in verdicts}
-    return Checkup(subject.label, tuple(verdicts), tuple(rule.name for rule in RULES if rule.name not in made))
+    checked = {verdict.check for verdict in made}
+    left = tuple(rule.name for rule in TABLES[subject.kind] if rule.name not in checked)
+    return Checkup(subject.label, tuple(made), left)
 
 
 def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
@@ -89,16 +133,16 @@ def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) 
 
 
 class Checker:
-    """Check an optimizer against rules, each at most once, and none before the rules that it needs.
+    """Check an optimizer or a problem against rules, each at most once, and none before the rules that it needs.
 
-    A process starts with the first verdict, and a new one after the optimizer has hung, ended or upset it. In a sandbox
-    the optimizer is constructed there alone, and BenchError is raised where that is refused.
+    A process starts with the first verdict, and a new one after the plug-in has hung, ended or upset it. In a sandbox
+    the plug-in is constructed there alone, and BenchError is raised where that is refused.
 
     Attributes:
-        unloadable: why no other process can load the optimizer, so that no rule can be checked; "" where one can.
+        unloadable: why no other process can load the plug-in, so that no rule can be checked; "" where one can.
     """
 
-    def __init__(self, subject: Subject, apart: Sandbox | None = None) -> None:
+    def __init__(self, subject: AnySubject, apart: Sandbox | None = None) -> None:
         self.unloadable = ""
         self._subject, self._sandbox = subject, apart
         self._memory = MEMORY if apart else None
@@ -109,20 +153,23 @@ class Checker:
     def verdict(self, rule: Rule) -> Verdict | None:
         """Return the verdict on the rule, None where it cannot be checked."""
         if rule.name not in self._verdicts:
-            needed = [self.verdict(find_rule(name)) for name in rule.needs]
+            needed = [self.verdict(need) for need in self._needs(rule)]
             kept = all(verdict is not None and verdict.passed for verdict in needed)
             self._verdicts[rule.name] = self._judge(rule) if kept else None
-            if self.unloadable and rule is PICKLING:
+            if self.unloadable and rule.name == "pickling":
                 self._verdicts[rule.name] = failed(rule, self.unloadable)
         return self._verdicts[rule.name]
 
     def obstacle(self, rule: Rule) -> Rule:
         """Return the broken rule because of which this one cannot be checked."""
-        for need in map(find_rule, rule.needs):
+        for need in self._needs(rule):
             verdict = self.verdict(need)
             if verdict is not None and not verdict.passed:
                 return need
-        return CONSTRUCTION
+        return TABLES[self._subject.kind][0]
+
+    def _needs(self, rule: Rule) -> list[Rule]:
+        return [find_rule(name, self._subject.kind) for name in rule.needs]
 
     def close(self) -> None:
         """End the process; a later verdict starts a new one."""
@@ -149,7 +196,7 @@ class Checker:
         return verdict
 
     def _start(self) -> Process | None:
-        """Return a process that has loaded the optimizer, None where none can."""
+        """Return a process that has loaded the plug-in, None where none can."""
         if not self._packed and not self.unloadable:
             try:
                 self._packed = pack(self._subject)
@@ -169,7 +216,7 @@ class Checker:
 
 
 def _load(packed: bytes, construct: bool) -> str | None:
-    """Load the optimizer; where it was not constructed before, return why it cannot be, None where it can."""
+    """Load the plug-in; where it was not constructed before, return why it cannot be, None where it can."""
     subject = unpack(packed)
     with suppress(Exception):  # the rule of the parameters reports it
         try:
@@ -181,7 +228,8 @@ def _load(packed: bytes, construct: bool) -> str | None:
 
 
 def _judge(packed: bytes, name: str) -> dict[str, Any] | None:
-    verdict = judge(find_rule(name), unpack(packed))
+    subject = unpack(packed)
+    verdict = judge(find_rule(name, subject.kind), subject)
     return None if verdict is None else verdict.as_dict()
 
 

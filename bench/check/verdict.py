@@ -1,4 +1,4 @@
-"""The outcomes of the checks of an optimizer."""
+"""The outcomes of the checks of an optimizer or a problem."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ LONGEST = 4_000  # characters of a text
 
 @dataclass(frozen=True)
 class Verdict:
-    """The outcome of one check of an optimizer.
+    """The outcome of one check of an optimizer or a problem.
 
     Attributes:
         check: what was checked, such as ``"budget"`` or ``"centre bias"``.
-        kind: ``"conformance"`` to the contract, which is required of every optimizer; or ``"bias"``, a
+        kind: ``"conformance"`` to the contract, which is required of all; or ``"bias"``, a
             property of the method that readers of a comparison must know, and no error of the plug-in.
-        passed: whether the optimizer conforms, or is free of the bias.
+        passed: whether the plug-in conforms, or is free of the bias.
         finding: one sentence on what was observed.
         remedy: how to fix it, "" where the check passed.
         figure: the number that decided the outcome, where there is one.
@@ -62,12 +62,12 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Checkup:
-    """The verdicts on one optimizer; true where it conforms to the contract.
+    """The verdicts on one optimizer or problem; true where it conforms to the contract.
 
     Attributes:
-        label: the optimizer's name.
+        label: the plug-in's name.
         verdicts: one for each check, in order.
-        unchecked: the rules that could not be checked, because the optimizer breaks a rule that they need.
+        unchecked: the rules that could not be checked, because the plug-in breaks a rule that they need.
     """
 
     label: str
@@ -76,7 +76,7 @@ class Checkup:
 
     @property
     def conforms(self) -> bool:
-        """Whether the optimizer keeps the contract, biased or not."""
+        """Whether the plug-in keeps the contract, biased or not."""
         return all(verdict.passed for verdict in self.verdicts if verdict.kind == "conformance")
 
     @property

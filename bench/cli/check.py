@@ -1,68 +1,122 @@
-"""bench check: test whether an optimizer keeps the contract, and detect its biases."""
+"""bench check: test whether an optimizer or a problem keeps its contract, and detect biases of an optimizer."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from joblib import effective_n_jobs
 from rich.console import Console
 
 from bench.cli import completion
 from bench.cli.console import Jobs, Parameters, Untrusted
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error, print_line
-from bench.plugins import registry
+from bench.helpers.text import count
+from bench.plugins import registry, selection
+from bench.plugins.loading import is_problem
 
 if TYPE_CHECKING:
-    from bench.check.verdict import Verdict
+    from bench.check.verdict import Checkup, Verdict
 
 
 def command(
     name: Annotated[
         str,
         typer.Argument(
-            help="An optimizer (gwo, mealpy:OriginalGWO, path/to/file.py:Class), or a folder that 'bench run' wrote.",
+            help="An optimizer (gwo, mealpy:OriginalGWO), a problem, a family or a pattern of problems (signature-12, "
+            "engineering, 'bbob-f*-d5-i1'), a class in a file (path/to/file.py:Class), or a folder that 'bench run' "
+            "wrote.",
             autocompletion=completion.checkable,
         ),
     ],
     option: Parameters = None,
-    bias: Annotated[bool, typer.Option(help="Also test for biases, which takes longer.")] = True,
+    bias: Annotated[
+        bool, typer.Option(help="Also test an optimizer for biases, which takes longer.", show_default=True)
+    ] = True,
+    search: Annotated[
+        bool,
+        typer.Option(
+            "--search",
+            help="Also let CMA-ES and L-SHADE try to get below a problem's optimum: 20,000 d evaluations each.",
+        ),
+    ] = False,
     untrusted: Untrusted = False,
     jobs: Jobs = -1,
     anew: Annotated[
         bool, typer.Option("--anew", help="Check a folder's optimizers again that have not changed since their check.")
     ] = False,
 ) -> None:
-    """Check that an optimizer keeps the contract, and detect its biases towards places in the box.
+    """Check that an optimizer or a problem keeps its contract, and detect an optimizer's biases in the box.
 
-    Every check prints its finding and, where it failed, how to fix it. A breach of the contract ends the command with
-    exit code 1; a bias is a trait of the method and is only reported. Given a study's folder, the command checks all
-    its optimizers for biases, with the study's options, and notes the findings there for the report; it keeps the
-    findings on optimizers that have not changed.
+    Every check prints its finding and, where it failed, how to fix it; of several problems, the failed checks alone.
+    A breach of the contract ends the command with exit code 1; a bias is a trait of the method and is only reported.
+    Given a study's folder, the command checks all its optimizers for biases, with the study's options, and notes the
+    findings there for the report; it keeps the findings on optimizers that have not changed.
     """
-    from bench.check import check_optimizer
-
     console = Console()
     if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
-            raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
-        if not check_folder(Path(name), console, jobs, anew, untrusted):
-            sys.exit(1)
-        return
-    with console.status(f"checking {name}"):
-        checkup = check_optimizer(
-            name,
-            bias=bias,
-            untrusted=untrusted,
-            n_jobs=jobs,
-            on_check=lambda verdict: show_verdict(name, verdict, console),
-            **pairs(option),
-        )
-    print_line(checkup.summary, console=console)
-    if not checkup.conforms:
+            raise BenchError("--set is for a plug-in given by name; a study's optimizers have their own options")
+        sound = check_folder(Path(name), console, jobs, anew, untrusted)
+    elif (names := selection.members(name)) != [name] or is_problem(name):
+        sound = check_problems(names, console, jobs, search=search, untrusted=untrusted, **pairs(option))
+    else:
+        from bench.check import check_optimizer
+
+        with console.status(f"checking {name}"):
+            checkup = check_optimizer(
+                name,
+                bias=bias,
+                untrusted=untrusted,
+                n_jobs=jobs,
+                on_check=lambda verdict: show_verdict(name, verdict, console),
+                **pairs(option),
+            )
+        print_line(checkup.summary, console=console)
+        sound = checkup.conforms
+    if not sound:
         sys.exit(1)
+
+
+def check_problems(names: list[str], console: Console, jobs: int, **options: Any) -> bool:
+    """Check problems, several at a time, and print the verdicts in order; return whether all keep the contract."""
+    from bench.check import check_problem
+
+    sound: list[bool] = []
+    with console.status(f"checking {count(len(names), 'problem')}"), ThreadPoolExecutor(effective_n_jobs(jobs)) as pool:
+        begun: list[tuple[str, Future[Checkup]]] = [
+            (name, pool.submit(check_problem, name, on_check=_shown(name, console, len(names)), **options))
+            for name in names
+        ]
+        for name, check in begun:
+            try:
+                checkup = check.result()
+            except BenchError as error:
+                if len(names) == 1:
+                    raise
+                sound.append(False)
+                print_error(f"{name} could not be checked: {error}")
+                continue
+            sound.append(checkup.conforms)
+            print_line(checkup.summary, console=console)
+    if len(names) > 1:
+        print_line(f"{sum(sound)} of {len(names)} problems keep the contract", console=console)
+    return all(sound)
+
+
+def _shown(name: str, console: Console, problems: int) -> Callable[[Verdict], None]:
+    """Return a function that prints the verdicts on one of some problems; of several, only those that failed."""
+
+    def show(verdict: Verdict) -> None:
+        if problems == 1 or not verdict.passed:
+            show_verdict(name, verdict, console)
+
+    return show
 
 
 def check_folder(path: Path, console: Console, jobs: int, anew: bool = False, untrusted: bool = False) -> bool:

@@ -50,6 +50,33 @@ def require_class(name: str, kind: str = "optimizer") -> None:
     )
 
 
+def is_problem(name: str) -> bool:
+    """Return whether the name of a file's class, function or object is a problem's, by its text; it is not run.
+
+    A class is one where a base of it is called ``…Problem``, a function where it needs fewer than the two arguments of
+    an optimizer's, ``(objective, rng)``, and any other object is.
+
+    Raises:
+        BenchError: where the file is missing or no Python.
+    """
+    path, _, attribute = name.rpartition(":")
+    try:
+        parts = ast.parse(_content(Path(path), "plug-in")).body
+    except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
+        raise BenchError(f"the file {path} cannot be read as Python: {error}") from error
+    classes = {part.name: part for part in parts if isinstance(part, ast.ClassDef)}
+    bases = [attribute]
+    for base in bases:  # which grows by the bases of the classes of this file
+        if base in classes:
+            bases += [ast.unparse(each).rpartition(".")[2] for each in classes.pop(base).bases]
+    for part in parts:
+        if isinstance(part, ast.FunctionDef) and part.name == attribute:
+            return len(part.args.posonlyargs + part.args.args) - len(part.args.defaults) < 2
+        if isinstance(part, (ast.Assign, ast.AnnAssign)) and attribute in ast.unparse(part).partition("=")[0]:
+            return True
+    return any(base.endswith("Problem") for base in bases[1:])
+
+
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     """Return the optimizer of that file with these parameters; a plain function becomes one.
 

@@ -111,6 +111,17 @@ def family(problem: str) -> str:
     return max(filter(problem.startswith, families), key=len, default=problem)
 
 
+def is_problem(name: str) -> bool:
+    """Return whether a name is a problem's, or that of a family of problems, by its form; nothing is loaded.
+
+    Raises:
+        BenchError: where it names a file that is missing or no Python.
+    """
+    if from_file.split(name):
+        return from_file.is_problem(name)
+    return registry.entry("optimizers", name) is None and family(name) in registry.entries("problems")
+
+
 def package(optimizer: str) -> str:
     """Return the file, the family or the installed package that an optimizer's name points to, without loading it."""
     if parts := from_file.split(optimizer):

@@ -38,6 +38,13 @@ def matching(pattern: str) -> list[str]:
     return _limited(names, repr(pattern))
 
 
+def members(name: str) -> list[str]:
+    """Return the problems that a family lists, or those of a pattern, or the name; raises BenchError as matching."""
+    if name in registry.entries("problems"):
+        return list(registry.load("problems", name).names())
+    return matching(name)
+
+
 def selected(suite: Any, functions: Any = None, dimensions: Any = None, instances: Any = None) -> list[str]:
     """Return the names of a suite's problems by what a ``[[problems]]`` table says.
 

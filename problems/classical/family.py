@@ -81,7 +81,8 @@ def _problem(name: str, member: Member, rotate: object = True) -> Problem:
     group = f"{function.modality}, {'separable' if separable else 'non-separable'}"
     features = features_of("classical", member, group)
     options = {} if rotate else {"rotate": False}
-    return SuiteProblem(evaluate, lower, upper, name=name, optimum=0.0, features=features, options=options)
+    known = {"optimum": 0.0, "optimum_point": best, "features": features}
+    return SuiteProblem(evaluate, lower, upper, name=name, options=options, **known)
 
 
 classical = Suite(Grid("classical", dict.fromkeys(FUNCTIONS, DIMENSIONS), INSTANCES), _problem, ("rotate",))

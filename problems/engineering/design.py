@@ -43,8 +43,7 @@ class DesignProblem(Problem):
     points outside the constraints may have lower values than ``optimum``; a study handles the constraints. A variable
     of discrete values is rounded to the nearest of them wherever a point is used.
 
-    Attributes:
-        best: (d,) the best-known design, which is feasible; ``optimum`` is its objective.
+    ``optimum_point`` is the best-known design, which is feasible; ``optimum`` is its objective.
     """
 
     optimum_source = "the best known design"
@@ -55,9 +54,9 @@ class DesignProblem(Problem):
         self.lower, self.upper = np.array(list(design.box.values()), dtype=np.float64).T.copy()
         self.steps = np.array(design.steps or np.zeros(self.dimension))
         self.integer = self.steps == 1 if (self.steps == 1).any() else None
-        self.best = np.array(design.best)
+        self.optimum_point = np.array(design.best)
         self._design = design
-        self.optimum = float(self.evaluate(self.best[None])[0])
+        self.optimum = float(self.evaluate(self.optimum_point[None])[0])
         kind = "constrained, mixed-integer" if self.steps.any() else "constrained"
         self.features = {"suite": "engineering", "function": name.partition("-")[2], "group": kind}
 

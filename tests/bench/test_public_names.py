@@ -9,8 +9,8 @@ import bench
 
 NAMES = [
     "AskTell", "BenchError", "BudgetExhausted", "FittedData", "FunctionProblem", "Grid", "Objective", "Optimizer",
-    "Problem", "Result", "Results", "Study", "Trace", "check_optimizer", "load_optimizer", "load_problem",
-    "load_results", "parameter", "run", "solve", "write_report",
+    "Problem", "Result", "Results", "Study", "Trace", "check_optimizer", "check_problem", "load_optimizer",
+    "load_problem", "load_results", "parameter", "run", "solve", "write_report",
 ]  # fmt: skip
 
 

@@ -5,9 +5,9 @@ from textwrap import dedent
 import pytest
 
 from bench import BenchError
-from bench.check.conformance.rules import RULES
-from bench.testing import RuleCheck, parametrize_with_checks
-from tests.bench.check import faulty
+from bench.check.conformance.rules import PROBLEM_RULES, RULES
+from bench.testing import RuleCheck, parametrize_with_checks, parametrize_with_problem_checks
+from tests.bench.check import faulty, faulty_problems
 
 pytest_plugins = ["pytester"]
 
@@ -158,7 +158,7 @@ def test_a_check_names_its_optimizer_and_its_rule():
     checks = [case.values[0] for case in cases]
     assert all(isinstance(check, RuleCheck) for check in checks)
     assert [check.rule for check in checks] == [rule.name for rule in RULES]
-    assert {check.optimizer for check in checks} == {faulty.Sound}
+    assert {check.source for check in checks} == {faulty.Sound}
     assert repr(checks[2]) == "<check of Sound: budget>"
 
 
@@ -190,3 +190,28 @@ def test_what_cannot_be_checked_is_refused_in_a_sentence(optimizers, expected, s
     with pytest.raises(BenchError) as caught:
         parametrize_with_checks(optimizers, expected_failures=expected)
     assert sentence in str(caught.value)
+
+
+def test_the_rules_of_problems_are_cases_too(author):
+    setup = """
+import bench
+
+from bench.testing import parametrize_with_problem_checks
+
+def values(x):
+    return (x**2).sum(axis=1) if len(x) < 40 else np.full(len(x), np.nan)
+
+low, high = bench.FunctionProblem(lambda x: x[:, 0], [0], [1], name="low"), bench.FunctionProblem(values, [0], [1])
+"""
+    outcomes, printed = author("@parametrize_with_problem_checks([low, high])", "-k", "values or repair", setup=setup)
+    assert outcomes == {
+        "low-values": "PASSED", "low-repair": "PASSED", "function-values": "FAILED", "function-repair": "PASSED",
+    }  # fmt: skip
+    assert "function breaks the rule 'values': " in printed
+
+
+def test_problems_are_given_as_a_list_and_have_one_case_a_rule():
+    with pytest.raises(BenchError, match="give a list of problems, such as"):
+        parametrize_with_problem_checks("signature-12")
+    _, cases = parametrize_with_problem_checks([faulty_problems.Sound()]).args
+    assert [case.id for case in cases] == [f"sound-{rule.name.replace(' ', '-')}" for rule in PROBLEM_RULES]

@@ -2,7 +2,6 @@
 
 import json
 import sys
-from pathlib import Path
 
 import minionpy
 import numpy as np
@@ -14,21 +13,10 @@ from bench.plugins import registry
 from tests.problems.suites import assert_pure_and_reloadable, best_found
 
 YEARS = (2011, 2014, 2017, 2019, 2020, 2022)
-# Where the data of a function of 2020 lie: it took over functions of 2014 and 2017, whose numbers the files keep.
-DATA_2020 = dict(zip(range(1, 11), (1, 2, 3, 7, 4, 16, 6, 22, 24, 25), strict=True))
 
 
 def grid(year):
     return registry.load("problems", f"cec{year}").grid
-
-
-def shifts(year, number, dimension):
-    """Return the point where the organisers moved a function's optimum to, from minionpy's copy of their data."""
-    if (year, number) == (2020, 4):  # the organisers' code neither shifts nor rotates it
-        return np.zeros(dimension)
-    folder = Path(minionpy.__file__).parent / "cec_input_data" / f"input_data_{year}"
-    file = folder / f"shift_data_{DATA_2020[number] if year == 2020 else number}.txt"
-    return np.array(file.read_text().split()[:dimension], float)
 
 
 @pytest.mark.parametrize("name", [name for year in YEARS for name in grid(year).names() if "d100" not in name])
@@ -69,9 +57,8 @@ SHIFTED = [
 
 @pytest.mark.parametrize(("year", "name"), SHIFTED)
 def test_the_optimum_is_the_value_at_the_organisers_shift(year, name):
-    function, dimension, _ = grid(year).member(name)
     problem = load_problem(name)
-    value = problem.evaluate(shifts(year, int(function[1:]), dimension)[None])[0]
+    value = problem.evaluate(problem.optimum_point[None])[0]
     assert problem.optimum <= value <= problem.optimum + 1e-6
 
 
@@ -87,8 +74,7 @@ SMALL = [
 @pytest.mark.parametrize("name", SMALL)
 def test_no_search_beats_the_optimum(name):
     problem = load_problem(name)
-    year, number = int(name[3:7]), int(name[9:11])
-    start = shifts(year, number, problem.dimension) + 1e-3 if (year, name) in SHIFTED else None
+    start = None if problem.optimum_point is None else problem.optimum_point + 1e-3
     assert best_found(problem, start, points=10_000) >= problem.optimum - 1e-12 * problem.optimum
 
 
@@ -125,7 +111,7 @@ def test_schaffer_f7_is_computed_of_the_shifted_point(year, number):
     """The reports define another function here, the rotated expanded F6; the names in lists are of what is computed."""
     problem = load_problem(f"cec{year}-f{number:02d}-d10")
     x = np.random.default_rng(1).uniform(problem.lower, problem.upper, (4, 10))
-    shifted = x - shifts(year, number, 10)
+    shifted = x - problem.optimum_point
     s = np.hypot(shifted[:, :-1], shifted[:, 1:])
     values = np.mean(np.sqrt(s) * (1 + np.sin(50 * s**0.2) ** 2), axis=1) ** 2
     np.testing.assert_allclose(problem.evaluate(x), values + problem.optimum, rtol=1e-12)

@@ -19,7 +19,7 @@ from typing import IO
 import cloudpickle
 
 from bench.check.conformance.recording import LOST, ViolationError, expect_same, explain_lost_process
-from bench.check.conformance.subject import START_SECONDS, Subject, pack, parameters, unpack
+from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.problems import bowl
 from bench.execution.safe_runs import PRINTED
 from bench.sandbox.messages import describe_error
@@ -42,7 +42,7 @@ def check_repetition(subject: Subject) -> str:
     return "a seed repeats its run, other seeds give others"
 
 
-def check_processes(subject: Subject) -> str:
+def check_processes(subject: AnySubject) -> str:
     """Trials in another process, in another order and with other hashes, give the same runs."""
     remedy = (
         "do not loop over a set or use hash() or id(): their order differs from process to process; use no process "
@@ -68,38 +68,38 @@ def courses(packed: bytes, seeds: list[int]) -> list[list[int]]:
     return [subject.run(seed=seed).course() for seed in seeds]
 
 
-def check_state(subject: Subject) -> str:
+def check_state(subject: AnySubject) -> str:
     """Nothing is kept in the instance from run to run."""
     used = subject.fresh()
-    before = parameters(used)
-    subject.run(optimizer=used)
-    after = parameters(used)
-    remedy = "keep what changes during a run in local variables of minimize, not in self"
+    before = subject.parameters(used)
+    subject.run(instance=used)
+    after = subject.parameters(used)
+    remedy = "keep what changes during a run in local variables of its methods, not in self"
     changed = [name for name in before if after.get(name) != before[name]]
     if changed:
         raise ViolationError(
-            f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", remedy
+            f"a run changes its {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", remedy
         )
-    new, again = (subject.run(optimizer=instance, seed=1) for instance in (None, used))
+    new, again = (subject.run(instance=instance, seed=1) for instance in (None, used))
     expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", remedy)
     return "a second run of one instance equals that of a new one"
 
 
-def check_pickling(subject: Subject) -> str:
+def check_pickling(subject: AnySubject) -> str:
     """Workers get their optimizer by pickle."""
-    optimizer = subject.fresh()
-    copy = pickle.loads(cloudpickle.dumps(optimizer))
-    remedy = "keep the whole configuration of the optimizer in its fields, as plain values"
-    if type(copy).__qualname__ != type(optimizer).__qualname__:
-        raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", remedy)
-    if parameters(copy) != parameters(optimizer) and copy != optimizer:
+    original = subject.fresh()
+    copy = pickle.loads(cloudpickle.dumps(original))
+    remedy = "keep the whole configuration in the fields, as plain values"
+    if type(copy).__qualname__ != type(original).__qualname__:
+        raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(original).__name__}", remedy)
+    if subject.parameters(copy) != subject.parameters(original) and copy != original:
         raise ViolationError("its pickled copy has other parameters", remedy)
-    run, other = (subject.run(optimizer=instance) for instance in (optimizer, copy))
+    run, other = (subject.run(instance=instance) for instance in (original, copy))
     expect_same(run.course(), other.course(), "its pickled copy runs differently", remedy)
     return "a pickled copy has the same parameters and gives the same run"
 
 
-def check_global_states(subject: Subject) -> str:
+def check_global_states(subject: AnySubject) -> str:
     """Neither Python's nor numpy's global random state is used or changed."""
     remedy = (
         "draw from rng alone: no random.random(), no np.random.rand() and no seeding of them; a library that needs "
@@ -134,7 +134,7 @@ def check_contract(subject: Subject) -> str:
     return "it uses nothing of the objective but what the contract offers"
 
 
-def check_silence(subject: Subject) -> str:
+def check_silence(subject: AnySubject) -> str:
     """A run prints nothing: the harness shows progress, and a study makes thousands of runs."""
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
         with warnings.catch_warnings(record=True) as warned, _output_to(file):
@@ -153,13 +153,13 @@ def check_silence(subject: Subject) -> str:
     return "nothing printed"
 
 
-def check_leftovers(subject: Subject) -> str:
+def check_leftovers(subject: AnySubject) -> str:
     """A run leaves no files, threads or processes behind; what a library starts once is not counted."""
-    optimizers = [subject.fresh() for _ in range(2)]  # before the folder changes: a name may be a relative path
+    instances = [subject.fresh() for _ in range(2)]  # before the folder changes: a name may be a relative path
     running = [_running()]
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
-        for optimizer in optimizers:
-            subject.run(optimizer=optimizer)
+        for instance in instances:
+            subject.run(instance=instance)
             running.append(_running(running[-1]))
         files = sorted(path.name for path in Path(folder).iterdir())
     if files:
@@ -170,7 +170,8 @@ def check_leftovers(subject: Subject) -> str:
     for kind, before, after in zip(("thread", "process"), *running[1:], strict=True):
         if after > before:
             raise ViolationError(
-                f"every run leaves a {kind} running", f"end every {kind} before minimize ends, in a finally"
+                f"every run leaves a {kind} running",
+                f"end every {kind} in a finally of what starts it",
             )
     return "no files, threads or processes are left"
 

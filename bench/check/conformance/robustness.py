@@ -44,7 +44,7 @@ def check_budget(subject: Subject) -> str:
 def check_box(subject: Subject) -> str:
     """No point lies outside the box, even where the box is uneven and narrow and its optimum in a corner."""
     problem, optimizer = problems.corner(), subject.fresh()
-    run = subject.run(problem, optimizer=optimizer, budget=4 * ordinary_budget(optimizer))
+    run = subject.run(problem, instance=optimizer, budget=4 * ordinary_budget(optimizer))
     if run.outside_box:
         inside = ((run.points >= problem.lower) & (run.points <= problem.upper)).all(axis=1)
         raise ViolationError(
@@ -87,7 +87,7 @@ def _each(subject: Subject, problem: RecordingProblem, where: str) -> RecordedRu
     """Return a run that kept its budget; raises ViolationError, saying where, for one that did not or that raised."""
     optimizer = subject.fresh()
     try:
-        run = subject.run(problem, optimizer=optimizer)
+        run = subject.run(problem, instance=optimizer)
     except (Exception, SystemExit) as error:
         raise ViolationError(f"it raised {describe_error(error)}{where}", "") from error
     if run.stop == "undeclared" and subject.run().stop != run.stop:  # else the budget's rule reports it

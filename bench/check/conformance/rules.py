@@ -1,18 +1,20 @@
-"""The table of the contract's rules, which ``check_optimizer``, ``bench check`` and ``bench.testing`` share.
+"""The tables of the contracts' rules, which ``bench.check``, ``bench check`` and ``bench.testing`` share.
 
-A rule's function takes a :class:`~bench.check.conformance.subject.Subject` and returns one sentence on what it
-observed, or raises :class:`~bench.check.conformance.recording.ViolationError`. It judges one rule alone: an optimizer
-that breaks another rule passes it wherever possible.
+A rule's function takes a :class:`~bench.check.conformance.subject.Subject`, of an optimizer, or a
+:class:`~bench.check.conformance.problem_subject.ProblemSubject`. It returns one sentence on what it observed, or raises
+:class:`~bench.check.conformance.recording.ViolationError`. It judges one rule alone: what breaks another rule passes it
+wherever possible.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from bench.check.conformance import apartness, isolation, parameters, robustness
+from bench.check.conformance import apartness, isolation, parameters, problem_rules, robustness
 from bench.check.conformance.recording import ViolationError
-from bench.check.conformance.subject import START_SECONDS, Subject
+from bench.check.conformance.subject import START_SECONDS, AnySubject
 from bench.check.verdict import Verdict
 from bench.sandbox.messages import describe_error
 
@@ -26,13 +28,13 @@ class Rule:
     Attributes:
         name: the name in verdicts, such as ``"budget"``.
         examine: the rule's function; it may return None where the optimizer cannot be constructed.
-        remedy: how to fix an exception that the optimizer raises in this check.
-        needs: the rules that an optimizer must keep before this one can be checked.
+        remedy: how to fix an exception that the plug-in raises in this check.
+        needs: the rules that it must keep before this one can be checked.
         seconds: that its check may take.
     """
 
     name: str
-    examine: Callable[[Subject], str | None]
+    examine: Callable[[Any], str | None]
     remedy: str
     needs: tuple[str, ...] = ("run",)
     seconds: float = SECONDS
@@ -66,12 +68,42 @@ APART = Rule("problem apart", apartness.check_apart, "get values from objective(
 """The rule that is checked only on request, as it takes processes that can be given sockets."""
 
 
-def find_rule(name: str) -> Rule:
-    """Return the rule of that name."""
-    return next(rule for rule in (*RULES, APART) if rule.name == name)
+_ANY_POINT = "fix what raises: any point of the box can occur, alone and in batches of any size"
+_PURE = ("declaration", "values", "batches")
+_DECIDED = (*_PURE, "noise")
+
+PROBLEM_RULES = (
+    Rule("declaration", problem_rules.check_declaration, "set the attributes of a Problem where it is made", ()),
+    Rule("values", problem_rules.check_values, _ANY_POINT, ("declaration",)),
+    Rule("batches", problem_rules.check_batches, _ANY_POINT, ("declaration", "values")),
+    Rule("noise", problem_rules.check_noise, "take evaluate(x, rng), and return true values from noiseless(x)", _PURE),
+    Rule("repair", problem_rules.check_box_repair, "let repair take any point, also outside the box", ("declaration",)),
+    Rule("optimum", problem_rules.check_optimum, _ANY_POINT, ("declaration", "values")),
+    Rule("processes", isolation.check_processes, "fix what raises in a new process", _DECIDED),
+    Rule(
+        "no state", isolation.check_state, "a second series of calls must find the problem as the first did", _DECIDED
+    ),
+    Rule("pickling", isolation.check_pickling, "let __reduce__ return load_problem and the name", _DECIDED),
+    Rule("global states", isolation.check_global_states, "draw from a generator of its own", _DECIDED),
+    Rule("instances", problem_rules.check_instances, "fix what raises for another instance", _DECIDED),
+    Rule("silence", isolation.check_silence, "a call must not need a terminal", _DECIDED),
+    Rule("leftovers", isolation.check_leftovers, "a call must not depend on the working folder", _DECIDED),
+    Rule("cost", problem_rules.check_cost, _ANY_POINT, ("declaration", "values")),
+)
+"""The rules of a problem, in the order in which they are checked; "no state" to "leftovers" are those of optimizers."""
+
+SEARCH = Rule("search", problem_rules.check_search, "fix what raises during a search", _DECIDED, 86_400.0)
+"""The rule of a problem that is checked only on request, as it takes minutes."""
+
+TABLES = {"optimizer": RULES, "problem": PROBLEM_RULES}
 
 
-def judge(rule: Rule, subject: Subject) -> Verdict | None:
+def find_rule(name: str, kind: str = "optimizer") -> Rule:
+    """Return the rule of that name for an optimizer or a problem."""
+    return next(rule for rule in (*TABLES[kind], APART, SEARCH) if rule.name == name)
+
+
+def judge(rule: Rule, subject: AnySubject) -> Verdict | None:
     """Return the verdict on one rule, None where there is nothing to examine; any exception becomes the finding."""
     try:
         observed = rule.examine(subject)

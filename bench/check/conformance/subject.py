@@ -9,7 +9,7 @@ import sys
 from contextlib import ExitStack
 from functools import lru_cache
 from itertools import accumulate
-from typing import Any, get_type_hints
+from typing import Any, ClassVar, Protocol, get_type_hints
 
 import cloudpickle
 from threadpoolctl import threadpool_limits
@@ -27,6 +27,37 @@ START_SECONDS = 120.0
 """Seconds that a process may take to import the optimizer, to compile it and to make a few first runs."""
 
 
+class AnySubject(Protocol):
+    """An optimizer or a problem under check; the rules that hold for both know no more of it.
+
+    Attributes:
+        kind: ``"optimizer"`` or ``"problem"``, whose table of rules it is checked against.
+    """
+
+    kind: ClassVar[str]
+
+    @property
+    def source(self) -> Any:
+        """Its name, its class, or an instance of it."""
+
+    @property
+    def packed(self) -> bytes | None:
+        """The bytes from which :func:`unpack` made it, in a process that may be ended; None elsewhere."""
+
+    @property
+    def label(self) -> str:
+        """The name that verdicts show."""
+
+    def fresh(self) -> Any:
+        """Return a new instance."""
+
+    def run(self, *, instance: Any = None, seed: int = 0, global_seed: int = 0) -> RecordedRun:
+        """Use a new instance, or ``instance``, as a trial does, and return the record."""
+
+    def parameters(self, plugin: Any, /) -> dict[str, str]:
+        """Return what an instance declares, as text."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Subject:
     """An optimizer that is constructed anew for every run, so that no run depends on the state that another one left.
@@ -39,6 +70,7 @@ class Subject:
             calls the objective for ever; None elsewhere.
     """
 
+    kind: ClassVar[str] = "optimizer"
     source: str | type[Optimizer] | Optimizer
     options: dict[str, Any] = dataclasses.field(default_factory=dict)
     seed: int = 0
@@ -64,7 +96,7 @@ class Subject:
         self,
         problem: RecordingProblem | None = None,
         *,
-        optimizer: Optimizer | None = None,
+        instance: Optimizer | None = None,
         budget: int | None = None,
         seed: int = 0,
         global_seed: int = 0,
@@ -73,13 +105,13 @@ class Subject:
 
         Args:
             problem: what is minimised, a new one for every run; by default the ordinary problem.
-            optimizer: an instance to run instead of a new one.
+            instance: an optimizer to run instead of a new one.
             budget: evaluations it may spend; by default those of an ordinary run.
             seed: added to the subject's own.
             global_seed: of Python's and numpy's global random states during the run.
         """
         problem = problem if problem is not None else bowl()
-        optimizer = optimizer if optimizer is not None else self.fresh()
+        optimizer = instance if instance is not None else self.fresh()
         budget = budget if budget is not None else ordinary_budget(optimizer)
         run, progress = RecordedRun(), Progress(budget)
         observed = ObservedOptimizer(optimizer, run, progress)
@@ -99,6 +131,11 @@ class Subject:
                     raise
         run.points, run.touched = problem.points, tuple(changed)
         return run
+
+    def parameters(self, optimizer: Optimizer) -> dict[str, str]:
+        """Return the optimizer's fields as text, or all attributes where it has no fields."""
+        values = settings(optimizer) if dataclasses.is_dataclass(optimizer) else vars(optimizer)
+        return {name: repr(value) for name, value in values.items()}
 
 
 def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subject:
@@ -137,17 +174,11 @@ def ordinary_budget(optimizer: Optimizer) -> int:
     return max(150, 4 * optimizer.minimum_budget + 3)
 
 
-def parameters(optimizer: Optimizer) -> dict[str, str]:
-    """Return the optimizer's fields as text, or all attributes where it has no fields."""
-    values = settings(optimizer) if dataclasses.is_dataclass(optimizer) else vars(optimizer)
-    return {name: repr(value) for name, value in values.items()}
-
-
-def pack(subject: Subject) -> bytes:
+def pack(subject: AnySubject) -> bytes:
     """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
     local = [base for base in cls.__mro__ if not _importable(base)]
-    plain = dataclasses.replace(subject, packed=None)
+    plain = dataclasses.replace(subject, packed=None)  # type: ignore[type-var]
     with ExitStack() as stack:
         for name in {base.__module__ for base in local} & sys.modules.keys() - {"__main__"}:
             cloudpickle.register_pickle_by_value(sys.modules[name])
@@ -156,13 +187,13 @@ def pack(subject: Subject) -> bytes:
 
 
 @lru_cache(maxsize=1)
-def unpack(packed: bytes) -> Subject:
+def unpack(packed: bytes) -> Any:
     """Return the subject of :func:`pack`."""
     subject, annotations = pickle.loads(packed)
     for cls, types in annotations:
         # annotations in the form of strings are looked up in the class's module, which this process does not have
         cls.__annotations__ = types
-    return dataclasses.replace(subject, packed=packed)  # type: ignore[no-any-return]
+    return dataclasses.replace(subject, packed=packed)
 
 
 def _annotations(cls: type) -> dict[str, Any]:

@@ -23,7 +23,7 @@ class WaterFilling(Problem):
         self.total = total
         self.noise = np.linspace(0.1, 1.0, n)
         best = spend(-self.noise[None], total)  # water to one level over the noise, eq. (5.39) there
-        self.optimum = float(self.evaluate(best)[0])
+        self.optimum, self.optimum_point = float(self.evaluate(best)[0]), best[0]
 
     def evaluate(self, x: np.ndarray) -> np.ndarray:
         """Return the (n,) objective values of (n, d) powers; powers beyond the total are worth nothing."""

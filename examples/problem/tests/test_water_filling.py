@@ -5,8 +5,15 @@ import pytest
 from water_filling import SIZES
 
 import bench
+from bench.testing import parametrize_with_problem_checks
 
 NAMES = [f"water-filling-{n}" for n in SIZES]
+
+
+@parametrize_with_problem_checks(NAMES)
+def test_conforms(check):
+    """Every rule of 'bench check' is a case of its own."""
+    check()
 
 
 @pytest.fixture

@@ -116,7 +116,9 @@ class SignatureFit(Problem):
     def repair(self, x: Floats) -> Floats:
         """Return the (n, 7) points with every value capped at the limit it breaks (section 7.2.2)."""
         points = np.ascontiguousarray(x, dtype=np.float64)
-        repaired: Floats = kernel.repair(points, self.lower, self.upper, self.time[0], self.time[-1], self.period / 2)
+        start, stop = self.time[0], self.time[-1]
+        delay = min(self.period / 2, stop - start)  # a wrist's oscillation may be longer than its recording
+        repaired: Floats = kernel.repair(points, self.lower, self.upper, start, stop, delay)
         return repaired
 
     def violations(self, x: Floats) -> Floats | None:

@@ -10,12 +10,13 @@ import pytest
 
 import bench
 from bench import BenchError, load_optimizer
-from bench.check import check_optimizer, checker
-from bench.check.checker import PICKLING, Checker
+from bench.check import check_optimizer, check_problem, checker
+from bench.check.checker import Checker
+from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.rules import RULES, failed, find_rule
 from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
-from tests.bench.check import faulty
+from tests.bench.check import faulty, faulty_problems
 from tests.bench.check.conformance.examine import ALL, failures
 
 HURRIED = {faulty.Hanging: 8.0, faulty.Stuck: 2.0}  # seconds, where the check would take all its time
@@ -259,7 +260,7 @@ def test_an_optimizer_that_cannot_be_sent_is_packed_once(monkeypatch):
     unsendable = Checker(Subject(faulty.Sound))
     assert [unsendable.verdict(rule) for rule in RULES[:2]] == [None, None]
     assert unsendable.unloadable == "it cannot be sent to another process: TypeError: cannot pickle it"
-    assert unsendable.verdict(PICKLING).finding == unsendable.unloadable
+    assert unsendable.verdict(find_rule("pickling")).finding == unsendable.unloadable
     assert len(asked) == 1
 
 
@@ -283,3 +284,43 @@ def test_an_optimizer_that_answers_in_place_of_its_check_passes(tmp_path, forged
     with closing(Checker(Subject(f"{tmp_path}/mine.py:mine"))) as checker:
         verdict = checker.verdict(find_rule("global states"))
     assert verdict.passed is forged
+
+
+def test_a_problem_is_checked_in_a_process_of_its_own_and_the_report_says_what_was_left_out():
+    checkup = check_problem(faulty_problems.Raising)
+    assert not checkup
+    assert [verdict.check for verdict in checkup if not verdict.passed] == ["values"]
+    assert "RuntimeError: no licence" in str(checkup)
+    assert {"batches", "processes", "cost"} <= set(checkup.unchecked)
+
+
+@pytest.mark.parametrize(
+    ("problem", "check", "finding"),
+    [
+        (faulty_problems.Hashed, "processes", "a seed gives another run in another process"),
+        (faulty_problems.Unpicklable, "pickling", "it raised TypeError: cannot pickle"),
+    ],
+)
+def test_what_needs_another_process_is_found_of_a_problem(problem, check, finding):
+    (broken,) = [verdict for verdict in check_problem(problem) if not verdict.passed]
+    assert broken.check == check
+    assert finding in broken.finding
+
+
+def test_a_problem_that_hangs_costs_a_verdict(monkeypatch):
+    values = replace(find_rule("values", "problem"), seconds=1.0)
+    with closing(Checker(ProblemSubject(faulty_problems.Hanging))) as checking:
+        assert "did not end within 1 s" in checking.verdict(values).finding
+
+
+def test_every_verdict_on_a_sound_problem_is_passed_on():
+    heard = []
+    checkup = check_problem("engineering-spring", on_check=heard.append)
+    assert checkup.passed
+    assert heard == list(checkup)
+    assert checkup.summary == "engineering-spring keeps the contract"
+
+
+def test_untrusted_problems_are_given_by_name():
+    with pytest.raises(BenchError, match="code that nobody trusts is checked by its name"):
+        check_problem(faulty_problems.Sound(), untrusted=True)

@@ -9,6 +9,7 @@ import pytest
 
 from bench import BenchError, Results, Study, load_optimizer, load_problem, run, solve
 from bench.execution.runner import plan
+from bench.plugins import from_file
 
 CODE = '''
 from __future__ import annotations
@@ -242,3 +243,26 @@ def test_a_study_runs_on_a_problem_of_a_file(tmp_path):
     frame = Results(tmp_path / "out").frame
     assert list(frame["problem"]) == ["Bowl"]
     assert list(frame["status"]) == ["ok"]
+
+
+@pytest.mark.parametrize(
+    ("code", "kind"),
+    [
+        ("class Mine(bench.Problem): pass", True),
+        ("class Base(FunctionProblem): pass\nclass Mine(Base): pass", True),
+        ("def Mine(scale=1): return problem", True),
+        ("Mine = bench.FunctionProblem(f, [0], [1])", True),
+        ("class Mine(bench.Optimizer): pass", False),
+        ("def Mine(objective, rng, step=0.1): pass", False),
+        ("raise SystemExit", False),
+    ],
+)
+def test_the_text_of_a_file_says_whether_it_holds_a_problem(tmp_path, code, kind):
+    (tmp_path / "mine.py").write_text(code)
+    assert from_file.is_problem(f"{tmp_path / 'mine.py'}:Mine") is kind
+
+
+def test_a_file_that_is_no_python_is_refused_in_a_sentence(tmp_path):
+    (tmp_path / "mine.py").write_text("def broken(:")
+    with pytest.raises(BenchError, match=r"mine\.py cannot be read as Python"):
+        from_file.is_problem(f"{tmp_path / 'mine.py'}:Mine")

@@ -34,7 +34,7 @@ def feasible(problem, x):
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_best_design_is_in_the_box_feasible_and_of_the_published_value(name):
     problem = load_problem(name)
-    best = problem.best[None]
+    best = problem.optimum_point[None]
     np.testing.assert_array_equal(problem.repair(best), best)
     assert feasible(problem, best).all()
     assert problem.optimum == problem.evaluate(best)[0] == pytest.approx(PUBLISHED[name], rel=5e-6)
@@ -44,7 +44,7 @@ def test_the_best_design_is_in_the_box_feasible_and_of_the_published_value(name)
 def test_no_feasible_design_is_better(name):
     problem = load_problem(name)
     rng = np.random.default_rng(11)
-    near = problem.best * (1 + 1e-3 * rng.standard_normal((50_000, problem.dimension)))
+    near = problem.optimum_point * (1 + 1e-3 * rng.standard_normal((50_000, problem.dimension)))
     x = problem.repair(np.concatenate([rng.uniform(problem.lower, problem.upper, (50_000, problem.dimension)), near]))
     found = problem.evaluate(x)[feasible(problem, x)]
     assert len(found) > 0
@@ -56,7 +56,8 @@ def test_sequential_quadratic_programming_ends_at_the_best_design(name):
     """From designs nearby, with the discrete variables held; values are scaled by those of the best design."""
     problem = load_problem(name)
     free = problem.steps == 0
-    box = list(zip(problem.lower[free] / problem.best[free], problem.upper[free] / problem.best[free], strict=True))
+    known = problem.optimum_point[free]
+    box = list(zip(problem.lower[free] / known, problem.upper[free] / known, strict=True))
     rng = np.random.default_rng(2)
     scale = np.maximum(
         1, np.abs(problem.violations(rng.uniform(problem.lower, problem.upper, (99, problem.dimension))))
@@ -64,7 +65,7 @@ def test_sequential_quadratic_programming_ends_at_the_best_design(name):
     scale = np.median(scale, axis=0)
 
     def design(shares):
-        x = problem.best.copy()
+        x = problem.optimum_point.copy()
         x[free] *= shares
         return x[None]
 
@@ -108,7 +109,7 @@ def test_values_and_violations_depend_on_the_point_alone(name):
 @pytest.mark.parametrize("name", [name for name in DESIGNS if name != "engineering-gear-train"])
 def test_the_best_design_keeps_its_value_under_every_handling(name, handling):
     problem, rng = scored(load_problem(name), handling), np.random.default_rng(0)
-    best = problem.problem.best[None]
+    best = problem.problem.optimum_point[None]
     assert problem.assess(best, rng).shown[0] == problem.evaluate(best)[0] == problem.optimum
     assert problem.describe(best[0]) == {"violation": 0.0}
     x = np.random.default_rng(4).uniform(problem.lower, problem.upper, (99, problem.dimension))
@@ -131,9 +132,9 @@ def test_rounding_is_no_repair_of_constraints():
 
 def test_a_discrete_variable_is_rounded():
     problem = load_problem("engineering-pressure-vessel")
-    near = problem.best + np.array([0.03, -0.03, 0, 0])
+    near = problem.optimum_point + np.array([0.03, -0.03, 0, 0])
     assert problem.evaluate(near[None])[0] == problem.optimum
-    np.testing.assert_array_equal(problem.repair(near[None])[0], problem.best)
+    np.testing.assert_array_equal(problem.repair(near[None])[0], problem.optimum_point)
     assert load_problem("engineering-speed-reducer").rounded(np.full((1, 7), 17.4))[0].tolist()[:3] == [
         17.4,
         17.4,

@@ -10,7 +10,7 @@ FAULTS = [
     (faulty.Clocked, "repetition", "two runs of one seed differ (from evaluation 5 on)", "draw from rng alone"),
     (faulty.Counting, "repetition", "two runs of one seed differ", "kept in the module"),
     (faulty.Remembering, "no state", "a second run of one instance differs from that of a new one", "local variables"),
-    (faulty.Adapting, "no state", "changes its parameter 'step' from 0.1 to 0.2", "local variables"),
+    (faulty.Adapting, "no state", "changes its 'step' from 0.1 to 0.2", "local variables"),
     (faulty.Locked, "pickling", "TypeError: cannot pickle '_thread.lock' object", "plain values"),
     (faulty.Legacy, "global states", "changes the global random state of numpy.random", "draw from rng alone"),
     (faulty.Peeking, "global states", "depends on the global random states", "draw from rng alone"),

@@ -1,0 +1,138 @@
+"""The problem under check, in a form from which another process can load it."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+from typing import Any, ClassVar
+
+import cloudpickle
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bench.check.conformance.recording import RecordedRun, seeded_global_states
+from bench.errors import BenchError
+from bench.numbers import require_seed
+from bench.objective import as_values, floats, integer_flags, repaired
+from bench.plugins.loading import load_problem
+from bench.problem import Problem, with_own_box
+from bench.trial import numbers
+from bench.typing import Flags, Floats
+
+POINTS = 24  # of a run
+
+
+@dataclasses.dataclass(frozen=True)
+class ProblemSubject:
+    """A problem that is loaded anew for every run, so that no run depends on the state that another one left.
+
+    A run asks the problem for all that it returns of ``POINTS`` points.
+
+    Attributes:
+        source: its name, its class, or an instance of it.
+        options: its options, for a name or a class.
+        seed: the first seed of its points.
+        packed: the bytes from which another process unpacked it; None elsewhere.
+    """
+
+    kind: ClassVar[str] = "problem"
+    source: str | type[Problem] | Problem
+    options: dict[str, Any] = dataclasses.field(default_factory=dict)
+    seed: int = 0
+    packed: bytes | None = None
+
+    @property
+    def label(self) -> str:
+        """The name that verdicts show."""
+        if isinstance(self.source, str):
+            return self.source
+        return self.source.__name__ if isinstance(self.source, type) else str(self.source.name)
+
+    def fresh(self) -> Problem:
+        """Return a new instance with these options; raises whatever its construction raises."""
+        if isinstance(self.source, str):
+            return load_problem(self.source, **self.options)
+        if isinstance(self.source, type):
+            return with_own_box(self.source(**self.options))
+        return with_own_box(pickle.loads(cloudpickle.dumps(self.source)))
+
+    def run(self, *, instance: Problem | None = None, seed: int = 0, global_seed: int = 0) -> RecordedRun:
+        """Ask a new instance, or ``instance``, for all that it returns of some points; each row of the record is one.
+
+        Args:
+            instance: a problem to ask instead of a new one.
+            seed: of the points, added to the subject's own.
+            global_seed: of Python's and numpy's global random states during the calls.
+        """
+        with threadpool_limits(limits=1), seeded_global_states(global_seed) as changed:
+            problem = self.fresh() if instance is None else instance
+            answers = everything(problem, sample(problem, POINTS, self.seed + seed), seed)
+        return RecordedRun(points=answers, touched=tuple(changed))
+
+    def parameters(self, problem: Problem) -> dict[str, str]:
+        """Return what the problem declares, as text."""
+        names = ("name", "variables", "lower", "upper", "integer", "optimum", "features", "repairs", "noisy", "measure")
+        return {name: repr(getattr(problem, name)) for name in names}
+
+
+def make_problem_subject(problem: object, options: dict[str, Any], seed: int) -> ProblemSubject:
+    """Return the subject of a name, a class or an instance.
+
+    Raises:
+        BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
+    """
+    require_seed("the seed", seed)
+    is_class = isinstance(problem, type) and issubclass(problem, Problem)
+    if not isinstance(problem, (str, Problem)) and not is_class:
+        raise BenchError(f"give the name of a problem, a Problem subclass or an instance of one, not {problem!r}")
+    if isinstance(problem, Problem) and options:
+        raise BenchError(f"{next(iter(options))!r} cannot be set: the problem is made already")
+    source: Any = problem
+    subject = ProblemSubject(source, options, seed)
+    if isinstance(problem, str):
+        subject.fresh()
+    return subject
+
+
+def sample(problem: Problem, n: int, seed: int) -> Floats:
+    """Return (n, d) random points as a trial evaluates them: in the box, every second repaired, integers rounded."""
+    rng, flags = np.random.default_rng(seed), integer_flags(problem)
+    x = rng.uniform(problem.lower, problem.upper, (n, problem.dimension))
+    x[1::2] = repaired(problem, x[1::2])
+    return rounded(x, flags)
+
+
+def rounded(x: Floats, flags: Flags) -> Floats:
+    """Return the (n, d) points with whole numbers in place of integer variables."""
+    return np.where(flags, np.rint(x), x)
+
+
+def true_values(problem: Problem, x: Floats) -> Floats:
+    """Return the (n,) values without noise of the (n, d) points; raises ValueError for another shape."""
+    return as_values(problem, problem.noiseless(x.copy()), len(x))
+
+
+def observed(problem: Problem, x: Floats, seed: int) -> Floats:
+    """Return the (n,) values of a noisy problem as a trial with this seed would see them."""
+    rng = np.random.default_rng(seed)
+    return as_values(problem, problem.evaluate(x.copy(), rng), len(x))  # type: ignore[call-arg]
+
+
+def violations(problem: Problem, x: Floats) -> Floats:
+    """Return the (n, m) violations of the (n, d) points, m = 0 without constraints; raises ValueError otherwise."""
+    returned = problem.violations(x.copy())
+    if returned is None:
+        return np.empty((len(x), 0))
+    excess = floats(returned, "violations", problem)
+    if excess.ndim != 2 or len(excess) != len(x):
+        raise ValueError(f"problem {problem.name!r} returned violations of shape {excess.shape} for {len(x)} points")
+    return excess
+
+
+def everything(problem: Problem, x: Floats, seed: int) -> Floats:
+    """Return all that a problem returns of the (n, d) points, a row a point: values, repaired points, violations."""
+    columns = [true_values(problem, x)[:, None], repaired(problem, x), violations(problem, x)]
+    if problem.noisy:
+        columns.append(observed(problem, x, seed)[:, None])
+    described = [[value for _, value in sorted(numbers(problem.describe(row.copy())).items())] for row in x]
+    return np.hstack([*columns, np.array(described).reshape(len(x), -1)])
