@@ -8,7 +8,7 @@
   and no repetition of another. Source: Vermetten, Ye, Bäck and Doerr 2023, "MA-BBOB: A Problem Generator for Black-Box
   Optimization Using Affine Combinations and Shifts", arXiv:2312.11083.
 - ``star-discrepancy-uniform-100-d3-i1``: the local star discrepancy of 10 to 1000 points of a uniform, Sobol' or Halton
-  sampler in the unit cube, whose seed is the instance; ioh's Sobol' points are the same for every instance. It is to be
+  sampler in the unit cube, whose seed is the instance; some instances of ioh's have the same points. It is to be
   maximised, so its negative is minimised; no maximum is known. Source: Clément, Vermetten, de Nobel, Jesus, Paquete and
   Doerr 2023, "Computing Star Discrepancies with Numerical Black-Box Optimization Algorithms", GECCO.
 """

@@ -47,7 +47,7 @@ TEMPLATES = {
         "water-filling",
         {"": "problem"},
         "problems",
-        "cd {path} && pip install . pytest && pytest && bench run study.toml",
+        "cd {path} && pip install . pytest && pytest && bench check {name} && bench run study.toml",
     ),
     "topic": Template(
         "worst-runs",

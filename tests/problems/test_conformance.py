@@ -9,7 +9,7 @@ from bench.errors import BenchError
 from bench.plugins import registry
 
 FOUND = {
-    "star-discrepancy-sobol-200-d2-i1": {"instances"},  # ioh's Sobol' points are the same for every instance
+    "star-discrepancy-sobol-200-d2-i1": {"instances"},  # ioh's Sobol' points of instances 1 and 2 are the same
 }
 """What is known and stated where the family is described."""
 

@@ -17,6 +17,7 @@ from bench.check.conformance.problem_subject import (
 from bench.check.conformance.recording import ViolationError
 from bench.errors import BenchError
 from bench.execution.safe_runs import safe_run
+from bench.helpers.text import count, listed
 from bench.numbers import is_finite
 from bench.objective import as_values, integer_flags, repaired
 from bench.plugins import registry
@@ -209,22 +210,26 @@ def _feasible_values(problem: Problem, x: Floats) -> Floats:
 
 
 def check_instances(subject: ProblemSubject) -> str:
-    """Another instance of a suite's function has other values at the same points."""
+    """The other instances of a suite's function have other values at the same points."""
     if not isinstance(subject.source, str) or not is_of_suite(subject.source):
         return "no suite's instance"
     grid = registry.grid(family(subject.source))
     if grid is None or not grid.instances:
         return "a suite without instances"
     problem, member = subject.fresh(), grid.member(subject.source)
-    number = member.instance % grid.instances + 1
-    name = next(grid.names([member.function], [member.dimension], [number]))
-    other = type(subject)(name, subject.options).fresh()
     shares = np.random.default_rng(subject.seed).random((64, problem.dimension))
-    first, second = (_at(each, shares) for each in (problem, other))
-    same = np.isfinite(first) & (first == second)
-    if same.all():
-        raise ViolationError(f"it has the values of {name} at all of {len(shares)} points", "let the instance decide")
-    return f"differs from {name} at {np.mean(first != second):.0%} of {len(shares)} points"
+    values = _at(problem, shares)
+    others = [name for name in grid.names([member.function], [member.dimension]) if name != subject.source]
+    alike = [name for name in others if _alike(values, _at(type(subject)(name, subject.options).fresh(), shares))]
+    if alike:
+        raise ViolationError(
+            f"it has the values of {listed(alike)} at all of {len(shares)} points", "let the instance decide the values"
+        )
+    return f"its values differ from those of {count(len(others), 'other instance')}"
+
+
+def _alike(values: Floats, others: Floats) -> bool:
+    return bool(np.isfinite(values).any()) and np.array_equal(values, others)
 
 
 def _at(problem: Problem, shares: Floats) -> Floats:

@@ -40,3 +40,11 @@ def test_joint_1_is_the_noise_alone_at_any_gap():
     for state in wrist.STATES:
         assert wrist.recorded(f"wrist-1-{state}").peak < 0.005
     assert np.ptp(wrist.recorded("wrist-1-tampered").speed) < 0.11
+
+
+def test_repaired_points_lie_in_the_box_although_the_oscillation_may_be_longer_than_the_recording():
+    problem = load_problem("wrist-1-healthy")
+    width = problem.upper - problem.lower
+    x = np.random.default_rng(0).uniform(problem.lower - width, problem.upper + width, (200, problem.dimension))
+    repaired = problem.repair(x)
+    assert ((repaired >= problem.lower) & (repaired <= problem.upper)).all()
