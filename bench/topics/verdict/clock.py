@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
-from bench.report.wording import count
+from bench.report.prose import speaker
 from bench.topics.findings import Findings
 
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
@@ -44,9 +44,9 @@ def clock(findings: Findings) -> Clock | None:
     return Clock(
         fastest,
         _cost(float(costs.median())),
-        f"{fastest} is faster by the clock than {leader} as long as an evaluation takes less than {_spread(costs)}: to "
-        f"{chosen.at_length(level)}, {leader} has the lowest expected running time in evaluations on "
-        f"{first[leader]} of {count(problems, 'problem')}, and {fastest} the lowest in seconds on {fast[fastest]}.",
+        speaker(__package__)(
+            "clock", fastest, leader, _spread(costs), chosen.at_length(level), first[leader], fast[fastest], problems
+        ),
     )
 
 

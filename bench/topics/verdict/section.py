@@ -7,14 +7,14 @@ from collections import Counter
 from math import comb
 
 import numpy as np
-import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
 from bench.report.parts import Card, File, Part, Section
+from bench.report.prose import speaker
 from bench.report.wording import count, listing, unfinished_trials
 from bench.storage.folder import ANSWER
-from bench.topics.findings import Final, Findings, Trials
+from bench.topics.findings import Final, Findings
 from bench.topics.integrity.section import warnings
 from bench.topics.matched.conditions import sentences
 from bench.topics.matched.controls import REPORTED, controls
@@ -27,9 +27,10 @@ from bench.topics.trials.section import NOT_ADJUSTED, extension_text
 from bench.topics.verdict.answer import answer
 from bench.topics.verdict.clock import clock
 from bench.topics.verdict.first_picture import evidence
-from bench.topics.verdict.winner import TIED, Across, Stage, Standing, verdict, winner_rule
+from bench.topics.verdict.winner import TIED, Across, Stage, Standing, verdict
 
 TITLE = "Verdict"
+SAY = speaker(__package__)
 SEPARABLY = (
     "Separably lower: on a problem, a run of one ends lower than a run of the other more often than not, and a test "
     "shows that."
@@ -62,12 +63,6 @@ def section(findings: Findings) -> Section:
     )
     items: list[Part] = [evidence(findings, bool(known.leads)), rank_map(findings)]
     return Section(TITLE, (), tuple(items), troubles, cards=cards, lost=lost)
-
-
-CHOSEN = (
-    "Tests, levels and simulated rates are those of the selection, as if it had been fixed before the first trial; who "
-    "selects after a look can choose what is claimed, so compare the report of the whole study."
-)
 
 
 def standing(findings: Findings) -> Standing:
@@ -227,95 +222,44 @@ def _course(findings: Findings) -> list[Stage]:
 
 def _evidence(findings: Findings) -> str:
     """Return on how much evidence the verdict rests."""
-    study, levels = findings.study, findings.final.levels
     low, high = findings.trials.per_cell
-    trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
     working = findings.trials.comparable.working
     failed = working.loc[working["status"] != "ok", "optimizer"].astype(str).value_counts(sort=False)
-    lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items()]
-    parts = [f"{levels.problems:g} for tests on problems"] if levels.problems else []
-    parts += [f"{levels.across:g} for tests over all"] if levels.across else []
-    problems = count(len(findings.final.medians), "problem")
-    alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
-    return (
-        f"n = {trials} of at most {study.budget_words} on each of N = {problems}; "
-        f"{alpha}; p-values are adjusted by Holm’s method over pairs, and on single problems over these, too; those of "
-        "a winner are not, as all must reject; in brackets: 95% intervals"
-        + (f"; failed: {listing(lost)}" if lost else "")
-        + "."
+    return SAY(
+        "evidence",
+        count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}",
+        findings.study.budget_words,
+        len(findings.final.medians),
+        ALPHA,
+        findings.final.levels,
+        [f"{count(number, 'trial')} of {label}" for label, number in failed.items()],
     )
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:
-    problems = len(findings.final.medians)
-    counted = "this one problem" if problems == 1 else f"these {problems} problems"
-    texts = [
-        f"The counts describe {counted} at this budget and with these options; others may give another ranking.",
-        across(findings),
-    ]
-    texts += extension_text(findings)
-    if findings.trials.decisions.stopped:
-        texts.append(NOT_ADJUSTED)
-    if looked := findings.results.looked:
-        texts.append(
-            f"The runs in {listing(looked)} were stopped by declared looks; the tests of this comparison do not "
-            "account for these, so their p-values are too small."
-        )
-    if findings.trials.common:
-        texts.insert(0, unequal_budgets(findings.trials))
-    if findings.selection:
-        texts.insert(0, f"{findings.selection} {CHOSEN}")
-    return tuple(filter(None, (*texts, unused(findings.anytime.unused))))
-
-
-def unequal_budgets(trials: Trials) -> str:
-    """Return at which budget values are compared where the optimizers had different ones."""
-    return (
-        f"The optimizers had different budgets: ranks, medians and tests compare values {trials.common_words}, and "
-        "running times to targets count all evaluations."
-    )
-
-
-def unused(shares: pd.DataFrame) -> str:
-    """Return who left a part of the budget unused, which restarts could have spent; "" where nobody did."""
+    """Return what may not be claimed."""
+    trials, looked = findings.trials, findings.results.looked
+    shares = findings.anytime.unused
     left = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
-    if left.empty:
-        return ""
-    shown = [f"{label} {share:.0%}" for label, share in zip(left["optimizer"], left["unused"], strict=True)]
-    return (
-        f"A part of the budget was left unused (mean share): {listing(shown, at_most=5)}. These trials ended by a "
-        "criterion of the optimizer, without a restart; what they would find with the rest is not known."
+    unused = [f"{label} {share:.0%}" for label, share in zip(left["optimizer"], left["unused"], strict=True)]
+    texts = (
+        SAY("selected", findings.selection) if findings.selection else "",
+        SAY("unequal_budgets", trials.common_words) if trials.common else "",
+        SAY("counts", len(findings.final.medians)),
+        across(findings),
+        *extension_text(findings),
+        NOT_ADJUSTED if trials.decisions.stopped else "",
+        SAY("looked", looked) if looked else "",
+        SAY("unused", unused) if unused else "",
     )
+    return tuple(filter(None, texts))
 
 
 def _grounds(findings: Findings) -> str:
-    looks, levels = findings.results.study.looks, findings.final.levels
-    over = [f"for looks at {listing([str(look) for look in looks])} trials"] if looks else []
-    over += [f"by Holm’s method over the {count(findings.final.tests, 'pair')} of all problems"]
-    both = levels.problems and levels.across
-    few = (
-        f"; with {count(findings.trials.per_cell[0], 'trial')} a cell no test on a problem could, so none is made here"
-    )
-    over_all = (
-        "Over all problems, the probability to end lower is the mean of A12 over problems. That it is 0.5 on these "
-        f"problems is tested at alpha = {levels.across:g} for each pair, by Holm’s method over the "
-        f"{comb(len(findings.trials.optimizers), 2)} pairs; where it is rejected, the same is tested for further "
-        "problems, of which these would be an independent sample, at the same level by Gaffke’s bound. Problems of one "
-        "sweep, and one function in several dimensions, count once there."
-    )
-    over_all = over_all if levels.across else "Over all problems nothing is tested, as nothing could be significant."
-    return (
-        "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
-        "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
-        "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects"
-        + (f" at alpha = {levels.problems:g}, adjusted {' and '.join(over)}" if levels.problems else few)
-        + ". The order over all problems is that of the rivals beaten, with a probability to end lower above 0.5, and "
-        f"of the mean of it where these are as many. {over_all} "
-        + (f"All levels together are {ALPHA:g}. " if both else "")
-        + f"{winner_rule(bool(looks))} The counts are over the problems on which every optimizer has a trial. Smaller "
-        "budgets are the points of the figure of mean ranks; at these, each other one is tested against the first in "
-        f"the mean over these problems at {levels.course:g}, by Bonferroni’s method."
-    )
+    """Return by which tests and levels the verdict is decided."""
+    looks, final = findings.results.study.looks, findings.final
+    pairs, trials = comb(len(findings.trials.optimizers), 2), findings.trials.per_cell[0]
+    return SAY("grounds", final.levels, [*looks], final.tests, pairs, trials, ALPHA)
 
 
 def answer_file(findings: Findings) -> list[File]:

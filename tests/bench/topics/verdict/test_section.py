@@ -30,7 +30,7 @@ def test_the_places_are_the_order_of_every_sentence(findings, fresh):
     vars(final).update(ranking=other.reset_index())  # in place of what it computed
     assert final.ranked == ["a", "c", "b"]
     known = verdict.standing(fresh)
-    assert known.ordered == final.ranked
+    assert known.labels == final.ranked
     assert known.size != verdict.standing(findings).size  # of a and b
 
 
@@ -148,8 +148,10 @@ def test_the_page_prints_how_often_it_would_be_wrong(fresh):
 def test_unused_budget_is_said_with_its_share(make, tmp_path):
     changes = {"a": {"nfev": 60, "stop": "tolfun"}}
     found = Findings(Results(make(tmp_path / "s", trials=4, changes=changes)))
-    assert verdict.unused(found.anytime.unused).startswith("A part of the budget was left unused (mean share): a 40%.")
-    assert verdict.unused(Findings(Results(make(tmp_path / "t", trials=4))).anytime.unused) == ""
+    limits = verdict.section(found).cards[2].text
+    assert limits[-1].startswith("A part of the budget was left unused (mean share): a 40%.")
+    whole = Findings(Results(make(tmp_path / "t", trials=4)))
+    assert not any("left unused" in text for text in verdict.section(whole).cards[2].text)
 
 
 def test_smaller_budgets_are_the_points_of_the_figure_and_who_leads_there_is_tested(fresh):
