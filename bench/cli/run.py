@@ -153,9 +153,9 @@ def command(
     }
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
     if matched:
-        from bench.conditions.matched import with_controls
         from bench.execution.job import Task
         from bench.execution.supervisor import check as load
+        from bench.study.matched import with_controls
 
         chosen = with_controls(chosen, load(Task.of(chosen, untrusted)).descriptions)  # by processes of their own
         if not chosen.controls:

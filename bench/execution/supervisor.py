@@ -10,8 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bench.columns import Row
-from bench.conditions import descriptions
-from bench.conditions.descriptions import Description, Descriptions, accepting, read
 from bench.errors import PROBLEM_FAILED, BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
@@ -31,7 +29,8 @@ from bench.sandbox.process import (
 )
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
-from bench.study import Fingerprints, Study
+from bench.study import Fingerprints, Study, descriptions
+from bench.study.descriptions import Description, Descriptions, accepting, read
 from bench.trial import Trial
 
 DESCRIBING = 60.0  # seconds for what the optimizers of one package print of themselves

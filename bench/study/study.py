@@ -100,7 +100,7 @@ class Study:
         looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
             (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
         controls: optimizers that run beside the others and are not compared with them, such as the same ones under
-            other conditions (:mod:`bench.conditions.matched`). They decide no other trial's result.
+            other conditions (:mod:`bench.study.matched`). They decide no other trial's result.
     """
 
     name: str

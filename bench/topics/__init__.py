@@ -5,7 +5,7 @@ A topic is registered by an entry point of ``bench.report_sections``, those of t
 a list of them, or None for a study of another kind.
 """
 
-from bench.conditions.descriptions import repairing
+from bench.study.descriptions import repairing
 from bench.topics.findings import Findings
 from bench.topics.time.figures import timing_figure
 from bench.topics.topic import Topic

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
-from bench.conditions.descriptions import Descriptions, noted
 from bench.results.results import Results
 from bench.study import Study
 from bench.study.blocks import pooled
+from bench.study.descriptions import Descriptions, noted
 from bench.study.rope import Rope
 from bench.study.targets import Targets
 from bench.study.values import Checked

@@ -11,9 +11,9 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
-from bench.conditions.descriptions import repairing
 from bench.results.compared import Compared
 from bench.results.results import ProblemFacts, Results
+from bench.study.descriptions import repairing
 from bench.topics.findings.replication import Replication, replications
 
 MANY_PROBLEMS = 20

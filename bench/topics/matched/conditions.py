@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench.conditions.descriptions import Description
 from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.report.parts import Table
 from bench.report.wording import MISSING, listing
 from bench.study import Study
+from bench.study.descriptions import Description
 
 UNKNOWN, NONE = "not known", "null"
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names

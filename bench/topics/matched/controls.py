@@ -11,10 +11,10 @@ import pandas as pd
 
 from bench.analysis.across import improvement_of
 from bench.analysis.strata import strata
-from bench.conditions.matched import Matched, algorithms, matched
 from bench.helpers.console import duration
 from bench.plugins import registry
 from bench.report.wording import count, options
+from bench.study.matched import Matched, algorithms, matched
 from bench.topics.findings import Findings
 from bench.topics.findings.final import Final
 from bench.topics.findings.trials import Trials

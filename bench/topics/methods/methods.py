@@ -23,13 +23,13 @@ from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
 from bench.analysis.integrity import undeclared
 from bench.analysis.pairwise import RESAMPLES
-from bench.conditions.descriptions import Description
 from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
 from bench.report.latex import escape
 from bench.report.wording import count, listing, options
 from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
+from bench.study.descriptions import Description
 from bench.topics.equivalence.section import beside_rope
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import Replication, each_problem

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 from bench import Study, solve
-from bench.conditions.matched import with_controls
 from bench.execution.job import Task
 from bench.execution.supervisor import check
 from bench.plugins.loading import load_problem
+from bench.study.matched import with_controls
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "results" / "thesis-matched"

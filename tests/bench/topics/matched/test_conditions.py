@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from bench import Results, Study
-from bench.conditions.descriptions import Description, noted
 from bench.execution.supervisor import Task, check
 from bench.study.budget import Budget
+from bench.study.descriptions import Description, noted
 from bench.study.tuned import Tuning
 from bench.topics.findings import Findings
 from bench.topics.matched import conditions

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from bench.analysis import Levels
 from bench.analysis.comparable import Comparable
-from bench.conditions.descriptions import Description
 from bench.helpers.bibtex import parse
 from bench.plugins import registry
 from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
 from bench.study.budget import Budget
+from bench.study.descriptions import Description
 from bench.study.rope import Rope
 from bench.study.targets import KINDS, Targets
 from bench.study.tuned import Tuned, Tuning

@@ -15,7 +15,8 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import option, printable
 from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import loading
-from bench.study import Entry, Study
+from bench.study.entries import Entry
+from bench.study.study import Study
 
 LONGEST = 200  # characters of a value
 AUTOMATIC = option(None)

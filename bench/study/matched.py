@@ -6,10 +6,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from bench.conditions.descriptions import Description, Values, value_of
 from bench.helpers.text import free
 from bench.optimizer import CONDITIONS
-from bench.study import Entry, Study
+from bench.study.descriptions import Description, Values, value_of
+from bench.study.entries import Entry
+from bench.study.study import Study
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def matched(study: Study, descriptions: Mapping[str, Description]) -> list[Match
 
     Args:
         study: with the controls that it has already.
-        descriptions: of its optimizers and controls (:class:`bench.conditions.descriptions.Description`); those whose
+        descriptions: of its optimizers and controls (:class:`bench.study.descriptions.Description`); those whose
             parameters are not known take no part.
     """
     present = {label: about.conditions for label, about in descriptions.items() if about.values is not None}

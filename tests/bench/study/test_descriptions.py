@@ -6,12 +6,12 @@ import shutil
 import pytest
 
 from bench import Results, Study, load_optimizer, run, write_report
-from bench.conditions.descriptions import Description, noted
 from bench.execution.job import Task
 from bench.execution.supervisor import check
 from bench.sandbox.process import Process
 from bench.storage.folder import Folder
 from bench.storage.merge import merge
+from bench.study.descriptions import Description, noted
 
 CODE = """
 import os

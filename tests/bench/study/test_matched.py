@@ -4,14 +4,14 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, run
-from bench.conditions import matched as module
-from bench.conditions.descriptions import noted
-from bench.conditions.matched import algorithms, matched
 from bench.execution.job import Task
 from bench.execution.runner import plan
 from bench.execution.supervisor import check
 from bench.storage.folder import Folder
 from bench.storage.merge import merge
+from bench.study import matched as module
+from bench.study.descriptions import noted
+from bench.study.matched import algorithms, matched
 
 
 def study(*optimizers, **changes):
