@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
+import signal
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
-from bench.helpers.console import print_line
+from bench.cli.console import Jobs, Untrusted
+from bench.cli.console import table as rich_table
+from bench.errors import BenchError
+from bench.helpers.atomic import replacing
+from bench.helpers.console import print_error, print_line
 from bench.helpers.text import count
+from bench.numbers import require_seed, require_whole
+
+if TYPE_CHECKING:
+    from bench.reproduce.table import PaperTable
+    from bench.reproduce.verdict import Judgement
+    from bench.study import Study
+
+COLOURS = {"differs": "red", "reproduced": "green", "open": "yellow", "not judged": "dim"}
 
 
 def command(
@@ -24,29 +39,146 @@ def command(
     read_only: Annotated[
         bool, typer.Option("--read-only", help="Only read the table critically; nothing is run.")
     ] = False,
+    optimizer: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PRINTED=NAME", help="Which optimizer here a printed name means; repeatable."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder of the runs; default: results/runs/TABLE.")
+    ] = None,
+    beside: Annotated[
+        Path | None,
+        typer.Option("--beside", metavar="FOLDER", help="Judge by the trials of this folder; none is made."),
+    ] = None,
+    trials: Annotated[int | None, typer.Option(help="Runs of each cell, instead of the table's number.")] = None,
+    seed: Annotated[int, typer.Option(help="Seed that all trials' seeds derive from.")] = 0,
+    jobs: Jobs = -1,
+    timeout: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a run; one that exceeds it failed.")
+    ] = None,
+    untrusted: Untrusted = False,
 ) -> None:
     """Read a published table critically, run its protocol again, and judge every cell.
 
     Reading finds what no runs can have given: values below the optimum, a best above the mean, an SD that the mean and
-    the best exclude, ranks and averages that do not recompute, digits that so many counts cannot have.
+    the best exclude, ranks and averages that do not recompute, digits that so many counts cannot have. Then the same
+    command runs, continues or extends the study of the table's protocol, and compares each cell by its mean, SD and
+    number of runs. At most 5% of tables that are right get a false "differs". The exit code is 1 where a cell differs,
+    or with --read-only contradicts itself.
     """
-    from bench.reproduce.criticism import criticise
+    from bench.reproduce.protocol import protocol_of, samples
     from bench.reproduce.table import read
+    from bench.reproduce.verdict import judge
+    from bench.results.results import Results
 
+    require_seed("--seed", seed)
+    if trials is not None:
+        require_whole("--trials", trials, 2)
     console = Console()
-    paper = read(table)
+    paper = _renamed(read(table), optimizer or [])
+    contradicted = _criticised(paper, console)
+    if read_only and contradicted:
+        sys.exit(1)
+    if read_only:
+        return
+    made = protocol_of(paper, trials, seed, beside=None if beside is None else Results(beside))
+    if made.study is None:
+        reasons = "; ".join(dict.fromkeys(made.reasons.values()))
+        raise BenchError(f"no cell of {table} can be {'judged' if beside else 'run'}: {reasons}")
+    folder = beside or _run(made.study, output, console, jobs, timeout, untrusted)
+    judgements = judge(paper, samples(paper, made, Results(folder)), made.reasons)
+    _show(judgements, console)
+    _write(judgements, paper, folder)
+    print_line(f"every number: {folder / 'reproduction.csv'}", console=console)
+    if any(each.verdict == "differs" for each in judgements):
+        sys.exit(1)
+
+
+def _renamed(paper: PaperTable, chosen: list[str]) -> PaperTable:
+    """Return the table with the optimizers that its printed names mean; raises BenchError for another form."""
+    named = dict(paper.settings.get("optimizers", {}))
+    known = {cell.optimizer for cell in paper.cells}
+    for text in chosen:
+        printed, equals, name = text.partition("=")
+        if not equals or printed not in known:
+            raise BenchError(f"--optimizer {text!r} must be PRINTED=NAME; the table prints {', '.join(sorted(known))}")
+        named[printed] = name
+    return dataclasses.replace(paper, settings={**paper.settings, "optimizers": named})
+
+
+def _criticised(paper: PaperTable, console: Console) -> bool:
+    """Print the contradictions of a table, and return whether there are some."""
+    from bench.reproduce.criticism import criticise
+
     remarks, notes = criticise(paper)
     for note in (*paper.notes, *notes):
         print_line(f"note: {note}", "yellow", console)
     for remark in remarks:
         print_line(f"{remark.where}: {remark.sentence}", console=console)
-    wrong = len({remark.where for remark in remarks})
-    cells = count(len(paper.cells), "cell")
-    print_line(
-        f"{wrong} of {cells} contradict themselves, each other or the problem"
-        if wrong
-        else f"no contradiction in {cells}",
-        console=console,
-    )
-    if read_only and remarks:
+    wrong, cells = len({remark.where for remark in remarks}), count(len(paper.cells), "cell")
+    said = f"{wrong} of {cells} contradict themselves, each other or the problem"
+    print_line(said if wrong else f"no contradiction in {cells}", console=console)
+    return bool(wrong)
+
+
+def _run(
+    study: Study, output: Path | None, console: Console, jobs: int, timeout: float | None, untrusted: bool
+) -> Path:
+    """Run the study, or what its folder lacks of it, and return the folder."""
+    from bench.execution.progress import Display
+    from bench.execution.runner import run
+    from bench.execution.supervisor import WorkerDiedError
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
+    try:
+        with Display(console) as display:
+            outcome = run(
+                study, output, n_jobs=jobs, timeout=timeout, untrusted=untrusted,
+                on_plan=display.plan, on_trial=display.trial,
+            )  # fmt: skip
+    except KeyboardInterrupt:
+        print_error("interrupted; every finished trial is kept: run the same command again to continue")
+        sys.exit(130)
+    except WorkerDiedError as error:
+        print_error(str(error))
         sys.exit(1)
+    return outcome.folder
+
+
+def _show(judgements: list[Judgement], console: Console) -> None:
+    """Print a row a cell, a sentence on each reason, and the sentence on the table."""
+    from bench.reproduce.verdict import sentence
+
+    rows: list[tuple[str, ...]] = []
+    reasons: dict[str, list[str]] = {}
+    for each in judgements:
+        if each.reason:
+            reasons.setdefault(each.reason, []).append(each.cell.where)
+            continue
+        numbers, ours = each.cell.numbers, each.values
+        printed = " ± ".join(numbers[name].text for name in ("mean", "sd") if name in numbers)
+        own = f"{ours.mean():.4g} ± {ours.std(ddof=1):.2g}"
+        where = each.cell.where.rpartition(" (line")[0]
+        rows.append((where, printed, own, f"{each.shift:+.2g}", f"{each.p_table:.2g}", each.verdict))
+    if rows:
+        console.print(rich_table(("cell", "printed", "ours", "shift", "p", "verdict"), rows))
+        print_line("shift: our mean less theirs, in their SDs; p: adjusted over the table", "dim", console)
+    for reason, cells in reasons.items():
+        more = f" and {count(len(cells) - 1, 'cell')} more" if len(cells) > 1 else ""
+        print_line(f"not judged: {cells[0]}{more}: {reason}", COLOURS["not judged"], console)
+    print_line(sentence(judgements), console=console)
+
+
+def _write(judgements: list[Judgement], paper: PaperTable, folder: Path) -> None:
+    """Write the verdicts beside the trials, as CSV and as JSON."""
+    from bench.reproduce.verdict import frame, sentence
+
+    table = frame(judgements)
+    with replacing(folder / "reproduction.csv") as temporary:
+        table.to_csv(temporary, index=False)
+    content = {
+        "table": paper.name, "source": paper.settings.get("source", ""), "sentence": sentence(judgements),
+        "cells": json.loads(table.to_json(orient="records", double_precision=15)),
+    }  # fmt: skip
+    with replacing(folder / "reproduction.json") as temporary:
+        temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")

@@ -181,10 +181,14 @@ def _groups(cells: Iterable[PaperCell], by: Callable[[PaperCell], tuple[object, 
 
 def _ranks(cells: Sequence[PaperCell]) -> Iterator[Remark]:
     """Yield a remark on each cell whose rank contradicts the numbers that the ranks of its table follow best."""
-    groups = _groups([cell for cell in cells if "rank" in cell.numbers], lambda cell: cell.key[:-1])
-    wrong = {name: [pair for group in groups if (pair := _swapped(group, name))] for name in ("mean", "best", "median")}
+    ranked = [cell for cell in cells if "rank" in cell.numbers]
+    groups = _groups(ranked, lambda cell: cell.key[:-1])
+    names = [name for name in ("mean", "best", "median") if all(name in cell.numbers for cell in ranked)]
+    wrong = {name: [pair for group in groups if (pair := _swapped(group, name))] for name in names}
+    if not names:
+        return
     followed = min(wrong, key=lambda name: len(wrong[name]))
-    if followed != "mean" and len(wrong["mean"]) > len(wrong[followed]):
+    if followed != "mean" and "mean" in names:
         first, other = wrong["mean"][0]
         yield Remark(
             first.where, "rank",
@@ -201,14 +205,13 @@ def _ranks(cells: Sequence[PaperCell]) -> Iterator[Remark]:
 
 def _swapped(group: Sequence[PaperCell], name: str) -> tuple[PaperCell, PaperCell] | None:
     """Return two cells of a function of which the first has the better rank and surely the higher number."""
-    known = [cell for cell in group if name in cell.numbers]
     pairs = (
         (first, other)
-        for first, other in permutations(known, 2)
+        for first, other in permutations(group, 2)
         if first.numbers["rank"].value < other.numbers["rank"].value
         and first.numbers[name].low > other.numbers[name].high
     )
-    return next(pairs, None) if known else None
+    return next(pairs, None)
 
 
 def _averages(table: PaperTable) -> Iterator[Remark]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
+from functools import cache
 from typing import Any
 
 from bench.errors import BenchError, nearest
@@ -40,13 +41,10 @@ def problem_of(table: PaperTable, cell: PaperCell) -> str:
         raise BenchError(f"{suite} has no problem {cell.function!r}{nearest(cell.function, names)}")
     if cell.dimension is None:
         raise BenchError(f"no dimension is printed, and the functions of {suite} have several")
-    titles = {_plain(title): name for name, title in grid.titles.items()} | {
-        _plain(name): name for name in grid.functions
-    }
-    named = titles.get(_plain(cell.function), "" if number else cell.function)
-    name = naming.problem_name(
-        suite, int(number[1]) if number else cell.function, cell.dimension, cell.instance or 1, named
-    )
+    titles = {_plain(title): name for name, title in grid.titles.items()}
+    named = (titles | {_plain(name): name for name in grid.functions}).get(_plain(cell.function), cell.function)
+    function = int(number[1]) if number and named == cell.function else named
+    name = naming.problem_name(suite, function, cell.dimension, cell.instance or 1, named)
     grid.member(name)  # raises
     return name
 
@@ -72,24 +70,24 @@ def optimizer_of(table: PaperTable, printed: str) -> dict[str, Any]:
         chosen = {"name": given} if isinstance(given, str) else dict(given)
         return {"name": printed, "label": printed, **chosen}
     wanted = _plain(printed)
-    for name in _optimizers():
-        if wanted in (_plain(name), _plain(name.rpartition(":")[2])):
-            return {"name": name, "label": printed}
-    raise BenchError(
-        f"no optimizer is called {printed!r}; name one with --optimizer '{printed}=NAME' ('bench list optimizers')"
-    )
+    alone, members = _optimizers()
+    fitting = [name for name in alone if _plain(name) == wanted] or [
+        name for name in members if wanted in (_plain(name), _plain(name.rpartition(":")[2]))
+    ]
+    if len(fitting) == 1:
+        return {"name": fitting[0], "label": printed}
+    found = f"{printed!r} may be {' or '.join(fitting)}" if fitting else f"no optimizer is called {printed!r}"
+    raise BenchError(f"{found}; name one with --optimizer '{printed}=NAME' ('bench list optimizers')")
 
 
-def _optimizers() -> Iterator[str]:
-    """Yield the names of all optimizers, those of families last, as their libraries are imported."""
-    families = []
+@cache
+def _optimizers() -> tuple[list[str], list[str]]:
+    """Return the names of all optimizers, and of the members of families, whose libraries are imported."""
+    alone: list[str] = []
+    members: list[str] = []
     for name in registry.entries("optimizers"):
         with suppress(Exception, SystemExit):  # a plug-in may raise anything; another one may have the name
             plugin = registry.load("optimizers", name)
-            if registry.is_family(plugin):
-                families.append(plugin)
-            else:
-                yield name
-    for plugin in families:
-        with suppress(Exception, SystemExit):
-            yield from plugin.names()
+            alone += [] if registry.is_family(plugin) else [name]
+            members += plugin.names() if registry.is_family(plugin) else []
+    return alone, members

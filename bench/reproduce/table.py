@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 from bench.errors import BenchError, nearest
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import printable
+from bench.numbers import require_positive
 from bench.study.budget import Budget
 
 WORDS = {
@@ -42,7 +43,7 @@ WORDS = {
 COLUMNS = {word: column for column, words in WORDS.items() for word in words.split()}
 STATISTICS = ("mean", "sd", "best", "median", "worst", "rank", "success")
 CONSTANT = ("suite", "instance", "dimension", "budget", "runs", "optimizer")
-KEYS = (*CONSTANT, "source", "values", "zero", "counts", "problem", "constraints", "functions", "optimizers")
+KEYS = (*CONSTANT, "source", "values", "zero", "sd", "counts", "problem", "constraints", "functions", "optimizers")
 AVERAGES = frozenset(["average", "avg", "mean", "averagerank", "avgrank", "averank", "meanrank", "overall"])
 MISSING = frozenset(["", "-", "--", "–", "—", "na", "n/a", "nan", "none"])
 
@@ -65,7 +66,7 @@ class Printed(NamedTuple):
         return self.value + self.unit + 1e-12 * abs(self.value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PaperCell:
     """What a table prints of an optimizer on a function; ``numbers`` by statistic, ``reasons`` why others are missing.
 
@@ -173,8 +174,11 @@ def _plain(text: str) -> str:
 def _known(settings: dict[str, Any], where: str, notes: list[str]) -> dict[str, Any]:
     """Return the settings that are known; the others are noted."""
     notes += [f"{where}: unknown key {key!r}{nearest(key, KEYS)}" for key in settings if key not in KEYS]
-    if settings.get("values", "objective") not in ("objective", "error"):
-        raise BenchError(f"{where}: values must be 'objective' or 'error', not {settings['values']!r}")
+    for key, known in (("values", ("objective", "error")), ("sd", ("ours",)), ("counts", (True, False))):
+        if key in settings and settings[key] not in known:
+            raise BenchError(f"{where}: {key} must be {' or '.join(map(repr, known))}, not {settings[key]!r}")
+    if "zero" in settings:
+        require_positive(f"{where}: zero", settings["zero"])
     for key in ("problem", "functions", "optimizers"):
         if not isinstance(settings.get(key, {}), dict):
             raise BenchError(f"{where}: {key} must be a table, not {settings[key]!r}")

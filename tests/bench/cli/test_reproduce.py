@@ -1,5 +1,8 @@
 """The command reproduce: reading alone, its exit codes, and one sentence for each thing that cannot be judged."""
 
+import json
+
+import pandas as pd
 import pytest
 
 from bench.cli.app import main
@@ -40,3 +43,41 @@ def test_reading_names_each_cell_that_contradicts_itself_and_ends_with_1(called)
 
 def test_a_file_that_is_no_table_is_refused_in_a_sentence(called):
     assert called("a,b\n1,2\n") == (2, "bench: paper.csv has no column of functions; its columns are a, b\n")
+
+
+def test_the_protocol_is_run_and_each_cell_judged(called, tmp_path):
+    rows = "sphere,Mine,1.00E9,1\nsphere,GWO,0.5,0.5\nsphere,Unheard,1,1\nackley,GWO,1,see text\n"
+    code, printed = called(
+        f"{HEAD}function,optimizer,mean,sd\n{rows}",
+        "--jobs",
+        "1",
+        "--trials",
+        "12",
+        "--optimizer",
+        "Mine=random-search",
+    )
+    assert code == 1
+    assert "study paper: 2 problems x 2 optimizers x 12 trials" in printed
+    assert "not judged: sphere, d = 2, Unheard (line 9): no optimizer is called 'Unheard'" in printed
+    assert "1 differs: sphere, d = 2 (Mine 1e+09 SD lower)" in printed
+    written = pd.read_csv(tmp_path / "results" / "runs" / "paper" / "reproduction.csv")
+    assert written["verdict"].tolist()[:1] + written["verdict"].tolist()[2:3] == ["differs", "not judged"]
+    content = json.loads((tmp_path / "results" / "runs" / "paper" / "reproduction.json").read_text(encoding="utf-8"))
+    assert content["sentence"] in printed
+    again, once_more = called(f"{HEAD}function,optimizer,mean,sd\n{rows}", "--beside", "results/runs/paper")
+    assert again == 1
+    assert content["sentence"] in once_more
+    assert "study paper" not in once_more
+
+
+def test_an_optimizer_for_a_name_that_is_not_printed_is_refused(called):
+    text = f"{HEAD}function,optimizer,mean,sd\nsphere,Mine,0.5,0.5\n"
+    assert called(text, "--optimizer", "Other=gwo") == (
+        2, "bench: --optimizer 'Other=gwo' must be PRINTED=NAME; the table prints Mine\n",
+    )  # fmt: skip
+
+
+def test_a_table_of_which_nothing_can_be_run_is_refused_in_a_sentence(called):
+    code, printed = called(f"{HEAD}function,optimizer,mean,sd\nsphere,Unheard,0.5,0.5\n")
+    assert code == 2
+    assert "bench: no cell of paper.csv can be run: no optimizer is called 'Unheard'" in printed

@@ -1,0 +1,293 @@
+"""Judge the cells of a published table: our trials against its mean, SD, median, best, worst and number of runs.
+
+Errors of optimizers are skewed, with zeros and ties, and few runs are printed as two numbers. Three things keep false
+claims of a difference rare without an assumption on the distribution (``validation/reproduce.py`` has the rates):
+
+- the means are compared by Student's t with the larger of the two SDs: with the pooled one, or by Welch's test, the
+  sample without an outlier claims too much;
+- no test of n and m runs has a p below that of two samples that do not overlap, 2 / C(n + m, n);
+- all else is counted: how many of our trials lie on one side of a best, median or worst, and how many of theirs can
+  lie on one side of our quartiles, by Markov's and Cantelli's inequalities. Whatever the distribution, these counts
+  have one exact law, the negative hypergeometric (precedence tests; Balakrishnan and Ng 2006).
+
+The p of a cell is Bonferroni's over its tests, that of a table Holm's over its cells. A cell that does not differ is
+*reproduced* where it also is shown to be near: the means differ by less than one printed SD, and by less than the
+printed mean lies above the lowest value (two one-sided tests at 5%, Schuirmann 1987); else the runs leave it *open*.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from bench.analysis import ALPHA, holm
+from bench.helpers.text import count, listed
+from bench.reproduce.table import PaperCell, PaperTable, Printed
+from bench.typing import Floats
+
+REPRODUCED, DIFFERS, OPEN, UNJUDGED = "reproduced", "differs", "open", "not judged"
+SHOWN = 6
+"""Functions that the sentence on a table names."""
+
+
+class Comparison(NamedTuple):
+    """What the tests of cells show: their p together, whether the means are near, and by which number they differ."""
+
+    p: Floats
+    near: NDArray[np.bool_]
+    by: NDArray[np.str_]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The verdict on a cell.
+
+    Attributes:
+        cell: as printed.
+        values: (n,) our final values, empty where there are none.
+        p: of its tests, adjusted over them; 1 where none could be made.
+        near: whether the means are shown to differ by less than one printed SD and the printed mean.
+        by: the printed number whose test has the least p.
+        reason: why it is not judged, "" where it is.
+        verdict: one of reproduced, differs, open and not judged.
+    """
+
+    cell: PaperCell
+    values: Floats
+    p: float = 1.0
+    near: bool = False
+    by: str = ""
+    reason: str = ""
+    p_table: float = 1.0
+    verdict: str = UNJUDGED
+
+    @property
+    def shift(self) -> float:
+        """Our mean less the printed one, in printed SDs (ours where none is printed); NaN where it is unknown."""
+        numbers = self.cell.numbers
+        if "mean" not in numbers or not len(self.values):
+            return math.nan
+        gap = float(self.values.mean()) - numbers["mean"].value
+        sd = numbers["sd"].value if "sd" in numbers else float(self.values.std(ddof=1))
+        return gap / sd if sd else math.copysign(math.inf, gap) if gap else 0.0
+
+
+def judge(table: PaperTable, samples: Mapping[PaperCell, Floats], reasons: Mapping[PaperCell, str]) -> list[Judgement]:
+    """Return the verdicts on all cells of a table, in its order.
+
+    Args:
+        table: what is printed.
+        samples: our final values by cell, at least two each.
+        reasons: why other cells have none.
+    """
+    by_ours = table.settings.get("sd") == "ours"
+    zero = float(table.settings.get("zero", 0.0)) if table.errors else 0.0
+    found = []
+    for cell in table.cells:
+        if cell in samples:
+            found.append(_judged(cell, samples[cell], by_ours, table.errors, zero))
+        else:
+            found.append(Judgement(cell, np.empty(0), reason=reasons.get(cell, "there are no trials of it")))
+    judged = [place for place, each in enumerate(found) if not each.reason]
+    adjusted = holm(np.array([found[place].p for place in judged])) if judged else ()
+    for place, p in zip(judged, adjusted, strict=True):
+        each = found[place]
+        verdict = DIFFERS if p <= ALPHA else REPRODUCED if each.near else OPEN
+        found[place] = replace(each, p_table=float(p), verdict=verdict)
+    return found
+
+
+def _judged(cell: PaperCell, values: Floats, by_ours: bool, errors: bool, zero: float) -> Judgement:
+    if cell.runs is None or cell.runs < 2:
+        reason = "one run has no spread" if cell.runs else "the number of runs is not printed"
+        return Judgement(cell, values, reason=reason)
+    numbers = {
+        name: Printed(0.0, zero, printed.text) if abs(printed.value) < zero and name != "sd" else printed
+        for name, printed in cell.numbers.items()
+    }
+    found = compare(numbers, cell.runs, values, lowest=0.0 if errors else -math.inf, by_ours=by_ours)
+    if found is None:
+        missing = "mean" if "mean" not in numbers else "SD"
+        return Judgement(cell, values, reason=f"no {missing} is printed, and no best, median or worst")
+    return Judgement(cell, values, float(found.p), bool(found.near), str(found.by))
+
+
+def compare(
+    numbers: Mapping[str, Printed], runs: int, values: Floats, *, lowest: float = -math.inf, by_ours: bool = False
+) -> Comparison | None:
+    """Return what the tests of a cell show, None where none can be made.
+
+    Args:
+        numbers: printed numbers by statistic.
+        runs: behind them, at least two.
+        values: (..., n) ours, at least two.
+        lowest: no value is below; a printed best replaces it.
+        by_ours: whether a mean without an SD is compared by ours, which skewed errors may make wrong.
+    """
+    tests: dict[str, Floats] = {}
+    near = np.zeros(values.shape[:-1], dtype=bool)
+    if "mean" in numbers:
+        mean, sd = numbers["mean"], numbers.get("sd")
+        least = numbers["best"].low if "best" in numbers else lowest
+        if sd is not None or by_ours:
+            tests["mean"], near = compare_means(mean, sd, runs, least, values)
+        if sd is not None or np.all(least > -math.inf):
+            tests["mean and SD"] = compare_counts(mean, sd, runs, least, values)
+    for name, low, high in (("best", 1, 1), ("median", (runs + 1) // 2, runs // 2 + 1), ("worst", runs, runs)):
+        if name in numbers:
+            tests[name] = compare_order(numbers[name], runs, low, high, values)
+    if not tests:
+        return None
+    all_p = np.array(list(tests.values()))
+    by = np.array(list(tests))[np.argmin(all_p, axis=0)]
+    return Comparison(np.minimum(1.0, len(tests) * all_p.min(axis=0)), near, by)
+
+
+def compare_means(
+    mean: Printed, sd: Printed | None, runs: int, lowest: Floats | float, values: Floats
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return the two-sided p of equal means, and whether they are shown to be near (see the module).
+
+    Args:
+        mean: as printed; the difference counts from its last digit on.
+        sd: as printed; None takes ours for both, an assumption that skewed errors break.
+        runs: behind the printed mean, at least two.
+        lowest: no value is below; ``-inf`` where nothing is known.
+        values: (..., n) ours, at least two.
+    """
+    trials = values.shape[-1]
+    ours, our_sd = values.mean(axis=-1), values.std(axis=-1, ddof=1)
+    gap = np.maximum(np.abs(ours - mean.value) - mean.unit - 1e-12 * np.abs(mean.value), 0.0)
+    printed = our_sd if sd is None else sd.value + sd.unit
+    spread = np.maximum(printed, our_sd)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        p = stats.ttest_ind_from_stats(gap, spread, runs, 0.0, spread, trials).pvalue
+    p = np.where(gap == 0, 1.0, np.where(spread == 0, 0.0, p))
+    half = stats.t.ppf(1 - ALPHA, runs + trials - 2) * spread * math.sqrt(1 / runs + 1 / trials)
+    margin = np.minimum(printed, mean.high - lowest)
+    return np.maximum(p, 2 / math.comb(runs + trials, runs)), gap + half <= margin
+
+
+def compare_order(printed: Printed, runs: int, low: int, high: int, values: Floats) -> Floats:
+    """Return the two-sided p that our values and a printed order statistic are of one distribution, whatever it is.
+
+    Ties and the rounding of the printed number make it larger, never smaller.
+
+    Args:
+        printed: the order statistic of ``runs`` runs, or a number between two: from the ``low``-th on, up to the
+            ``high``-th, counted from 1.
+        runs: behind it.
+        low: see there.
+        high: see there.
+        values: (..., n) ours.
+    """
+    n = values.shape[-1]
+    low_end, high_end = (np.asarray(end)[..., np.newaxis] for end in (printed.low, printed.high))
+    below, above = (values < low_end).sum(axis=-1), (values > high_end).sum(axis=-1)
+    # Of both samples in order, our values before the high-th of theirs, and from the other end.
+    p = np.minimum(_before(n, runs, high)[below], _before(n, runs, runs + 1 - low)[above])
+    return np.asarray(np.minimum(1.0, 2 * p))
+
+
+def compare_counts(mean: Printed, sd: Printed | None, runs: int, lowest: Floats | float, values: Floats) -> Floats:
+    """Return the two-sided p that our values and those behind a mean are of one distribution, whatever it is.
+
+    At least so many of their values lie below our lower quartile (Markov, Cantelli), and above our upper one
+    (Cantelli), and how many there are has an exact law.
+
+    Args:
+        mean: as printed.
+        sd: as printed, None where it is not.
+        runs: behind them.
+        lowest: no value is below; ``-inf`` where nothing is known.
+        values: (..., n) ours.
+    """
+    n = values.shape[-1]
+    ordered, place = np.sort(values, axis=-1), n // 4
+    low, high = ordered[..., place], ordered[..., n - 1 - place]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        markov = np.where((low > lowest) & (lowest > -math.inf), (mean.high - lowest) / (low - lowest), 1.0)
+        above = np.minimum(markov, _share(low - mean.high, sd))
+        below = _share(mean.low - high, sd)
+    p = [
+        _before(runs, n, place + 1)[np.ceil(runs * (1 - np.minimum(share, 1.0)) - 1e-9).astype(int)]
+        for share in (above, below)
+    ]
+    return np.asarray(np.minimum(1.0, 2 * np.minimum(*p)))
+
+
+def _share(distance: Floats, sd: Printed | None) -> Floats:
+    """Return the largest share of values farther than a distance beyond their mean (Cantelli's inequality)."""
+    if sd is None:
+        return np.ones_like(distance)
+    variance = (sd.value + sd.unit) ** 2
+    return np.where(distance > 0, variance / (variance + np.maximum(distance, 0.0) ** 2), 1.0)
+
+
+@cache
+def _before(ours: int, theirs: int, place: int) -> Floats:
+    """Return (ours + 1,) the chances that at least 0, 1, … of ours come before the ``place``-th of theirs in order."""
+    return np.asarray(stats.nhypergeom.sf(np.arange(-1, ours), ours + theirs, ours, place), dtype=np.float64)
+
+
+def frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
+    """Return the verdicts as a table, a row a cell."""
+    rows: list[dict[str, Any]] = []
+    for each in judgements:
+        cell, ours = each.cell, each.values
+        printed = {name: cell.numbers[name].value for name in cell.numbers if name not in ("rank", "success")}
+        own = {"mean": ours.mean(), "sd": ours.std(ddof=1), "best": ours.min(), "median": np.median(ours),
+               "worst": ours.max()} if len(ours) else {}  # fmt: skip
+        rows.append(
+            {"line": cell.line, "suite": cell.suite, "function": cell.function, "dimension": cell.dimension,
+             "optimizer": cell.optimizer, "runs": cell.runs, **{f"printed_{k}": v for k, v in printed.items()},
+             "trials": len(ours), **{f"our_{k}": float(v) for k, v in own.items()}, "shift_in_sd": each.shift,
+             "p": each.p, "by": each.by, "p_holm": each.p_table, "verdict": each.verdict, "reason": each.reason}
+        )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def sentence(judgements: Sequence[Judgement]) -> str:
+    """Return the verdict on a table in one sentence, such as ``"reproduced in 61 of 72 cells, …; 4 differ: …"``."""
+    groups = {
+        kind: [each for each in judgements if each.verdict == kind] for kind in (REPRODUCED, DIFFERS, OPEN, UNJUDGED)
+    }
+    judged = len(judgements) - len(groups[UNJUDGED])
+    if not judged:
+        return f"none of {count(len(judgements), 'cell')} can be judged"
+    parts = [f"reproduced in {len(groups[REPRODUCED])} of {count(judged, 'cell')} to within one SD"]
+    if groups[DIFFERS]:
+        number = len(groups[DIFFERS])
+        parts.append(f"{number} differ{'s' if number == 1 else ''}: {_named(groups[DIFFERS])}")
+    if groups[OPEN]:
+        parts.append(f"{len(groups[OPEN])} left open by so few runs")
+    if groups[UNJUDGED]:
+        parts.append(f"{len(groups[UNJUDGED])} more not judged")
+    return "; ".join(parts)
+
+
+def _named(judgements: Sequence[Judgement]) -> str:
+    """Return functions and how far their cells differ, those with most first."""
+    groups: dict[str, list[Judgement]] = {}
+    for each in judgements:
+        groups.setdefault(each.cell.where.rpartition(", ")[0], []).append(each)
+    order = sorted(groups, key=lambda name: -len(groups[name]))
+    names = [f"{name} ({listed([_far(each) for each in groups[name]])})" for name in order[:SHOWN]]
+    rest = len(order) - SHOWN
+    return "; ".join(names) + (f"; and {count(rest, 'function')} more" if rest > 0 else "")
+
+
+def _far(each: Judgement) -> str:
+    shift = each.shift
+    if not each.by.startswith("mean"):
+        return f"{each.cell.optimizer} by its {each.by}"
+    size = "" if math.isinf(shift) or "sd" not in each.cell.numbers else f"{abs(shift):.2g} SD "
+    return f"{each.cell.optimizer} {size}{'higher' if shift > 0 else 'lower'}"

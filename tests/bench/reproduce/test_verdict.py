@@ -1,0 +1,173 @@
+"""Verdicts on cells: exact laws, rounding, zeros, what cannot be judged, and the sentence on a table."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bench.reproduce.table import PaperCell, PaperTable, Printed
+from bench.reproduce.verdict import compare, compare_counts, compare_means, compare_order, frame, judge, sentence
+
+
+def number(value, unit=0.0):
+    return Printed(value, unit, str(value))
+
+
+def cell(function="1", optimizer="GWO", runs=30, **numbers) -> PaperCell:
+    printed = {name: value if isinstance(value, Printed) else number(value) for name, value in numbers.items()}
+    return PaperCell(1, "", function, optimizer, None, None, runs, "", printed, {})
+
+
+def normal(mean, sd=1.0, n=30):
+    """Return n values with this very mean and SD."""
+    values = stats.norm.ppf((np.arange(n) + 0.5) / n)
+    return mean + sd * (values - values.mean()) / values.std(ddof=1)
+
+
+def judged(*pairs, **settings):
+    table = PaperTable("t", tuple(each for each, _ in pairs), (), settings)
+    return judge(table, {each: np.asarray(values, float) for each, values in pairs if len(values)}, {})
+
+
+def verdicts(*pairs, **settings):
+    return [each.verdict for each in judged(*pairs, **settings)]
+
+
+def test_equal_means_of_many_runs_are_reproduced_and_far_ones_differ():
+    same, far, near = cell(mean=10.0, sd=1.0), cell("2", mean=12.0, sd=1.0), cell("3", mean=10.65, sd=1.0)
+    assert verdicts((same, normal(10)), (far, normal(10)), (near, normal(10))) == ["reproduced", "differs", "open"]
+
+
+def test_the_test_of_means_is_student_s_with_the_larger_sd():
+    p, _ = compare_means(number(11.0), number(2.0), 30, -math.inf, normal(10.0, 1.0, 20))
+    assert p == pytest.approx(stats.ttest_ind_from_stats(11, 2, 30, 10, 2, 20).pvalue)
+
+
+def test_no_p_is_below_that_of_samples_that_do_not_overlap():
+    p, _ = compare_means(number(1e6), number(1e-3), 3, -math.inf, np.zeros(3))
+    assert p == pytest.approx(2 / 20)
+
+
+def test_a_difference_within_the_last_digit_is_none():
+    p, near = compare_means(number(1.2, 0.1), number(0.0, 0.1), 30, 0.0, np.full(30, 1.27))
+    assert (p, near) == (1.0, True)
+
+
+def test_values_without_spread_that_differ_are_separated():
+    assert verdicts((cell(mean=0.0, sd=0.0), np.full(30, 0.5))) == ["differs"]
+    assert verdicts((cell(mean=0.0, sd=0.0), np.zeros(30))) == ["reproduced"]
+
+
+def test_errors_of_another_order_of_size_are_not_reproduced_though_within_one_sd():
+    skewed = np.exp(2 * normal(0.0, 1.0))
+    printed = {"mean": skewed.mean(), "sd": skewed.std(ddof=1)}
+    assert verdicts((cell(**printed), skewed / 100), values="error") == ["open"]
+    assert verdicts((cell(median=float(np.median(skewed)), **printed), skewed / 1000), values="error") == ["differs"]
+
+
+def test_order_statistics_have_their_exact_law():
+    """Of all ways to order 4 of theirs and 3 of ours, in how many are k of ours below the median, at least."""
+    runs, n = 4, 3
+    counts = []
+    for places in combinations(range(runs + n), runs):
+        ours = [place for place in range(runs + n) if place not in places]
+        counts.append(sum(place < places[2] for place in ours))  # the upper of the two middle ones
+    for below in range(n + 1):
+        values = np.array([0.0] * below + [2.0] * (n - below))
+        exact = np.mean([count >= below for count in counts])
+        other = np.mean([count >= n - below for count in counts])  # by symmetry
+        assert compare_order(number(1.0), runs, 2, 3, values) == pytest.approx(min(1.0, 2 * min(exact, other)))
+
+
+def test_ties_with_an_order_statistic_are_no_evidence():
+    assert compare_order(number(1.0), 30, 15, 16, np.full(30, 1.0)) == 1.0
+
+
+@pytest.mark.parametrize("draw", [np.random.default_rng(1).exponential, np.random.default_rng(2).random])
+def test_bounds_on_counts_hold_for_any_sample(draw):
+    for _ in range(200):
+        theirs, ours = draw(size=12), draw(size=9)
+        p = compare_counts(number(theirs.mean()), number(theirs.std(ddof=1)), 12, 0.0, ours)
+        ordered = np.sort(ours)
+        below, above = (theirs < ordered[2]).sum(), (theirs > ordered[6]).sum()
+        exact = min(stats.nhypergeom.sf(k - 1, 21, 12, 3) for k in (below, above))
+        assert p >= min(1.0, 2 * exact) - 1e-12
+
+
+def test_a_mean_without_an_sd_shows_that_errors_are_larger_and_no_more():
+    printed = cell(mean=1.0)
+    assert verdicts((printed, normal(10.0)), values="error") == ["differs"]
+    assert verdicts((cell(mean=10.0), normal(1.0, 0.1)), values="error") == ["open"]
+    assert verdicts((printed, normal(1.0, 0.1)), values="error") == ["open"]
+
+
+def test_a_mean_without_an_sd_is_compared_by_our_sd_where_the_table_says_so():
+    assert verdicts((cell(mean=10.0), normal(10.1)), sd="ours") == ["reproduced"]
+    assert verdicts((cell(mean=10.0), normal(12.0)), sd="ours") == ["differs"]
+
+
+def test_cells_that_cannot_be_judged_say_why():
+    found = judged(
+        (cell("1", runs=1, mean=1.0, sd=1.0), normal(1)), (cell("2", runs=None, mean=1.0, sd=1.0), normal(1)),
+        (cell("3", mean=1.0), normal(1)), (cell("4", sd=1.0), normal(1)), (cell("5", mean=1.0, sd=1.0), []),
+    )  # fmt: skip
+    assert [each.reason for each in found] == [
+        "one run has no spread",
+        "the number of runs is not printed",
+        "no SD is printed, and no best, median or worst",
+        "no mean is printed, and no best, median or worst",
+        "there are no trials of it",
+    ]
+    assert sentence(found) == "none of 5 cells can be judged"
+
+
+def test_the_p_of_a_table_is_holm_s():
+    pairs = [(cell(str(k), mean=10.0, sd=1.0), normal(10 + shift)) for k, shift in enumerate((0.0, 0.3, 0.79))]
+    found = judged(*pairs)
+    assert found[2].p_table == pytest.approx(3 * found[2].p)
+    assert found[2].verdict == "differs"
+    assert judged(*pairs, *[(cell(f"9{k}", mean=10.0, sd=1.0), normal(10)) for k in range(30)])[2].verdict == "open"
+
+
+def test_errors_below_what_counts_as_zero_are_zero():
+    printed = cell(mean=3.6e-13, sd=1.8e-13, best=1e-14)
+    assert verdicts((printed, np.zeros(30)), values="error") == ["differs"]
+    assert verdicts((printed, np.zeros(30)), values="error", zero=1e-8) == ["reproduced"]
+
+
+def test_the_sentence_names_the_functions_that_differ():
+    pairs = [(cell(f, o, mean=10.0, sd=1.0), normal(v)) for f, o, v in [
+        ("1", "GWO", 10), ("1", "PSO", 10), ("12", "GWO", 12.5), ("12", "PSO", 7), ("3", "GWO", 10.7),
+    ]]  # fmt: skip
+    pairs.append((cell("4", "GWO", runs=1, mean=1.0, sd=0.0), normal(1)))
+    assert sentence(judged(*pairs)) == (
+        "reproduced in 2 of 5 cells to within one SD; 2 differ: f12 (GWO 2.5 SD higher, PSO 3 SD lower); 1 left open "
+        "by so few runs; 1 more not judged"
+    )
+
+
+def test_the_frame_has_a_row_a_cell_with_both_samples():
+    found = frame(judged((cell(mean=10.0, sd=1.0), normal(11)), (cell("2", runs=1, mean=1.0), normal(1))))
+    assert found["verdict"].tolist() == ["differs", "not judged"]
+    assert found.loc[0, ["printed_mean", "our_mean", "shift_in_sd", "trials"]].tolist() == pytest.approx(
+        [10, 11, 1, 30]
+    )
+
+
+def test_no_more_than_one_in_twenty_tables_has_a_false_difference():
+    """The worst design of ``validation/reproduce.py``: two values, as of two local optima."""
+    rng = np.random.default_rng(5)
+    theirs, ours = (rng.random((600 * 72, 30)) < 0.5 for _ in range(2))
+    numbers = {"mean": number(theirs.mean(axis=1)), "sd": number(theirs.std(axis=1, ddof=1))}
+    p = compare(numbers, 30, ours.astype(float), lowest=0.0).p
+    assert (p.reshape(-1, 72) <= 0.05 / 72).any(axis=1).mean() < 0.05 + 2 * math.sqrt(0.05 * 0.95 / 600)
+
+
+def test_a_difference_in_another_number_than_the_mean_is_named():
+    printed = cell(mean=10.0, sd=1.0, median=10.0, best=10.0)
+    assert (
+        sentence(judged((printed, normal(10))))
+        == "reproduced in 0 of 1 cell to within one SD; 1 differs: f1 (GWO by its best)"
+    )
