@@ -10,12 +10,14 @@ import pandas as pd
 from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.report.parts import Table
+from bench.report.prose import speaker
 from bench.report.wording import MISSING, listing
 from bench.study import Study
 from bench.study.descriptions import Description
 
 UNKNOWN, NONE = "not known", "null"
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
+SAY = speaker(__package__, MOST_LABELS=MOST_LABELS)
 
 
 def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
@@ -54,16 +56,19 @@ def sentences(study: Study, descriptions: Mapping[str, Description], leader: str
     """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
     apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
-    tuned = "how some of them were tuned, on other problems, is stated below"
-    source = tuned if apart else "whether they were tuned on these problems is not recorded"
     clause = differing(study, descriptions, leader)
-    limits = clause and (
-        f"The optimizers differ in more than their algorithms: {clause}. A difference in rank may come from this."
-    )
-    changed, usual = _changes(table, source)
-    return Conditions(
-        tuple(filter(None, (limits, changed))), tuple(filter(None, ("" if limits else _alike(table), usual)))
-    )
+    described = table["changed"].dropna()
+    unknown = [*map(str, table.index.difference(described.index, sort=False))]
+    pairs = _changed(described, len(table))
+    if len(pairs) > MOST_OPTIONS:
+        owners = sum(bool(changed) for changed in described)
+        changed = SAY("many_changed", len(pairs), owners, len(table), apart)
+    else:
+        changed = SAY("changed", pairs, apart) if pairs else ""
+    not_known = SAY("unknown", unknown) if unknown else ""
+    limits = (SAY("limits", clause) if clause else "", f"{changed} {not_known}".strip())
+    others = ("" if clause else _alike(table), SAY("usual", bool(unknown)) if len(described) and not pairs else "")
+    return Conditions(tuple(filter(None, limits)), tuple(filter(None, others)))
 
 
 def differing(study: Study, descriptions: Mapping[str, Description], leader: str) -> str:
@@ -107,8 +112,8 @@ def _alike(table: pd.DataFrame) -> str:
     """Return the sentence on the conditions that all optimizers have and that are known to be the same."""
     groups = {name: by_value(table[name]) for name in CONDITIONS if None not in table[name].tolist()}
     alike = [f"{name} ({next(iter(values))})" for name, values in groups.items() if len(values) == 1]
-    partly = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
-    return f"The optimizers have the same {partly}{listing(alike)}." if alike else ""
+    partly = bool((table[[*CONDITIONS]] == UNKNOWN).any(axis=None))
+    return SAY("alike", alike, partly) if alike else ""
 
 
 def _said(value: object) -> str:
@@ -127,36 +132,16 @@ def grouped(groups: Mapping[str, list[str]]) -> str:
     return listing([*parts, f"{value} for {most}"])
 
 
-def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:
-    """Return the sentence on options that are changed or not known, and that on options that are the defaults."""
-    described = table["changed"].dropna()
-    unknown = table.index.difference(described.index, sort=False)
+def _changed(described: pd.Series[Any], optimizers: int) -> list[str]:
+    """Return the options that are not the defaults, with their values and owners, as ``"agents = 9 for gwo"``."""
     by_option: dict[str, list[str]] = {}
     for label, changed in described.items():
         for name, (value, _) in changed.items():
             by_option.setdefault(f"{name} = {value}", []).append(str(label))
-    parts = [
-        f"{pair} for {'all' if len(labels) == len(table) else listing(labels, at_most=MOST_LABELS)}"
+    return [
+        f"{pair} for {'all' if len(labels) == optimizers else listing(labels, at_most=MOST_LABELS)}"
         for pair, labels in by_option.items()
     ]
-    text = usual = ""
-    if len(parts) > MOST_OPTIONS:
-        owners = sum(bool(changed) for changed in described)
-        text = f"{len(parts)} options of {owners} of {len(table)} optimizers differ from the optimizers’ defaults"
-    elif parts:
-        text = f"These options differ from the optimizers’ defaults: {'; '.join(parts)}"
-    elif len(described):
-        usual = (
-            f"All {'known ' if len(unknown) else ''}options are the optimizers’ defaults, as the last run noted them "
-            "or as they are installed here; a default that changed since a trial was made does not show."
-        )
-    if parts:
-        text += f" ({source})"
-    text += "." if text else ""
-    if len(unknown):
-        names = listing([*map(str, unknown)], at_most=MOST_LABELS)
-        text += f"{' ' if text else ''}The options of {names} are not all known: no run noted them in the folder."
-    return text, usual
 
 
 def conditions_table(study: Study, descriptions: Mapping[str, Description]) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.report.parts import File, Section, Table
+from bench.report.prose import speaker
 from bench.report.wording import MISSING, count, listing, options
 from bench.topics.findings import Findings
 from bench.topics.matched.controls import REPORTED, controls
@@ -12,6 +13,7 @@ from bench.topics.matched.differing import differing
 from bench.topics.topic import Topic
 
 TITLE = "Under the same conditions"
+SAY = speaker(__package__)
 
 
 def section(findings: Findings) -> Section | None:
@@ -25,15 +27,12 @@ def section(findings: Findings) -> Section | None:
         f"{int((rows['low'] > 0.5).sum())} of {count(len(rows), 'rival')} {'' if name == REPORTED else 'with '}{name!s}"
         for name, rows in chances.groupby("conditions", sort=False)
     ]
-    meaning = (
-        f"The optimizers differ in more than their algorithms: {differing(findings)}. The table compares {leader} with "
-        "its rivals as they ran, and where both have the conditions of a column."
-    )
-    text = [meaning, f"The 95% interval of the probability lies above 0.5 against {'; '.join(counts)}."]
+    text = [
+        SAY("table", differing(findings), leader),
+        f"The 95% interval of the probability lies above 0.5 against {'; '.join(counts)}.",
+    ]
     if labels := [entry.label for entry in findings.study.controls]:
-        text.append(
-            f"The controls, {listing(labels)}, were run for this table alone: no rank, test or figure has them."
-        )
+        text.append(SAY("controls", labels))
     if missing := findings.of(controls).cost:
         text.append(f"The table is not complete: {missing}.")
     return Section(TITLE, tuple(text), (_table(findings, chances, leader, conditions),))
