@@ -61,7 +61,7 @@ def _options(
 def main() -> None:
     """Run the command line; print bad input as one sentence on standard error."""
     try:
-        _add_commands()
+        add_plugins()
         sys.exit(_called())
     except BenchError as error:
         print_error(str(error))
@@ -94,7 +94,7 @@ def _called() -> Any:
         raise BenchError("a plug-in called sys.exit, so the command ended before it was done") from ended
 
 
-def _add_commands() -> None:
+def add_plugins() -> None:
     """Add the sub-commands of plug-ins; raises BenchError for foreign modules of the distribution's generic names.
 
     One that cannot be added is named on standard error, and everything else works.

@@ -1,5 +1,6 @@
 """The reference pages of commands name the options as the command line does."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -13,13 +14,24 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 COMMANDS = typer.main.get_command(app).commands
 
 
-@pytest.mark.parametrize("name", [name for name, command in COMMANDS.items() if not hasattr(command, "commands")])
-def test_a_page_has_each_option_of_its_command(name, monkeypatch):
+@pytest.fixture
+def commands(monkeypatch):
     monkeypatch.setattr(sys, "path", [str(DOCS), *sys.path])
-    from extensions.commands import page
+    from extensions import commands
 
-    command = COMMANDS[name]
-    made = page(f"bench {name}", command.callback)
-    for parameter in command.params:
-        if parameter.param_type_name == "option":
-            assert f"`{' / '.join([*parameter.opts, *parameter.secondary_opts])}" in made
+    return commands
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_page_has_each_option_of_its_command(name, commands):
+    made = commands.page(f"bench {name}", COMMANDS[name])
+    for command in (COMMANDS[name], *getattr(COMMANDS[name], "commands", {}).values()):
+        for parameter in command.params:
+            if parameter.param_type_name == "option":
+                assert all(option in made for option in (*parameter.opts, *parameter.secondary_opts))
+
+
+def test_a_page_says_what_a_value_is_and_its_default(commands):
+    made = commands.page("bench run", COMMANDS["run"])
+    assert re.search(r"\| `--jobs \S+` \| Worker processes; -1 takes every core\. \\\[default: -1\\\] \|", made)
+    assert made.startswith("# bench run\n\nRun a study, continue one that was interrupted")
