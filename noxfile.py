@@ -122,6 +122,7 @@ def docs(session: nox.Session) -> None:
     strict = "-W", "-n", "-E", "--keep-going"
     session.run("sphinx-build", *strict, "-b", "html", "docs", "docs/_build/html")
     every = ("-m", "slow or not slow")  # the code blocks of the pages, too
-    session.run("python", "-m", "pytest", "tests/docs", *every, env={"BENCH_SITE": "docs/_build/html"})
+    side_by_side = ("-n", "2", "--dist", "worksteal")
+    session.run("python", "-m", "pytest", "tests/docs", *every, *side_by_side, env={"BENCH_SITE": "docs/_build/html"})
     if "linkcheck" in session.posargs:
         session.run("sphinx-build", *strict, "-b", "linkcheck", "docs", "docs/_build/linkcheck")

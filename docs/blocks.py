@@ -19,14 +19,16 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
+import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,6 +42,8 @@ PAGES += sorted(page for part in PARTS for page in (DOCS / part).glob("*.md"))
 RUN = {"console", "python", "output", "toml", "r", "julia", "bash", "{code-block}", "{literalinclude}"}
 REASON = re.compile(r"^(?:% not run:|<!-- not run:)\s*(.*?)\s*(?:-->)?$")
 FILE = re.compile(r"^<!-- file: (.*) -->$")
+BLOCKS = "blocks"
+IN_PROCESSES = ("bench/execution", "bench/sandbox", "optimizers", "problems")  # what trials may import
 EXIT = re.compile(r"\s+# exits with (\d+)$")
 
 
@@ -123,17 +127,42 @@ def folder_of(page: Path) -> Path:
 
 
 def has_run(page: Path) -> bool:
-    """Return whether the build has run the blocks of a page of the site as they are now."""
+    """Return whether the build has run the blocks of a page of the site as they are now, with the code as it is now."""
     if not page.is_relative_to(DOCS):
         return False
-    mark = folder_of(page) / ".hash"
-    return mark.exists() and mark.read_text() == digest(page)
+    mark = folder_of(page) / ".run.json"
+    return mark.exists() and (noted := json.loads(mark.read_text())) == digests(page, noted)
 
 
-def digest(page: Path) -> str:
-    """Return the hash of what is run of a page."""
-    found = [(block.kind, block.text, block.file, block.reason) for block in blocks(page)]
-    return hashlib.sha256(repr(found).encode()).hexdigest()
+def run_anew(page: Path) -> None:
+    """Run a page of the site in its emptied folder, and note there what it printed and what it was made from.
+
+    Call it in a process of its own: the code that a page uses is that which the process has imported.
+    """
+    folder = folder_of(page)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    printed = {at: text.replace(f"{folder}/", "") for at, text in run(page, folder).items()}
+    (folder / ".printed.json").write_text(json.dumps(printed), encoding="utf-8")
+    (folder / ".run.json").write_text(json.dumps(digests(page, [BLOCKS, *packages()])), encoding="utf-8")
+
+
+def packages() -> Iterator[str]:
+    """Yield the folders of this repository that hold the code of a run: those imported here or in its processes."""
+    files = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
+    imported = {Path(file).parent for file in files if file and Path(file).is_relative_to(ROOT / "bench")}
+    for top in IN_PROCESSES:
+        imported |= {path.parent for path in (ROOT / top).rglob("*.py")}
+    yield from sorted(str(path.relative_to(ROOT)) for path in imported)
+
+
+def digests(page: Path, parts: Iterable[str]) -> dict[str, str]:
+    """Return the hash of each of the parts that a page is made from: its blocks, and the files of folders with code."""
+    content = {BLOCKS: repr([(block.kind, block.text, block.file, block.reason) for block in blocks(page)]).encode()}
+    for part in {*parts} - {BLOCKS}:
+        files = sorted(path for path in (ROOT / part).glob("*.*") if path.is_file())
+        content[part] = b"".join(path.name.encode() + path.read_bytes() for path in files)
+    return {part: hashlib.sha256(text).hexdigest() for part, text in content.items()}
 
 
 def _shell(line: str, folder: Path, where: str) -> str:

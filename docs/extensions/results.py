@@ -11,6 +11,8 @@ import json
 import re
 import shutil
 import textwrap
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import blocks
@@ -26,24 +28,25 @@ PROGRESS = re.compile(r"\d[\d,]* of [\d,]+ runs done(, about .* left)?")  # the 
 
 
 def run_pages(app: Sphinx) -> None:
-    """Run each page of these parts, or whose files another page shows, unless its blocks have run as they are."""
+    """Run each page of these parts, or whose files another page shows, unless it has run as it is; two at a time."""
     source = Path(app.srcdir)
     texts = [page.read_text(encoding="utf-8") for page in blocks.PAGES]
     pages = {source / f"{name}.md" for text in texts for name in LINK.findall(text)}
     pages |= {page for part in REPEATED for page in (source / part).glob("*.md") if blocks.runnable(page)}
     shown = {name for text in texts for name in REPORT.findall(text)}
+    stale = [page for page in sorted(pages) if not blocks.has_run(page)]
+    with ProcessPoolExecutor(2, get_context("spawn"), max_tasks_per_child=1) as pool:
+        for page, _ in zip(stale, pool.map(blocks.run_anew, stale), strict=True):
+            logging.getLogger(__name__).info("ran the blocks of %s", page.relative_to(source))
+            shutil.rmtree(site_of(page), ignore_errors=True)
     for page in sorted(pages):
-        folder, site = blocks.folder_of(page), source / "_generated" / "site" / "examples" / page.stem
-        if not blocks.has_run(page):
-            logging.getLogger(__name__).info("running the blocks of %s", page.relative_to(source))
-            for old in (folder, site):
-                shutil.rmtree(old, ignore_errors=True)
-            folder.mkdir(parents=True)
-            printed = {at: text.replace(f"{folder}/", "") for at, text in blocks.run(page, folder).items()}
-            (folder / ".printed.json").write_text(json.dumps(printed), encoding="utf-8")
-            (folder / ".hash").write_text(blocks.digest(page))
-        if page.stem in shown and not site.exists():
-            publish(folder, site)
+        if page.stem in shown and not site_of(page).exists():
+            publish(blocks.folder_of(page), site_of(page))
+
+
+def site_of(page: Path) -> Path:
+    """Return the folder of the site that has the reports of a page."""
+    return blocks.DOCS / "_generated" / "site" / "examples" / page.stem
 
 
 def publish(folder: Path, site: Path) -> None:

@@ -80,15 +80,20 @@ def test_what_a_block_printed_is_returned_where_the_page_does_not_show_it(tmp_pa
     assert page.read_text(encoding="utf-8").splitlines()[blocks.blocks(page)[3].last - 1] == "```"
 
 
-def test_a_page_has_run_as_long_as_its_blocks_are_the_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(blocks, "DOCS", tmp_path)
-    page = tmp_path / "how-to" / "page.md"
-    page.parent.mkdir()
-    page.write_text("```console\ntrue\n```\n", encoding="utf-8")
+def test_a_page_has_run_as_long_as_its_blocks_and_the_code_are_the_same(tmp_path, monkeypatch):
+    page, code = tmp_path / "how-to" / "page.md", tmp_path / "bench" / "execution" / "made.py"
+    for part, place in (("ROOT", tmp_path), ("DOCS", tmp_path)):
+        monkeypatch.setattr(blocks, part, place)
+    for path, text in ((page, "```console\necho a\n```\n"), (code, "x = 1\n")):
+        path.parent.mkdir(parents=True)
+        path.write_text(text, encoding="utf-8")
     assert not blocks.has_run(page)
-    blocks.folder_of(page).mkdir(parents=True)
-    (blocks.folder_of(page) / ".hash").write_text(blocks.digest(page), encoding="utf-8")
-    page.write_text("A sentence.\n\n```console\ntrue\n```\n", encoding="utf-8")
+    blocks.run_anew(page)
+    assert (blocks.folder_of(page) / ".printed.json").read_text() == '{"0": "a\\n"}'
+    page.write_text("A sentence.\n\n```console\necho a\n```\n", encoding="utf-8")
     assert blocks.has_run(page)
+    code.write_text("x = 2\n", encoding="utf-8")
+    assert not blocks.has_run(page)
+    code.write_text("x = 1\n", encoding="utf-8")
     page.write_text("```console\nfalse\n```\n", encoding="utf-8")
     assert not blocks.has_run(page)
