@@ -69,6 +69,8 @@ class Problem(ABC):
             before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.
         compiles: whether the first evaluation compiles code, or loads compiled code: each job of a run then evaluates
             a point before its trials. A problem that has numba imported when it is loaded is taken for one that does.
+        by_point: whether :meth:`evaluate` computes one point after the other, so that a batch saves nothing. Where a
+            study goes on after a point that fails, no other point of its batch is then computed twice.
         noisy: whether :meth:`evaluate` takes a random generator, ``evaluate(x, rng)``, and returns what is observed;
             :meth:`noiseless` then returns the true values. An optimizer sees the former, the latter are recorded.
     """
@@ -88,6 +90,7 @@ class Problem(ABC):
     integer: Flags | None = None
     noisy: bool = False
     compiles: bool = False
+    by_point: bool = False
 
     @property
     def dimension(self) -> int:
@@ -191,7 +194,7 @@ class FunctionProblem(Problem):
         if len(set(self.variables)) != self.dimension:
             raise BenchError(f"problem {name!r}: give {self.dimension} different variable names, not {self.variables}")
         self._fun = fun
-        self._vectorized = vectorized
+        self._vectorized, self.by_point = vectorized, not vectorized
         self.integer = None if integer is None else np.array(integer, dtype=bool)
         self.noisy = noiseless is not None
         self._violations = violations

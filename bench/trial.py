@@ -23,6 +23,7 @@ ROUNDING = 1e-9
 """By how much a value may differ, relative to itself, when its point is evaluated again."""
 
 _SPREADS = 100.0  # times the differences seen among batches: a value near 0 is a difference of larger terms
+_LONG = 1.0  # seconds of an evaluation, after which few others are made
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
 
@@ -166,7 +167,8 @@ def doubt(result: Result, problem: Problem) -> str:
     """Return how the value of a result's best point differs when that is evaluated again, alone; "" where it agrees.
 
     A value may differ by 1e-9 of itself, or by 100 times the differences that are seen among batches of the point:
-    some libraries round a point alone otherwise than in a batch.
+    some libraries round a point alone otherwise than in a batch. One evaluation is made where the value agrees, and
+    some more where it does not.
 
     Raises:
         ProblemError: when the problem raises there.
@@ -178,13 +180,15 @@ def doubt(result: Result, problem: Problem) -> str:
         return np.asarray(problem.evaluate(np.tile(result.x, (size, 1))), np.float64)
 
     try:
+        began = perf_counter()
         value = float(values(1)[0])
+        batches = _BATCHES if perf_counter() - began < _LONG else _BATCHES[:1]
         value = inf if isnan(value) else value
         rounding = ROUNDING * abs(value) if isfinite(value) else 0.0
         if value == result.fun or abs(value - result.fun) <= rounding:
             return ""
-        spread = max(float(np.ptp([value, *values(size)])) for size in _BATCHES) if isfinite(value) else 0.0
-        noise = max(abs(value - float(values(1)[0])) for _ in _BATCHES)
+        spread = max(float(np.ptp([value, *values(size)])) for size in batches) if isfinite(value) else 0.0
+        noise = max(abs(value - float(values(1)[0])) for _ in batches)
     except Exception as error:  # a plug-in may raise anything
         raise ProblemError(error) from error
     if noise > rounding:

@@ -111,6 +111,10 @@ def command(
         ),
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
+    seconds_per_evaluation: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", min=0, help="What an evaluation takes, for the estimate of --dry-run."),
+    ] = None,
     check: Annotated[
         bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
@@ -171,7 +175,7 @@ def command(
     if dry_run:
         with _folders(reuse or []) as others:
             planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
-        _show_estimate(planned, jobs, console, untrusted)
+        _show_estimate(planned, jobs, console, untrusted, seconds_per_evaluation)
         return
     try:
         with Display(console) as display, _folders(reuse or []) as others:
@@ -206,6 +210,12 @@ def command(
         print_line(f"trials that ended before the budget without a declared reason: {who}", "yellow", console)
     for line in outcome.different:
         print_line(line, "red", console)
+    if outcome.spared:
+        print_line(
+            f"an evaluation takes a second or more, so no such run of {listed(outcome.spared)} was made again at the "
+            "end; 'bench verify' makes some again",
+            console=console,
+        )
     for file in outcome.edited:
         said = "was edited during the run: all its trials were made with the file as it was at the start"
         print_line(f"{file} {said}; 'bench run' makes no more of them with the new one", "yellow", console)
@@ -233,11 +243,11 @@ def _folders(paths: list[Path]) -> Iterator[list[Path]]:
         yield folders
 
 
-def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> None:
-    """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials or a few short ones."""
+def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool, each: float | None) -> None:
+    """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials or few evaluations."""
     from joblib import cpu_count
 
-    from bench.execution.calibration import calibrated_seconds
+    from bench.execution.calibration import estimated
     from bench.execution.progress import show_plan
     from bench.execution.runner import at_a_time
 
@@ -249,14 +259,14 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> 
     workers = cpu_count() if jobs == -1 else jobs
     if beside := at_a_time(plan.study, workers):
         print_line(beside, console=console)
-    seconds, source = plan.seconds(), "the stored trials"
+    seconds, source = plan.seconds() if each is None else None, "the stored trials"
     if seconds is None:
-        source = "short trials on some of the problems"
-        with console.status(source):
-            seconds = calibrated_seconds(plan, jobs, untrusted)
+        with console.status("few evaluations"):
+            seconds, source = estimated(plan, jobs, untrusted, each)
+        seconds = seconds and seconds / plan.study.parallel
     if seconds is None:
-        estimate = "no duration can be estimated: the short trials for it failed"
+        estimate = f"no duration can be estimated: {source}"
     else:
-        most = "at most " if plan.study.looks else ""
+        most = "at most " if plan.study.looks else "at least " if plan.study.parallel > 1 else ""
         estimate = f"{most}about {duration(seconds / workers)} with {count(workers, 'job')}, estimated from {source}"
     print_line(estimate, console=console)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from bench.columns import Row, named
 from bench.execution.local import Answer
+from bench.execution.plan import EXPENSIVE
 from bench.helpers.text import count
 from bench.objective import OUT_OF_TIME
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
@@ -19,15 +20,27 @@ class Repetition:
     """Chooses a trial of each optimizer while they are made, and makes these again in fresh processes.
 
     An optimizer that keeps something from trial to trial gives other results there. So a trial is chosen that came
-    after others in its process, if possible of its own problem, and of these the one that took least time.
+    after others in its process, if possible of its own problem, and of these the one that took least time. None is
+    made again of an optimizer whose trials all have expensive evaluations.
+
+    Args:
+        parallel: points that are evaluated at a time.
+
+    Attributes:
+        expensive: the optimizers whose trials had them.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, parallel: int = 1) -> None:
+        self._parallel = parallel
+        self.expensive: set[str] = set()
         self._chosen: dict[str, tuple[tuple[int, float], Trial]] = {}
 
     def consider(self, trial: Trial, row: Row) -> None:
         """Take note of a trial, and take from its row how many kinds of trials came before it in its process."""
         rank = -row.pop("after", 0), row.get("wall_s", 0.0)
+        if row["status"] == "ok" and row["objective_s"] * self._parallel >= EXPENSIVE * row["nfev"]:
+            self.expensive.add(trial.optimizer)
+            return
         best, _ = self._chosen.get(trial.optimizer, (rank, trial))
         if row["status"] == "ok" and row["stop"] != OUT_OF_TIME and rank <= best:
             self._chosen[trial.optimizer] = rank, trial

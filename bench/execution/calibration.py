@@ -1,44 +1,118 @@
-"""Estimate how long a study takes before its first trial, from short trials on a few of its problems."""
+"""Estimate how long a study takes before its first trial, from few evaluations, none of which takes a second."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
-from bench.execution.plan import Plan
+from bench.execution import trial_process
+from bench.execution.job import LOADING, Task, root
+from bench.execution.plan import EXPENSIVE, Plan
 from bench.execution.runner import run
+from bench.helpers.text import count
+from bench.sandbox.process import FAILURES, TimeExceededError
 from bench.storage.folder import Folder
+from bench.study import Study
 
 PROBLEMS = 3
 SHARE = 20  # of the budget that a short trial has, as 1 / SHARE
 LEAST = 1_000  # evaluations of a short trial, where the budget has as many
 LONGEST = 60.0  # seconds of a short trial, which fails where it takes longer
+_CHEAP = 1e-3  # seconds of an evaluation up to which the time of the optimizer counts, so that short trials are made
 
 
-def calibrated_seconds(plan: Plan, jobs: int, untrusted: bool = False) -> float | None:
-    """Return the seconds on one processor that a plan's trials will take; None where no short trial succeeds.
+class Estimate(NamedTuple):
+    """How long a plan's trials take on one processor, and how that is known.
 
-    Each optimizer makes one trial with a twentieth of the budget on up to three problems, at equal steps. The time of a
-    trial is taken as proportional to its evaluations. An optimizer whose short trials fail, as where its population
-    exceeds their budget or they take longer than a minute, counts as the mean of the others.
+    Attributes:
+        seconds: None where it is not known.
+        source: in words, from what; or why it is not known.
+    """
+
+    seconds: float | None
+    source: str
+
+
+def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None = None) -> Estimate:
+    """Return how long a plan's trials will take, one point at a time.
+
+    Up to three problems, at equal steps, are evaluated at one point twice. Where an evaluation takes more than a
+    millisecond, it alone counts. Else each optimizer makes two trials with a twentieth of the budget on each of them;
+    the faster one counts, as code may be compiled in the first, and the time of a trial is taken as proportional to its
+    evaluations. An optimizer whose short trials fail, as where its population exceeds their budget or they take longer
+    than a minute, counts as the mean of the others.
+
+    Args:
+        plan: of a study.
+        jobs: trials made at a time.
+        untrusted: make the evaluations in a sandbox.
+        each: the seconds of an evaluation; nothing is then evaluated.
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
-    budget = study.budget.shortened(SHARE, LEAST)
-    short = replace(
-        study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, blocks=None, tuning=None
+    some = replace(study, problems=study.problems[::step][:PROBLEMS], looks=(), blocks=None, tuning=None)
+    probed = {} if each is not None else _probed(some, untrusted)
+    if isinstance(probed, str):
+        return Estimate(None, probed)
+    each = each if each is not None or max(probed.values()) <= _CHEAP else sum(probed.values()) / len(probed)
+    if each is None:
+        return _from_short_trials(plan, some, jobs, untrusted)
+    source = (
+        f"{each:.3g} s an evaluation, as given"
+        if not probed
+        else (f"{each:.3g} s an evaluation, in {count(2 * len(probed), 'evaluation')} on some of the problems")
     )
+    evaluations = _evaluations(plan)
+    return Estimate(plan.total(lambda problem, _: probed.get(problem, each) * evaluations[problem]), source)
+
+
+def _evaluations(plan: Plan) -> dict[str, int]:
+    """Return the evaluations of a trial on each problem."""
+    study = plan.study
+    return {label: study.evaluations(study.problem(label).dimension) for label in {p for p, _ in plan.counts()}}
+
+
+def _probed(study: Study, untrusted: bool) -> dict[str, float] | str:
+    """Return the seconds of an evaluation of each problem, or in words why they are not known."""
+    task = Task.of(study, untrusted)
+    found: dict[str, float] = {}
+    with root(task) as server:
+        server.call(trial_process.begin, study, task.files, {}, seconds=LOADING)
+        for entry in study.problems:
+            server.call(trial_process.load_problem, entry.label, seconds=LOADING)
+            process = server.process()
+            try:
+                for _ in range(2):  # the first may import what it needs
+                    found[entry.label] = float(process.call(trial_process.probe, entry.label, seconds=EXPENSIVE))
+                process.close()
+            except TimeExceededError:
+                return (
+                    f"an evaluation of {entry.label} takes more than {EXPENSIVE:g} s, so it was ended and no other was "
+                    "made; give --seconds-per-evaluation"
+                )
+            except FAILURES as error:
+                return f"an evaluation of {entry.label} failed: {error}"
+    return found
+
+
+def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> Estimate:
+    study = plan.study
+    short = replace(some, trials=2, budget=study.budget.shortened(SHARE, LEAST))
     with TemporaryDirectory() as place:
         made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
         folder = Folder(made.folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:
-        return None
-    speeds: dict[str, list[float]] = {}
+        return Estimate(None, "the short trials for it failed")
+    fastest: dict[str, dict[str, float]] = {}  # by optimizer and problem
     for row in rows:
-        speeds.setdefault(row["optimizer"], []).append(row["wall_s"] / row["nfev"])
-    means = {label: sum(measured) / len(measured) for label, measured in speeds.items()}
+        speeds = fastest.setdefault(row["optimizer"], {})
+        speeds[row["problem"]] = min(row["wall_s"] / row["nfev"], speeds.get(row["problem"], LONGEST))
+    means = {label: sum(speeds.values()) / len(speeds) for label, speeds in fastest.items()}
     usual = sum(means.values()) / len(means)
-    evaluations = {label: study.evaluations(study.problem(label).dimension) for label in {p for p, _ in plan.counts()}}
-    return plan.total(lambda problem, optimizer: means.get(optimizer, usual) * evaluations[problem])
+    evaluations = _evaluations(plan)
+    total = plan.total(lambda problem, optimizer: means.get(optimizer, usual) * evaluations[problem])
+    spent = count(sum(row["nfev"] + 1 for row in rows), "evaluation")
+    return Estimate(total, f"short trials on some of the problems, {spent}")

@@ -15,6 +15,9 @@ from bench.study import Study
 from bench.study.cell import Labels
 from bench.trial import Trial
 
+EXPENSIVE = 1.0
+"""Seconds of an evaluation from which on none is made that nobody asked for, but for one at the best point of a run."""
+
 
 @dataclass(frozen=True)
 class Shard:

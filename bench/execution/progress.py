@@ -12,7 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import TaskID, TextColumn, TimeRemainingColumn
 
-from bench.execution.plan import Plan
+from bench.execution.plan import EXPENSIVE, Plan
 from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
 from bench.trial import Trial
@@ -108,7 +108,10 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     print_line(f"study {study.name}: {size}{part} of {study.budget_words}{done}", console=console)
     if plan.verify and (optimizers := {label for (_, label), (most, done) in counts.items() if most > done}):
         more = f"{count(len(optimizers), 'run')} more at the end: one of each optimizer is made again and compared"
-        print_line(more, console=console)
+        print_line(f"{more}, unless an evaluation takes {EXPENSIVE:g} s or more", console=console)
+    if total > present:
+        checks = f"{count(total - present, 'evaluation')} more: each run's best point is evaluated again"
+        print_line(checks, console=console)
     if study.looks:
         print_line(f"looks at {study.looks.words} trials: {_decided([], plan)}", console=console)
     for note in plan.notes:

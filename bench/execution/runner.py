@@ -53,6 +53,7 @@ class Outcome:
         different: a line for each trial that differed when it was made again at the end.
         edited: the files of plug-ins that were edited during the run, all of whose trials were made with the files as
             they were before.
+        spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
     """
 
     folder: Path
@@ -61,6 +62,7 @@ class Outcome:
     undeclared: dict[str, int]
     different: list[str]
     edited: list[str]
+    spared: list[str]
 
 
 def run(
@@ -159,7 +161,7 @@ def run(
         def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
             return pool.answers(task, checked.machine, missing, under_way.begin)
 
-        answers, repetition = _answers(plan, folder, make, lookers), Repetition()
+        answers, repetition = _answers(plan, folder, make, lookers), Repetition(study.parallel)
         made = _make(plan, folder, answers, about, interrupts, repetition, listeners)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
@@ -168,7 +170,8 @@ def run(
             different = repetition.make(folder, make) if verify else []
         failed = sum(cell.failed for cell in folder.store.cells())
         edited = changed(task.files)
-        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited)
+        spared = sorted(repetition.expensive) if verify else []
+        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared)
 
 
 def plan(

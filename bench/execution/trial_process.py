@@ -11,6 +11,7 @@ import sys
 import traceback
 from contextlib import AbstractContextManager, closing
 from functools import cache
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -98,6 +99,17 @@ def load_problem(label: str) -> dict[str, Any] | str:
             problem.describe(points[0])
     _settle()
     return described
+
+
+def probe(label: str) -> float:
+    """Evaluate a point of a problem; return the wall seconds that it took."""
+    problem = _problem(label)
+    counted = scoring.objective(problem, 1, np.random.default_rng(0))
+    points = counted.initial(1)
+    with closing(problem.unscored):
+        began = perf_counter()
+        counted(points)
+        return perf_counter() - began
 
 
 def load_optimizer(label: str) -> None:

@@ -128,8 +128,10 @@ class Scored(Problem):
 
     def _computed(self, values: Callable[[Floats], Floats], x: Floats) -> Floats:
         """Call a function of the problem with the (n, d) points; return +inf where it may fail and raises."""
+        alone = len(x) > 1 and self.on_error == "worst" and self.problem.by_point
         try:
-            return as_values(self.problem, values(x.copy()), len(x))
+            if not alone:
+                return as_values(self.problem, values(x.copy()), len(x))
         except PointError as error:
             if self.on_error == "fail":
                 raise

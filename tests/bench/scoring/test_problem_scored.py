@@ -230,6 +230,17 @@ class TestPointsThatFail:
         assert (one.fun, one.x.tolist(), one.nfev) == (other.fun, other.x.tolist(), other.nfev)
         assert one.trace.values.tolist() == other.trace.values.tolist()
 
+    def test_a_problem_that_computes_point_by_point_computes_none_twice(self):
+        seen = []
+
+        def fun(x):
+            seen.append(x[0])
+            return 1 / (float(x[0]) - 1)
+
+        problem = scored(FunctionProblem(fun, [-3.0], [4.0], vectorized=False), "death", "worst")
+        assert problem.evaluate(np.array([[0.0], [1.0], [2.0]])).tolist() == [-1.0, np.inf, 1.0]
+        assert (seen, problem.failed) == ([0.0, 1.0, 2.0], 1)
+
     def test_another_word_is_refused(self):
         with pytest.raises(BenchError, match="'on_error' must be \"fail\" or \"worst\", not 'inf'"):
             solve(mixed(), "random-search", budget=3, on_error="inf")
