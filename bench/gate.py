@@ -98,7 +98,7 @@ def gate(
 
 
 def _of_two(old: AnyPath, new: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, str]]:
-    """Return what was found in two folders, and the labels of the old and the new version."""
+    """Return the findings in two folders, and the labels of the old and the new version."""
     studies = [Folder(path).study() for path in (old, new)]
     places = [_place(study, optimizer, path) for study, path in zip(studies, (old, new), strict=True)]
     findings = Findings(Results(old, new))

@@ -84,7 +84,7 @@ class Conversation(Program):
     _talk: tuple[int, Talk] | None = None  # with the process that started it: a copy starts its own
 
     def value(self, row: Floats) -> float:
-        """Return what the program answers."""
+        """Return the answer of the program."""
         try:
             talk = self._started()
             talk.say(x=self.coordinates(row))
@@ -157,7 +157,7 @@ def _last(written: bytes) -> str:
 
 
 def _first_line(command: ProgramCommand, folder: str | None) -> dict[str, Any]:
-    """Return what a program says of its box; raises BenchError where it says none."""
+    """Return the box that a program declares; raises BenchError where it says none."""
     with Talk(command, FIRST, folder) as talk:
         first = talk.hear(PATIENCE)
         if first is None:

@@ -140,7 +140,7 @@ def _sets(columns: Sequence[_Column], heads: int) -> list[list[_Column]]:
 
 
 def _tabular(columns: Sequence[_Column], blocks: list[list[list[TableCell]]], most: int) -> dict[str, Any]:
-    """Return what the template needs of some columns: their types, their header, and their rows by part and block."""
+    """Return the types, the header and the rows, by part and block, of some columns, for the template."""
     lines = [
         [
             _row([_cell(row[column.place], column) for column in columns], skip=number > 0)

@@ -45,7 +45,7 @@ class Chapter:
 
 
 class Prepared(NamedTuple):
-    """What a chapter consists of."""
+    """The parts of a chapter."""
 
     sections: list[Section]
     files: list[File]

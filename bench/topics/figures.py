@@ -115,5 +115,5 @@ def beside_best(curves: pd.DataFrame, optimizers: Iterable[str]) -> style.Pens:
 
 
 def ended(ends: Mapping[str, object] | None) -> str:
-    """Return what the crosses of simulated restarts mean, "" where none are drawn."""
+    """Return a sentence on the crosses of simulated restarts, "" where none are drawn."""
     return " Crosses: the end of the budget; beyond it, restarts are simulated." if ends else ""

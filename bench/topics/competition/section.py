@@ -62,7 +62,7 @@ def _about(errors: pd.DataFrame, common: str) -> str:
 
 
 def _tested(reference: str, tests: pd.DataFrame, *, stopped: bool) -> str:
-    """Return what the signs mean, and how often they would appear without any difference."""
+    """Explain the signs, and how often they would appear without any difference."""
     meaning = (
         f"+: the errors of {reference} are lower than those of the other optimizer (Wilcoxon’s rank-sum test, "
         "two-sided, p < 0.05); −: they are higher; =: neither is shown, which is not equality."

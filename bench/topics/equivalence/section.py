@@ -25,7 +25,7 @@ def beside_rope(findings: Findings) -> pd.DataFrame:
 
 
 def section(findings: Findings) -> Section | None:
-    """Return what can be said of practical equality; None where the study gives no rope."""
+    """Return the section on practical equality; None where the study gives no rope."""
     if (chosen := findings.final.rope) is None:
         return None
     rope = chosen.words + " of the smaller median" * chosen.relative

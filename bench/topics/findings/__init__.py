@@ -61,24 +61,24 @@ class Findings:
     _computed: dict[Callable[[Findings], Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def of(self, compute: Callable[[Findings], Found]) -> Found:
-        """Return what a function makes of these findings; it is called once, however many topics ask for it."""
+        """Return the result of a function of these findings, which is called once, however many topics ask for it."""
         if compute not in self._computed:
             self._computed[compute] = compute(self)
         return cast("Found", self._computed[compute])
 
     @cached_property
     def trials(self) -> Trials:
-        """What was run."""
+        """The trials that were run."""
         return Trials(self.results)
 
     @cached_property
     def final(self) -> Final:
-        """What the trials reached at the end."""
+        """The values that the trials reached at the end."""
         return Final(self.trials, self.asked_rope)
 
     @cached_property
     def anytime(self) -> Anytime:
-        """What the trials reached on the way."""
+        """The values that the trials reached on the way."""
         return Anytime(self.trials, self.asked, self.beside_best)
 
     @cached_property

@@ -43,7 +43,7 @@ def are_of_the_field(facts: Mapping[str, ProblemFacts], functions: Collection[st
 
 @dataclass(frozen=True)
 class Anytime:
-    """What the trials reached on the way."""
+    """The values that the trials reached on the way."""
 
     trials: Trials
     asked: Targets | None = None  # other than the study's own
@@ -122,7 +122,7 @@ class Anytime:
 
     @property
     def near_words(self) -> str:
-        """What counts as near, such as ``"within 1%"``."""
+        """The limit of what counts as near, such as ``"within 1%"``."""
         return f"within {self.near:.0%}" if self.near else f"within {analysis.SOLVED:g}"
 
     @cached_property

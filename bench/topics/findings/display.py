@@ -22,7 +22,7 @@ CROWD = 60
 
 @dataclass(frozen=True)
 class Display:
-    """What is shown of many optimizers."""
+    """The part that is shown of many optimizers."""
 
     trials: Trials
     final: Final

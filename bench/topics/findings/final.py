@@ -17,7 +17,7 @@ from bench.topics.findings.trials import Trials
 
 @dataclass(frozen=True)
 class Final:
-    """What the trials reached at the end of the budget, or of the largest that all had."""
+    """The values that the trials reached at the end of the budget, or of the largest that all had."""
 
     trials: Trials
     asked_rope: Rope | None = None  # other than the study's own

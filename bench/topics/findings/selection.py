@@ -12,7 +12,7 @@ NAMED = 6  # problems, or optimizers, that a sentence names
 
 
 def selection(whole: Study, shown: Study, *, by_instance: bool) -> str:
-    """Return what was selected from and what is left out, in a sentence; "" where a report shows the whole study.
+    """Return a sentence on the selection and on what it leaves out; "" where a report shows the whole study.
 
     Args:
         whole: the study as it was run.

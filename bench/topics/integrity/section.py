@@ -49,7 +49,7 @@ def section(findings: Findings) -> Section:
 
 
 def warnings(findings: Findings) -> tuple[str, ...]:
-    """Return what a reader must know before any number: one sentence for each check that found something wrong."""
+    """Return a sentence for each check that found something wrong, which a reader must know before any number."""
     made = findings.of(checks)
     sentences = [
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"

@@ -18,7 +18,7 @@ PATIENCE = 2.0  # seconds that the evaluations of a sample may take, by the time
 
 @dataclass(frozen=True)
 class Landscapes:
-    """What could be described.
+    """The features of the problems that could be described.
 
     Attributes:
         table: features by problem.

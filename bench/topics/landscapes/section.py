@@ -61,7 +61,7 @@ def section(findings: Findings) -> Section | None:
 
 
 def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Part]]:
-    """Return what can be said about features and ranks, and the table behind it."""
+    """Return the sentences on features and ranks, and the table behind them."""
     if len(findings.trials.optimizers) < 2:
         return [], []
     problems = int(findings.final.medians.index.isin(table.index).sum())

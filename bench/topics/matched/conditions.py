@@ -53,7 +53,7 @@ class Conditions(NamedTuple):
 
 
 def sentences(study: Study, descriptions: Mapping[str, Description], leader: str) -> Conditions:
-    """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
+    """Return the differences besides the algorithm, and the options that are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
     apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
     clause = differing(study, descriptions, leader)

@@ -81,7 +81,7 @@ class Controls:
 
     @cached_property
     def cost(self) -> str:
-        """What the missing controls would cost, as a clause; "" where no control is missing.
+        """The cost of the missing controls, as a clause; "" where no control is missing.
 
         Such as ``"matched controls (bench run thesis --matched) would add 2,700 trials, about 4 min on 2 jobs"``. The
         time is the mean of the trials that each algorithm has made, and the number of jobs that of the last run.

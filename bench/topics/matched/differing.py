@@ -13,7 +13,7 @@ UNUSED = 0.01  # of the budget, on average, by which a rival may use less than t
 
 
 def differing(findings: Findings) -> str:
-    """Return what may favour the leader besides its algorithm as a clause; "" where nothing is known to.
+    """Return a clause on what may favour the leader besides its algorithm; "" where nothing is known to.
 
     That is :func:`options_differing`, and the share of the budget that a rival used, where the leader used more, such
     as ``"handling is box for cma-es and repair for the 4 others, gwo stopped after 72% of the budget"``.

@@ -132,7 +132,7 @@ def write(study: Study, descriptions: Mapping[str, Description], stated: Mapping
 
 
 def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the template refers to by name."""
+    """Return the values that the template refers to, by name."""
     alike: dict[str, list[str]] = {}
     for entry in study.optimizers:
         alike.setdefault(options(entry.options), []).append(entry.label)

@@ -68,7 +68,7 @@ class Choice:
 
     @cached_property
     def validated(self) -> pd.DataFrame:
-        """What the choice by features would have been, functions left out."""
+        """The optimizers that features would have chosen, functions left out."""
         return validated_selection(self.features, self.scores, self.charged, self.blocks)
 
     @cached_property

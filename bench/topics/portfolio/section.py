@@ -22,7 +22,7 @@ MEANING = (
 
 
 def section(findings: Findings) -> Section | None:
-    """Return what the optimizers are worth as a portfolio; None where there are few, or fewer than two trials each."""
+    """Return the section on the optimizers as a portfolio; None where there are few, or fewer than two trials each."""
     choice = Choice(findings)
     few = len(findings.trials.optimizers) < LEAST_OPTIMIZERS or len(findings.trials.problems) < LEAST_PROBLEMS
     if few or not (choice.scores["score"] > 0).any():

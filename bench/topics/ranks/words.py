@@ -7,7 +7,7 @@ from bench.topics.findings import Findings
 
 
 def across(findings: Findings) -> str:
-    """Return what the tests across problems do not show."""
+    """Return a sentence on what the tests across problems do not show."""
     tests = findings.final.overall
     if not findings.final.levels.across:
         few = f"{findings.trials.per_cell[0]:,} trials and {count(len(tests), 'pair')} of optimizers"

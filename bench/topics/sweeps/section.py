@@ -27,13 +27,13 @@ MEANING = (
 
 
 def by_sweep(findings: Findings) -> dict[str, Contributions]:
-    """Return what the parameters of each sweep contribute, by its name; one that lacks a combination has no entry."""
+    """Return the contributions of each sweep's parameters, by its name; one that lacks a combination has no entry."""
     frame = findings.trials.frame
     return {sweep.name: contributions(frame, sweep) for sweep in findings.study.sweeps if not sweep.missing}
 
 
 def section(findings: Findings) -> Section | None:
-    """Return what the parameters of each sweep contribute; None where the study has no sweep."""
+    """Return the section on the contributions of each sweep's parameters; None where the study has no sweep."""
     if not findings.study.sweeps:
         return None
     parts = [_of(sweep, findings.of(by_sweep).get(sweep.name)) for sweep in findings.study.sweeps]
@@ -136,7 +136,7 @@ def _shown(result: Contributions) -> dict[str, tuple[int, int]]:
 
 
 def _pairs(tests: pd.DataFrame, shares: pd.Series[float]) -> list[str]:
-    """Return what interactions mean for reading the main effects."""
+    """Explain what interactions mean for reading the main effects."""
     pairs = shares[[name for name in shares.index if " × " in str(name) or name == HIGHER]]
     if pairs.empty:
         return []

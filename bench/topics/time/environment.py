@@ -178,7 +178,7 @@ def _letter(number: int) -> str:
 
 
 def _items(record: Mapping[str, Any]) -> dict[str, str]:
-    """Return what a record holds of machine, versions and code, by name."""
+    """Return machine, versions and code of a record, by name."""
     memory = record.get("memory_gb")
     items = {
         "processor": record.get("processor"),

@@ -74,7 +74,7 @@ def _of(number: int, pairs: int, it: str) -> str:
 
 
 def looks_text(findings: Findings) -> list[str]:
-    """Return what the study's looks decided; nothing without looks."""
+    """Return the sentences on what the study's looks decided; none without looks."""
     looks, decisions = findings.results.study.looks, findings.trials.decisions
     if not looks:
         return []
@@ -94,7 +94,7 @@ def looks_text(findings: Findings) -> list[str]:
 
 
 def extension_text(findings: Findings) -> list[str]:
-    """Return what an extension without declared looks means; nothing where there was none."""
+    """Return the sentences on an extension without declared looks; none where there was none."""
     return [
         f"Optional stopping: {held:,} trials of each cell were complete, and could be looked at, when {asked:,} were "
         "asked for, and no looks had been declared. If the results were a reason for that, the p-values are too small "

@@ -27,7 +27,7 @@ INSTANCE = re.compile(r"-i[0-9]+$")
 
 
 def section(findings: Findings) -> Section | None:
-    """Return what tuning gained; None where the optimizers were not tuned by this harness."""
+    """Return the section on the gain of tuning; None where the optimizers were not tuned by this harness."""
     tuning = findings.study.tuning
     tuned = [record for record in tuning.optimizers if record.default in findings.trials.optimizers] if tuning else []
     if tuning is None or not tuned:
@@ -92,7 +92,7 @@ def _between(tests: pd.DataFrame, entry: Tuned) -> pd.DataFrame:
 
 
 def _gained(trials: Trials, entry: Tuned, gain: dict[str, Any] | None) -> str:
-    """Return what the tuning of one optimizer gained, as far as trials and problems allow a statement."""
+    """Return a sentence on the gain of one optimizer's tuning, as far as trials and problems allow a statement."""
     if entry.tuned == entry.default:
         return f"{entry.name}: no configuration scored better than the defaults, so nothing was gained."
     if gain is None or not gain["problems"]:

@@ -14,7 +14,7 @@ LONGEST = 36  # letters of an optimizer's name
 
 
 def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
-    """Return what the terminal shows of a report, as JSON holds it.
+    """Return the answer of a report that the terminal shows, as JSON holds it.
 
     Args:
         findings: of the report.

@@ -66,7 +66,7 @@ def section(findings: Findings) -> Section:
 
 
 def standing(findings: Findings) -> Standing:
-    """Return what the verdict is written from."""
+    """Return the facts from which the verdict is written."""
     trials, final = findings.trials, findings.final
     complete = list(final.medians.index)
     ranking = final.ranking.merge(final.certainty.drop(columns="problems"), on="optimizer")
@@ -237,7 +237,7 @@ def _evidence(findings: Findings) -> str:
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:
-    """Return what may not be claimed."""
+    """Return the sentences on what may not be claimed."""
     trials, looked = findings.trials, findings.results.looked
     shares = findings.anytime.unused
     left = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")

@@ -69,7 +69,7 @@ class Across(NamedTuple):
 
 
 class Conclusion(NamedTuple):
-    """What may be claimed.
+    """The claims that the tests allow.
 
     Attributes:
         headline: one sentence of at most 25 words, and the labels and the budget in it.
@@ -86,7 +86,7 @@ class Conclusion(NamedTuple):
 
 @dataclass(frozen=True)
 class Standing:
-    """What is known of one study, from which the verdict is written.
+    """The facts on one study from which the verdict is written.
 
     Attributes:
         ranking: of :func:`bench.analysis.ranking`, with the place of :func:`bench.analysis.places` and rank_low and
@@ -194,7 +194,7 @@ class Standing:
 
 
 def verdict(standing: Standing) -> Conclusion:
-    """Return what may be claimed: of one problem and of many, of ties, of failures, of too few trials for a test."""
+    """Return the claims that the tests allow, of one problem or many, with ties, failures or few trials."""
     leader, second, *_ = standing.labels
     say = speaker(__package__, it=standing, leader=leader, second=second, NAMED=NAMED)
     if standing.all_level:

@@ -81,7 +81,7 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class Inference:
-    """What a reference fit implies of the backlash of a joint.
+    """The backlash of a joint as a reference fit implies it.
 
     Attributes:
         p_value: that noise alone gives so good impacts (:class:`problems.backlash.sensor.load_turn.LoadTurn`), or for
