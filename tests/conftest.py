@@ -34,6 +34,11 @@ LONGEST = (
 )  # fmt: skip
 
 
+def pytest_addoption(parser):
+    """Let a change of a page that is meant be written into the committed text."""
+    parser.addoption("--update", action="store_true", help="write the texts of pages that tests compare")
+
+
 def pytest_configure(config):
     """Try more examples of each property beside the slow tests, and have one worker of xdist at a time compile.
 

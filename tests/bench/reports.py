@@ -12,7 +12,8 @@ from bench import Trace
 from bench.columns import packed
 from bench.report.interactive.part import in_one_scope
 from bench.storage.folder import Folder
-from bench.study import Entry, Study
+from bench.storage.selection import Selection
+from bench.study import Entry, Fingerprints, Study
 
 VOID = {"meta", "link", "input", "img", "br", "hr"}
 
@@ -96,13 +97,29 @@ FAILED = {"status": "failed", "error": "ValueError: <b>boom</b> & more\nTracebac
 RAISED = {"status": "failed", "error": "ProblemError: ValueError: no convergence\nTraceback …"}
 
 
+def store(folder, study, row_of, trials=None, record=None, fingerprints=None):
+    """Write a study whose trials have the rows that a function returns, None for a trial that is missing.
+
+    ``record`` is that of the run that made them; ``fingerprints`` are those of the problems' data.
+    """
+    place = Folder(folder)
+    place.path.mkdir(parents=True, exist_ok=True)
+    place.claim(study, fingerprints and Selection(study.cells(Fingerprints(fingerprints, {}, {}))))
+    with place.store.writer() as writer:
+        run = writer.environment(record) if record else None
+        for trial in trials or study.plan():
+            if row := row_of(trial):
+                writer.add(trial, packed(row), run)
+    return folder
+
+
 @pytest.fixture(scope="session")
 def make():
     """Return a function that writes a study whose optimizers differ by 1 a place.
 
     ``skip``, ``fail`` and ``raised`` hold cells (problem, optimizer) or trials (problem, optimizer, number), of which
     the problem loses those that are ``raised``; ``changes`` holds what is otherwise in the rows of an optimizer's
-    finished trials, by optimizer; ``options`` its options, likewise.
+    finished trials, by optimizer; ``options`` its options, likewise; ``more`` holds further fields of the study.
     """
 
     def write_study(
@@ -116,6 +133,7 @@ def make():
         raised=(),
         changes=None,
         options=None,
+        **more,
     ):
         def place_of(trial):
             return trial.number, problems.index(trial.problem), optimizers.index(trial.optimizer)
@@ -124,19 +142,19 @@ def make():
         entries = (
             tuple(Entry("any", label, own.get(label, {})) for label in labels) for labels in (problems, optimizers)
         )
-        study = Study("made", *entries, trials=trials, budget=100)
+        study = Study("made", *entries, trials=trials, **{"budget": 100} | more)
         rng = np.random.default_rng(0)
-        place = Folder(folder)
-        place.path.mkdir(parents=True, exist_ok=True)
-        place.claim(study)
-        with place.store.writer() as writer:
-            for trial in sorted(study.plan(), key=place_of):
-                matches = {(trial.problem, trial.optimizer), trial.key}
-                value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
-                if matches & {*fail, *raised}:
-                    writer.add(trial, packed(RAISED if matches & set(raised) else FAILED))
-                elif not matches & set(skip):
-                    writer.add(trial, packed(finished(value, rng) | (changes or {}).get(trial.optimizer, {})))
+
+        def row_of(trial):
+            matches = {(trial.problem, trial.optimizer), trial.key}
+            value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
+            if matches & {*fail, *raised}:
+                return RAISED if matches & set(raised) else FAILED
+            if matches & set(skip):
+                return None
+            return finished(value, rng) | (changes or {}).get(trial.optimizer, {})
+
+        store(folder, study, row_of, sorted(study.plan(), key=place_of))
         return folder
 
     return write_study

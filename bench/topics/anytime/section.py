@@ -230,7 +230,8 @@ def _ladder(chosen: Targets, targets: pd.DataFrame, problems: int) -> list[str]:
 def _success(rates: pd.DataFrame, chosen: Targets) -> Table:
     overall = rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum()
     share = 100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0)
-    wide = share.unstack(sort=False).sort_index(axis=1, ascending=False).rename_axis(columns=None)
+    wide = share.unstack().sort_index(axis=1, ascending=False).rename_axis(columns=None)
+    wide = wide.loc[share.index.unique("optimizer")]  # unstack(sort=False) of pandas 2.2 mixes up the values
     return Table(
         "success-rates",
         f"Percentage of trials over all problems that reached a target, by {chosen.unit}.",

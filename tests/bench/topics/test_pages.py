@@ -1,0 +1,223 @@
+"""Whole pages of small studies, compared with committed ones; ``pytest --update`` writes those meant to change.
+
+The pages hold the sentences; tests beside the topics hold numbers, bad input and what no page shows.
+"""
+
+from importlib.util import find_spec
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import Results, Study, Trace, load_problem
+from bench.storage.folder import Folder
+from bench.study import Entry
+from bench.study.budget import Budget
+from bench.study.tuned import Tuned, Tuning
+from bench.topics.findings import Findings
+from bench.topics.findings import anytime as findings_module
+from tests.bench.reports import finished, store
+from tests.bench.topics.page_text import compare, page_text
+from tests.bench.topics.time.records import NEWER, RECORD
+
+STUDIES = {}
+
+
+def page(build):
+    """Have a study among those whose pages are compared, under the name of the function that builds it."""
+    STUDIES[build.__name__.replace("_", "-")] = build
+    return build
+
+
+@page
+def clear_winner(make, folder):
+    return Findings(Results(make(folder)))
+
+
+@page
+def too_few_trials(make, folder):
+    return Findings(Results(make(folder, problems=("p",), trials=2)))
+
+
+@page
+def two_optimizers(make, folder):
+    return Findings(Results(make(folder, optimizers=("a", "b"), trials=3)))
+
+
+@page
+def one_optimizer(make, folder):
+    return Findings(Results(make(folder, problems=("p",), optimizers=("a",), trials=1)))
+
+
+@page
+def failed_and_missing(make, folder):
+    """One cell and one trial failed, a cell and a trial are missing, a problem's code raised; a waited and clamps."""
+    waited = {"wall_s": 2.0, "cpu_s": 1.0, "nfev": 60, "stop": "undeclared", "outside_box": 60}
+    make(
+        folder, ("p", "q", "r", "s"), fail=[("p", "b"), ("q", "a", 1)], skip=[("q", "c"), ("p", "a", 7)],
+        raised=[("r", "a", 0)], changes={"a": waited},
+    )  # fmt: skip
+    noted = {
+        "a": [("centre bias", False, 4e5), ("structural bias", False, 5e-10), ("starts and seeds", True, None)],
+        "b": [("centre bias", True, 0.9), ("structural bias", True, 0.4), ("boundary clamping", True, 0.0)],
+    }
+    names = ("check", "passed", "figure")
+    Folder(folder).note(
+        "checks.json", {label: [dict(zip(names, each, strict=True)) for each in own] for label, own in noted.items()}
+    )
+    return Findings(Results(folder))
+
+
+@page
+def stopped_by_looks(make, folder):
+    """The looks decide a, which needs no trials beyond 10; b and c are equal."""
+    alike = {"b": {"fun": 6.0}, "c": {"fun": 6.0}}
+    decided = [(problem, "a", number) for problem in "pq" for number in (10, 11)]
+    return Findings(Results(make(folder, trials=12, changes=alike, skip=decided, looks=(6, 10, 12))))
+
+
+@page
+def sweep_and_tuning(make, folder):
+    """A sweep over two parameters, beside a default and its tuned version; trials were added to complete ones."""
+    swept = {f"o[n={n},h={h}]": {"n": n, "h": h} for n, h in product((1, 2), ("x", "y"))}
+    own = Tuned(
+        name="any", default="a", tuned="b", failed=1, evaluations=4_000, seconds=12.5,
+        parameters={"agents": {"low": 5, "high": 300, "log": True}, "kind": {"choices": ["x", "y"]}},
+        values={"agents": ["null", 9, 7, 20], "kind": ["x", "y", "x", "y"]}, scores=[0.5, 0.4, 0.3, 0.45],
+        problems=[6, 6, 2, 6], importance={"agents": 0.9, "kind": 0.1},
+    )  # fmt: skip
+    method = "optuna 5, TPESampler and WilcoxonPruner"
+    tuning = Tuning("aocc", 4, 2, Budget.read(100), 1, ["f-i1", "g-i1"], "", method, (own,)).sealed()
+    make(folder, ("p", "q", "r", "s", "t", "u", "v"), ("b", "a", *swept), options=swept, tuning=tuning)
+    results = Results(folder)
+    results.environments[:] = [RECORD | {"trials": 4, "extends": None}, RECORD | {"trials": 8, "extends": 4}]
+    return Findings(results)
+
+
+@page
+def practically_equal(make, folder):
+    """Within 1, a and b are equal and c is not, on enough problems to choose optimizers for."""
+    ends = {"b": {"fun": 5.0}, "c": {"fun": 9.0}}
+    return Findings(Results(make(folder, tuple("pqrstu"), trials=12, changes=ends)), asked_rope=1.0)
+
+
+@page
+def selected(make, folder):
+    return Findings(Results(make(folder)).select(optimizers=["a", "c"], problems="q"))
+
+
+@page
+def many_optimizers(make, folder):
+    labels = tuple(f"o{number:02d}" for number in range(12, 0, -1))
+    return Findings(Results(make(folder, ("p", "q", "r"), labels, trials=5)))
+
+
+def ends_at(levels, nfev=100):
+    """Return the function that makes a trial's row: it ends above the optimum, by its optimizer's level."""
+
+    def row_of(trial):
+        problem = load_problem(trial.problem)
+        value = (problem.optimum or 0.0) + levels[trial.optimizer] + 0.01 * trial.number
+        spent = nfev.get(trial.optimizer, 100) if isinstance(nfev, dict) else nfev
+        rng = np.random.default_rng(trial.number)
+        row = finished(value, rng) | {"nfev": spent, "stop": "tolfun"}
+        return row | {"x": dict(zip(problem.variables, rng.random(problem.dimension), strict=True))}
+
+    return row_of
+
+
+@page
+def controls(make, folder):
+    """Optimizers under unlike conditions, with controls for two of three; gwo leaves a part of its budget."""
+    levels = {"cma-es": 0.001, "gwo": 0.015, "random-search": 40.0, "gwo (box)": 0.02, "cma-es (repair, random)": 0.03}
+    table = [
+        {"name": "cma-es", "agents": 9, "handling": "box", "start": "midpoint"}, {"name": "gwo", "agents": 9},
+        {"name": "random-search", "agents": 9},
+    ]  # fmt: skip
+    others = [
+        {"name": "gwo", "label": "gwo (box)", "agents": 9, "handling": "box"},
+        {"name": "cma-es", "label": "cma-es (repair, random)", "agents": 9, "handling": "repair", "start": "random"},
+    ]
+    problems = [{"names": ["classical-sphere-d2-i1", "classical-ackley-d3-i1"]}]
+    study = {"name": "made", "trials": 6, "budget": 100, "problems": problems, "optimizers": table, "controls": others}
+    store(folder, Study.from_dict(study), ends_at(levels, {"gwo": 72}), record=RECORD)
+    return Findings(Results(folder))
+
+
+@page
+def instances_and_constraints(make, folder):
+    """Pooled instances beside a problem with constraints and a single function."""
+    pooled = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2], "instances": "1-3"}
+    problems = [pooled, {"name": "engineering-spring"}, {"name": "classical-sphere-d5-i1"}]
+    optimizers = [{"name": "gwo", "agents": 10}, {"name": "random-search"}]
+    study = Study.from_dict(
+        {"name": "made", "trials": 5, "budget": 100, "problems": problems, "optimizers": optimizers}
+    )
+    row_of = ends_at({"gwo": 0.0, "random-search": 1.0})
+    none = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
+    lost = ("engineering-spring", "random-search", 0)
+    known = {entry.label: study.problem(entry.label).fingerprint() for entry in study.problems}
+    store(folder, study, lambda each: row_of(each) | (none if each.key == lost else {}), fingerprints=known)
+    return Findings(Results(folder))
+
+
+@page
+def beside_the_best_of_2009(make, folder):
+    """Two functions of BBOB beside the best times, with gwo as the reference of the competition's table."""
+    suite = {"suite": "bbob", "functions": [1, 8], "dimensions": [2, 5], "instances": "1-2"}
+    study = Study.from_dict(
+        {"name": "made", "trials": 3, "budget": 100, "problems": [suite], "targets": "precisions",
+         "optimizers": [{"name": "random-search"}, {"name": "gwo"}]}
+    )  # fmt: skip
+    store(folder, study, ends_at({"gwo": 1e-3, "random-search": 0.5}), record=RECORD)
+    return Findings(Results(folder), beside_best=True, reference="gwo")
+
+
+@page
+def two_folders(make, folder):
+    """A run and imported trials of half its budget, from machines that differ."""
+
+    def written(name, optimizers, budget):
+        study = Study(name, tuple(Entry("any", each) for each in "pq"), optimizers, trials=6, budget=budget)
+        rng, first = np.random.default_rng(0), 5 if name == "here" else 6
+
+        def row_of(trial):
+            spent = budget.number
+            ends = first + 2 * (trial.optimizer in "bd") + 0.1 * rng.standard_normal()
+            trace = Trace(np.array([1, 10, spent]), np.array([ends + 9, ends + 1, ends]))
+            return finished(ends, rng) | {"nfev": spent, "trace": trace}
+
+        imported = {"imported": "theirs.csv", "format": "table", "left_out": ["notes.txt: no table"]}
+        record = RECORD if name == "here" else NEWER | imported
+        return store(folder / name, study, row_of, record=record)
+
+    here = written("here", tuple(Entry("any", each) for each in "ab"), Budget.read(100))
+    there = written("there", tuple(Entry(f"imported:{each}", each) for each in "cd"), Budget.read(50))
+    return Findings(Results(here, there))
+
+
+BEST = pd.DataFrame(
+    {
+        "problem": ["bbob-f08-d2"] * 3 + ["bbob-f08-d5", "bbob-f01-d2"],
+        "precision": [10.0, 1e-2, 1e-8, 10.0, 1e-2],
+        "ert": [5.0, 10.0, 20.0, 40.0, 60.0],
+    }
+)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_page_is_the_committed_one(name, make, tmp_path, monkeypatch, request):
+    if "2009" in name and not find_spec("cocoex"):
+        pytest.skip("the optima of bbob are computed by coco-experiment")
+    monkeypatch.setattr(findings_module, "best2009", lambda names: BEST)  # in place of an archive of 2009
+    findings = STUDIES[name](make, tmp_path / "made")
+    compare(name, page_text(findings), request.config.getoption("--update"))
+
+
+def test_a_change_is_shown_in_few_lines(make, tmp_path):
+    text = page_text(one_optimizer(make, tmp_path / "made"))
+    with pytest.raises(AssertionError) as failed:
+        compare("one-optimizer", text.replace("is the only optimizer", "is alone"), update=False)
+    assert "+There is nothing to compare: a is alone." in f"{failed.value}".splitlines()
+    assert len(f"{failed.value}".splitlines()) < 12
