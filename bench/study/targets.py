@@ -142,7 +142,7 @@ class Targets(Value, ABC):
         """Return the sentence of the methods on the targets; ``reference`` is the value beside which others are set."""
         return self._method.format(self, reference)
 
-    def shown(self, level: float) -> str:
+    def level_text(self, level: float) -> str:
         """Return a level as readers are shown it, such as ``"1e-08"``."""
         return f"{1 / level if self.rising else level:g}"
 
@@ -236,7 +236,7 @@ class _RunLengths(Targets):
         return np.empty(0), np.empty(0)
 
     def at(self, level: float) -> str:
-        return f"the target for {self.shown(level)} d evaluations"
+        return f"the target for {self.level_text(level)} d evaluations"
 
 
 class _Quantiles(Targets):
@@ -317,7 +317,7 @@ class _OwnPrecisions(_List):
 
     @property
     def described(self) -> str:
-        first, last = self.shown(self.tabled[0]), self.shown(self.tabled[-1])
+        first, last = self.level_text(self.tabled[0]), self.level_text(self.tabled[-1])
         return f"{len(self.plain)} precisions from {first} to {last}" if first != last else f"the precision {first}"
 
     @property

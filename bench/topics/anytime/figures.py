@@ -89,7 +89,7 @@ def ert_figure(
             ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
             style.log_scale(ax, "x")
         if chosen.rising:
-            ax.set_xticks(chosen.tabled, [chosen.shown(tau) for tau in chosen.tabled], minor=False)
+            ax.set_xticks(chosen.tabled, [chosen.level_text(tau) for tau in chosen.tabled], minor=False)
         ax.tick_params(labelleft=place % COLUMNS == 0)
     span_times(axes, drawn["ert"])
     caption = (

@@ -144,7 +144,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
     hardest = rows[chosen.unit].min()
     note = (
         "Bold: the lowest of a column; ∞: no trial succeeded, in brackets the median evaluations of the trials; "
-        f"successes: trials that reached {chosen.shown(hardest)}."
+        f"successes: trials that reached {chosen.level_text(hardest)}."
     )
     if len(of):
         of = of.set_index("optimizer").reindex(findings.trials.optimizers)

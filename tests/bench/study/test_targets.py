@@ -62,7 +62,7 @@ def test_every_kind_is_explained_and_shows_its_own_levels(given):
 )
 def test_a_level_in_words_and_in_a_table(given, level, words, shown):
     targets = Targets.read(given)
-    assert (targets.at(level), targets.shown(level)) == (words, shown)
+    assert (targets.at(level), targets.level_text(level)) == (words, shown)
     assert targets.in_unit(pd.DataFrame({"tau": [level]}))["tau"].tolist() == pytest.approx([float(shown)])
 
 
