@@ -66,8 +66,8 @@ def safe_runs(n_jobs: int, ready: Callable[[], None], sandbox: Sandbox | None = 
         yield lambda group, *call, **limits: pool.submit(group, recorded, *call, printed=PRINTED, **limits)
 
 
-def found(begun: Future[Any], read: Callable[[dict[str, Any]], Found]) -> Found:
-    """Wait for a run and return what ``read`` makes of its record.
+def found(begun: Future[Any], read: Callable[[dict[str, Any]], Found], what: str = "the optimizer") -> Found:
+    """Wait for a run of ``what``, as sentences call it, and return what ``read`` makes of its record.
 
     Raises:
         BenchError: where the run failed, its process was lost, or ``read`` raises TypeError, ValueError or KeyError.
@@ -77,17 +77,17 @@ def found(begun: Future[Any], read: Callable[[dict[str, Any]], Found]) -> Found:
     except DiedError as error:
         stuck = error.code == STILL_ASKING
         why = "went on asking for values after its budget was spent" if stuck else f"ended its process ({error})"
-        raise BenchError(f"the optimizer {why}") from error
+        raise BenchError(f"{what} {why}") from error
     except PrintedTooMuchError as error:
-        raise BenchError(f"the optimizer printed more than {PRINTED / 1e6:g} MB in one run") from error
+        raise BenchError(f"{what} printed more than {PRINTED / 1e6:g} MB in one run") from error
     except (*FAILURES, LostError) as error:
-        raise BenchError(f"the optimizer failed: {printable(str(error), LONGEST)}") from error
+        raise BenchError(f"{what} failed: {printable(str(error), LONGEST)}") from error
     if isinstance(answer, dict) and "error" in answer:
         raise BenchError(printable(str(answer["error"]), LONGEST))
     try:
         return read({name: _unpacked(value) for name, value in answer.items()})
     except (AttributeError, TypeError, ValueError, KeyError) as error:
-        raise BenchError("the optimizer's process gave an answer that is no record of a run") from error
+        raise BenchError(f"the process of {what} gave an answer that is no record of a run") from error
 
 
 def in_order(begun: Sequence[Future[Any]], read: Callable[[dict[str, Any]], Found]) -> Iterator[Found]:

@@ -1,4 +1,4 @@
-"""Make the committed atlas of results/atlas pages of this site."""
+"""Make the committed atlases of results/atlas and results/suites pages of this site."""
 
 from __future__ import annotations
 
@@ -24,3 +24,6 @@ def _write(source: Path) -> None:
     pages["index"] += f"\n```{{toctree}}\n:hidden:\n\n{contents}\n```\n"
     write(folder, pages)
     shutil.copy(atlas / "map.svg", folder)
+    suites = (source.parent / "results" / "suites").glob("*.md")
+    texts = {each.stem: each.read_text(encoding="utf-8") for each in suites if each.stem != "README"}
+    write(source / "explanation" / "suites", texts)

@@ -80,4 +80,4 @@ def test_an_answer_that_is_no_record_of_a_run_is_refused(change, monkeypatch, in
         return make_run(packed, task) | change
 
     monkeypatch.setattr(runs, "make_run", lie)
-    assert failures(Chains()) == ["the optimizer's process gave an answer that is no record of a run"]
+    assert failures(Chains()) == ["the process of the optimizer gave an answer that is no record of a run"]
