@@ -108,6 +108,7 @@ def published() -> Path:
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = ["--no-sandbox", "--hide-scrollbars", "--disable-gpu"]  # it would only imitate one
 PATIENCE_MS = 300_000  # a ceiling for a browser that hangs; no test waits that long for one that works
+LOOK_MS = 50
 
 
 class Browser:
@@ -139,8 +140,16 @@ class Browser:
         return self.page.evaluate(script)
 
     def wait(self, script):
-        """Return a JavaScript expression's value as soon as it is true."""
-        return self.page.wait_for_function(script).json_value()
+        """Return a JavaScript expression's value as soon as it is true.
+
+        It is asked for again and again from here: playwright's own waiting reads the expression anew in the page by
+        ``eval``, which the policy of our pages refuses.
+        """
+        for _ in range(PATIENCE_MS // LOOK_MS):
+            if value := self.run(script):
+                return value
+            self.page.wait_for_timeout(LOOK_MS)
+        raise TimeoutError(f"this did not come true: {script}")
 
     def press(self, key):
         self.page.keyboard.press(key)

@@ -207,12 +207,12 @@ BEST = pd.DataFrame(
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_the_page_is_the_committed_one(name, make, tmp_path, monkeypatch, request):
+def test_the_page_is_the_committed_one(name, make, tmp_path, monkeypatch, committed):
     if "2009" in name and not find_spec("cocoex"):
         pytest.skip("the optima of bbob are computed by coco-experiment")
     monkeypatch.setattr(findings_module, "best2009", lambda names: BEST)  # in place of an archive of 2009
     findings = STUDIES[name](make, tmp_path / "made")
-    compare(name, page_text(findings), request.config.getoption("--update"))
+    committed(name, page_text(findings))
 
 
 def test_a_change_is_shown_in_few_lines(make, tmp_path):

@@ -2,7 +2,6 @@
 
 import pandas as pd
 
-from bench import Results
 from tests.bench.topics.time.records import NEWER, OLD, RECORD
 
 
@@ -55,12 +54,6 @@ def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
     assert render([RECORD, NEWER]).warnings != ()  # which made them is not known
 
 
-def test_trials_without_a_run_are_counted_as_such(render):
-    section = render([RECORD, NEWER], [None] * 8 + [2] * 16)
-    assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not recorded"]
-    assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "8", "0"]]
-
-
 def test_the_records_of_older_folders_are_read(render):
     section = render([OLD, OLD | {"python": "3.12.1"}])
     assert "B differs from A by Python 3.11.7 → 3.12.1" in section.warnings[0]
@@ -85,10 +78,6 @@ def test_fifty_environments_can_still_be_read(render):
     assert table.header[-1] == ("others", True)
     assert (table.frame.sum(axis=1) == 8).all()
     assert table.data["environment"].nunique() == 24
-
-
-def test_the_hash_of_the_study_is_shown(render, folder):
-    assert f"is {Results(folder).study.identity()};" in render([RECORD]).text
 
 
 def test_the_state_of_code_is_shown_by_a_hash(render):

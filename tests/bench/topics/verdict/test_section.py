@@ -7,11 +7,9 @@ import pandas as pd
 import pytest
 
 from bench import Results
-from bench.topics.anytime.section import course
 from bench.topics.findings import Findings
 from bench.topics.ranks import section as across
 from bench.topics.verdict import section as verdict
-from bench.topics.verdict.winner import PARTS
 
 
 @pytest.fixture(scope="module")
@@ -32,40 +30,6 @@ def test_the_places_are_the_order_of_every_sentence(findings, fresh):
     known = verdict.standing(fresh)
     assert known.labels == final.ranked
     assert known.size != verdict.standing(findings).size  # of a and b
-
-
-def test_the_first_screen(findings):
-    shown = verdict.section(findings)
-    assert [card.title for card in shown.cards] == [
-        "",
-        "The numbers behind it",
-        "What may not be claimed",
-        "How often would this page be wrong?",
-        "How this is decided",
-    ]
-    assert [card.folded for card in shown.cards] == [False, True, True, True, True]
-    lines = shown.cards[0].lines
-    assert [line.label for line in lines][:3] == ["where", "by how much", "how sure"]
-    assert {line.part for line in lines} <= {card.title for card in shown.cards} | {across.TITLE, *PARTS.values()}
-    assert [item.name for item in shown.items] == ["every-trial", "rank-map"]
-    ranks = shown.items[1]
-    assert ranks.cells["p", "b"] == ("p", "b")
-    assert ranks.frame.to_numpy().tolist() == [["1", "2", "3"]] * 3
-    assert ranks.shades.iloc[0].tolist() == [0.0, 0.5, 1.0]
-
-
-def test_the_ranking_stands_with_the_tests_over_all_problems(findings):
-    ranking = across.section(findings).items[0]
-    assert ranking.frame["first"].tolist() == [3, 0, 0]
-    assert ranking.frame["mean rank"].tolist() == ["1.00 [1.00, 1.00]", "2.00 [2.00, 2.00]", "3.00 [3.00, 3.00]"]
-
-
-def test_separably_lower_is_explained_where_the_claim_says_it(make, tmp_path):
-    one = verdict.section(Findings(Results(make(tmp_path / "s", problems=("p", "q"), trials=12))))
-    assert "separably lower" in f"{one.cards[0].lines}"
-    assert verdict.SEPARABLY in one.cards[1].text
-    few = verdict.section(Findings(Results(make(tmp_path / "t", trials=1))))
-    assert "separably" not in f"{few.cards[0]}{few.cards[1]}"
 
 
 def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
@@ -89,23 +53,6 @@ def test_where_every_trial_failed_none_finished(make, tmp_path):
     assert shown.lost.startswith("48 of 48 trials did not finish")
 
 
-def test_which_p_values_are_adjusted_is_said(findings):
-    said = " ".join(verdict.section(findings).cards[1].text)
-    assert "adjusted by Holm’s method over pairs, and on single problems over these, too; those of a winner are" in said
-
-
-def test_one_test_is_not_many(make, tmp_path):
-    found = Findings(Results(make(tmp_path / "s", ("p",), ("a", "b"), trials=3)))
-    said = " ".join(verdict.section(found).cards[4].text)
-    assert "with 3 trials a cell no test on a problem could, so none is made here" in said
-    assert "so many tests" not in said
-
-
-def test_one_trial_has_no_intervals_and_no_winner(make, tmp_path):
-    shown = verdict.section(Findings(Results(make(tmp_path / "s", trials=1))))
-    assert shown.cards[0].text[0].endswith("at 100 evaluations: a is first, untested with 1 trial a cell.")
-
-
 def test_steps_of_one_sweep_are_no_independent_sample(fresh):
     assert verdict.dependent(fresh) == ""
     fresh.trials.__dict__.pop("sweeps"), fresh.trials.__dict__.pop("blocks", None)
@@ -123,13 +70,6 @@ def test_steps_of_one_sweep_are_no_independent_sample(fresh):
     assert said in across.section(fresh).text
 
 
-def test_pairs_that_the_tests_do_not_separate_are_named(fresh):
-    said = verdict.across(fresh)
-    assert said == "Every pair of optimizers differs significantly on these problems, but not on each of them."
-    assert said in across.section(fresh).text[0]
-    assert said in verdict.section(fresh).cards[2].text
-
-
 def test_where_no_pair_is_distinguished_none_is_listed(fresh):
     fresh.final.__dict__["overall"] = fresh.final.overall.assign(significant=False)
     assert verdict.across(fresh) == "On these problems the tests distinguish no two optimizers (Holm)."
@@ -143,24 +83,6 @@ def test_the_page_prints_how_often_it_would_be_wrong(fresh):
     for sentence in text[1:3]:
         assert float(re.search(r": <?(\d+)% of 1,000 simulated studies", sentence)[1]) <= 7
     assert "would often miss an A12 below" in text[3]
-
-
-def test_unused_budget_is_said_with_its_share(make, tmp_path):
-    changes = {"a": {"nfev": 60, "stop": "tolfun"}}
-    found = Findings(Results(make(tmp_path / "s", trials=4, changes=changes)))
-    limits = verdict.section(found).cards[2].text
-    assert any(text.startswith("A part of the budget was left unused (mean share): a 40%.") for text in limits)
-    whole = Findings(Results(make(tmp_path / "t", trials=4)))
-    assert not any("left unused" in text for text in verdict.section(whole).cards[2].text)
-
-
-def test_smaller_budgets_are_the_points_of_the_figure_and_who_leads_there_is_tested(fresh):
-    (figure,) = course(fresh)
-    first, *_, last = verdict._course(fresh)
-    assert [first.spent, last.spent] == [f"{at:,}" for at in (figure.shown.index[0], figure.shown.index[-1])]
-    leads = pd.DataFrame({"share": [0.01, 0.03], "optimizer": "b", "shown": [True, False]})
-    fresh.anytime.__dict__["earlier_leads"] = lambda leader, level: leads
-    assert [each.lowest for each in verdict._course(fresh)] == [("b",), *[("a",)] * 5]
 
 
 @pytest.mark.parametrize(
