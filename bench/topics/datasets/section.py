@@ -130,7 +130,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
     chosen, table = findings.anytime.target_set, findings.anytime.running_times
     rows = table[table["problem"] == problem]
     shown = rows.pivot(index="optimizer", columns=chosen.unit, values="ert").reindex(findings.trials.optimizers)
-    shown = shown.rename(columns=chosen.shown).rename_axis(index="optimizer", columns=None)
+    shown = shown.rename(columns=chosen.level_text).rename_axis(index="optimizer", columns=None)
     shown = shown.astype(float).iloc[:, ::-1]
     lowest = shown.eq(shown.min()) & np.isfinite(shown)
     last = rows[rows[chosen.unit] == rows[chosen.unit].min()].set_index("optimizer").reindex(shown.index)
@@ -166,7 +166,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
     best = findings.anytime.best_times
     own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("tau")["ert"]
     if len(own_best):
-        shown.loc[BEST] = own_best.rename(index=chosen.shown).reindex(shown.columns)
+        shown.loc[BEST] = own_best.rename(index=chosen.level_text).reindex(shown.columns)
         shown = shown.fillna({name: "" for name in ("95%", "successes") if name in shown})
         lowest = lowest.reindex(shown.index, fill_value=False)
         note += " The best of 2009: the lowest ERT of any algorithm of BBOB 2009 to each target, as cocopp has it."

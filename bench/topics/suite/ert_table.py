@@ -62,7 +62,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
             marks.append([*("*" if (problem, optimizer, level) in stars else "" for level in levels), ""])
     index = pd.MultiIndex.from_tuples(list(rows), names=["function", "optimizer"])
     frames = [
-        pd.DataFrame(content, index=index, columns=[*map(chosen.shown, levels), "successes"])
+        pd.DataFrame(content, index=index, columns=[*map(chosen.level_text, levels), "successes"])
         for content in (list(rows.values()), bold, marks)
     ]
     over = "over that of the best of 2009" if anytime.shows_best else "in evaluations"
