@@ -140,10 +140,9 @@ def main() -> None:
         for runs, trials in SIZES:
             theirs, ours = draw(rng, (tables * CELLS, runs)), draw(rng, (tables * CELLS, trials))
             lowest = 0.0 if theirs.min() >= 0 else -np.inf
-            found = [compare(printed(theirs, order), runs, ours, lowest=lowest) for order in (False, True)]
-            found.append(compare({"mean": printed(theirs, False)["mean"]}, runs, ours, lowest=lowest))
-            values = [np.ones(len(ours)) if each is None else each.p for each in found]
-            shown = [per_table(p) for p in (*values, *rivals(theirs, ours))]
+            found = [compare(printed(theirs, order), runs, ours, lowest) for order in (False, True)]
+            found.append(compare({"mean": printed(theirs, False)["mean"]}, runs, ours, lowest))
+            shown = [per_table(p) for p in (*(each.p for each in found), *rivals(theirs, ours))]
             for kind, text in zip(("mean, SD", "order", "no SD"), shown, strict=False):
                 worst[kind].append((float(text.split()[0]), name, runs, trials))
             print(f"| {name} | {runs} | {trials} | {' | '.join(shown)} |", flush=True)
@@ -154,14 +153,25 @@ def main() -> None:
     for name, (draw, change) in SHIFTED.items():
         for runs in (10, 30, 51):
             theirs, ours = draw(rng, (20_000, runs)), change(draw(rng, (20_000, runs)))
-            p, near, _ = compare(printed(theirs, False), runs, ours, lowest=0.0)
+            p, near, _ = compare(printed(theirs, False), runs, ours, 0.0)
             q = compare(printed(theirs, True), runs, ours).p
             shown = rate(p <= ALPHA / CELLS), rate(q <= ALPHA / CELLS), rate(near & (p > ALPHA / CELLS))
             print(f"| {name} | {runs} | {' | '.join(shown)} |", flush=True)
+    print(
+        "\n'reproduced' with 30 runs and trials: of equal cells, and of cells one SD apart; and the same without an SD"
+    )
+    print("| errors | equal | one SD higher | equal, no SD | one SD higher, no SD |")
+    print("|-|-|-|-|-|")
     for name, draw in designs.items():
         theirs, ours = draw(rng, (20_000, 30)), draw(rng, (20_000, 30))
-        near = compare(printed(theirs, False), 30, ours, lowest=0.0).near
-        print(f"| the same: {name} | 30 | | | {rate(near)} |", flush=True)
+        away = draw(rng, (500_000, 1)).std()
+        shown = [
+            rate(compare({key: numbers[key] for key in keys}, 30, values, 0.0).near)
+            for numbers in (printed(theirs, False),)
+            for keys in (("mean", "sd"), ("mean",))
+            for values in (ours, ours + away)
+        ]
+        print(f"| {name} | {' | '.join(shown)} |", flush=True)
 
 
 if __name__ == "__main__":

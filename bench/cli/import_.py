@@ -16,10 +16,17 @@ def command(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="FOLDER|TAR", help=f"A folder, a tar or zip archive, or a CSV file. {described(IMPORTABLE)}."
+            metavar="FOLDER|TAR",
+            help=f"A folder, a tar or zip archive, or a CSV file. {described(IMPORTABLE)}. Or a table of a paper "
+            "(see 'bench reproduce').",
         ),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="The folder to write, missing or empty.")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", help="The folder to write, missing or empty; of a paper's table, that of your trials."
+        ),
+    ],
     licence: Annotated[
         str | None, typer.Option(help="The licence under which the results were published, where you know it.")
     ] = None,
@@ -33,7 +40,20 @@ def command(
     has the columns problem, optimizer, trial, evaluations and value. The folder is read like any other: 'bench report
     MINE IMPORTED' compares both. Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends
     the import; --partial imports the others, and reports list what is missing.
+
+    A table of a paper has means and no trials: it is imported into the folder of a run, whose report then shows it
+    beside the trials and judges each cell as 'bench reproduce' does.
     """
+    if source.suffix == ".toml" or (output / "study.toml").is_file():
+        from bench.reproduce.section import attach
+
+        table = attach(source, output)
+        for sentence in table.notes:
+            print_line(f"note: {sentence}", "yellow")
+        print_line(
+            f"imported {count(len(table.cells), 'printed cell')}; 'bench report {output}' shows them beside ours"
+        )
+        return
     from bench.formats.importing import import_results
 
     imported = import_results(source, output, licence=licence, partial=partial)

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from bench.reproduce.verdict import Judgement
     from bench.study import Study
 
-COLOURS = {"differs": "red", "reproduced": "green", "open": "yellow", "not judged": "dim"}
-
 
 def command(
     table: Annotated[
@@ -67,6 +65,7 @@ def command(
     or with --read-only contradicts itself.
     """
     from bench.reproduce.protocol import protocol_of, samples
+    from bench.reproduce.section import attach
     from bench.reproduce.table import read
     from bench.reproduce.verdict import judge
     from bench.results.results import Results
@@ -86,6 +85,8 @@ def command(
         reasons = "; ".join(dict.fromkeys(made.reasons.values()))
         raise BenchError(f"no cell of {table} can be {'judged' if beside else 'run'}: {reasons}")
     folder = beside or _run(made.study, output, console, jobs, timeout, untrusted)
+    if beside is None:
+        attach(table, folder)  # so that its report has the table
     judgements = judge(paper, samples(paper, made, Results(folder)), made.reasons)
     _show(judgements, console)
     _write(judgements, paper, folder)
@@ -147,25 +148,13 @@ def _run(
 
 def _show(judgements: list[Judgement], console: Console) -> None:
     """Print a row a cell, a sentence on each reason, and the sentence on the table."""
-    from bench.reproduce.verdict import sentence
+    from bench.reproduce.verdict import HEADS, NOTE, sentence, shown, unjudged
 
-    rows: list[tuple[str, ...]] = []
-    reasons: dict[str, list[str]] = {}
-    for each in judgements:
-        if each.reason:
-            reasons.setdefault(each.reason, []).append(each.cell.where)
-            continue
-        numbers, ours = each.cell.numbers, each.values
-        printed = " ± ".join(numbers[name].text for name in ("mean", "sd") if name in numbers)
-        own = f"{ours.mean():.4g} ± {ours.std(ddof=1):.2g}"
-        where = each.cell.where.rpartition(" (line")[0]
-        rows.append((where, printed, own, f"{each.shift:+.2g}", f"{each.p_table:.2g}", each.verdict))
-    if rows:
-        console.print(rich_table(("cell", "printed", "ours", "shift", "p", "verdict"), rows))
-        print_line("shift: our mean less theirs, in their SDs; p: adjusted over the table", "dim", console)
-    for reason, cells in reasons.items():
-        more = f" and {count(len(cells) - 1, 'cell')} more" if len(cells) > 1 else ""
-        print_line(f"not judged: {cells[0]}{more}: {reason}", COLOURS["not judged"], console)
+    if rows := shown(judgements):
+        console.print(rich_table(HEADS, rows))
+        print_line(NOTE, "dim", console)
+    for line in unjudged(judgements):
+        print_line(line, "yellow", console)
     print_line(sentence(judgements), console=console)
 
 

@@ -41,11 +41,11 @@ def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
     unknown: dict[str, str] = {}
     known = 0
     for cell in table.cells:
-        lowest = 0.0 if table.errors else -math.inf
+        lowest = table.lowest
         try:
             optimum = load_problem(table, cell).optimum
             known += optimum is not None
-            lowest = lowest if table.errors or optimum is None else optimum
+            lowest = lowest if table.errors or optimum is None else max(optimum, lowest)
         except BenchError as error:
             unknown.setdefault(str(error), cell.where)
         facts = Facts(lowest, table.settings.get("counts") is True)
@@ -65,7 +65,7 @@ def _below(cell: PaperCell, facts: Facts) -> Iterator[str]:
     limit = facts.lowest - 1e-9 * max(1.0, abs(facts.lowest))
     for name in ("best", "median", "mean", "worst"):
         if name in cell.numbers and cell.numbers[name].high < limit:
-            what = f"the optimum, {facts.lowest:.10g}" if facts.lowest else "0"
+            what = f"the optimum, {facts.lowest:.10g}" if facts.lowest else "the lowest possible value, 0"
             yield f"its {name} {cell.numbers[name].text} is below {what}"
             return
 

@@ -48,17 +48,18 @@ def protocol_of(
     """
     made = Protocol()
     budgets: dict[int, tuple[int, PaperCell]] = {}
-    problems: dict[str, None] = {}
+    problems: dict[str, int] = {}
     optimizers: dict[str, dict[str, Any]] = {}
     runs = 0
     for cell in table.cells:
         try:
             optimizer = optimizers.get(cell.optimizer) or _optimizer(table, cell.optimizer, beside)
-            problem = load_problem(table, cell)
-            evaluations = cell.evaluations(problem.dimension)
+            label = problem_of(table, cell)
+            dimension = problems.get(label) or load_problem(table, cell).dimension
+            evaluations = cell.evaluations(dimension)
             if evaluations is None or cell.runs is None:
                 raise BenchError(f"the {'budget' if evaluations is None else 'number of runs'} is not printed")
-            spent, first = budgets.setdefault(problem.dimension, (evaluations, cell))
+            spent, first = budgets.setdefault(dimension, (evaluations, cell))
             if spent != evaluations:
                 raise BenchError(
                     f"its budget is another one than that of line {first.line} in this dimension: such cells belong "
@@ -68,8 +69,7 @@ def protocol_of(
             made.reasons[cell] = str(error)
             continue
         optimizers[cell.optimizer] = optimizer
-        label = problem_of(table, cell)
-        problems[label] = None
+        problems[label] = dimension
         made.cells[cell] = label, optimizer["label"]
         runs = max(runs, cell.runs)
     if made.cells:
@@ -119,7 +119,7 @@ def samples(table: PaperTable, made: Protocol, results: Results) -> dict[PaperCe
         failed = int((rows["status"] != "ok").sum())
         values = rows["fun"].to_numpy(dtype=np.float64)
         evaluations = cell.evaluations(results.dimension(label)) if len(rows) else None
-        optimum = results.facts(label).optimum
+        optimum = results.facts(label).optimum if table.errors or zero else None
         if len(rows) < 2:
             made.reasons[cell] = "there are fewer than two trials of it"
         elif failed or not np.isfinite(values).all():

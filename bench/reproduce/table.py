@@ -8,6 +8,7 @@ tables. Without a column of optimizers, each column that is not known is one, wi
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -18,7 +19,7 @@ from typing import Any, NamedTuple
 from bench.errors import BenchError, nearest
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import printable
-from bench.numbers import require_positive
+from bench.numbers import is_finite, require_positive
 from bench.study.budget import Budget
 
 WORDS = {
@@ -43,7 +44,7 @@ WORDS = {
 COLUMNS = {word: column for column, words in WORDS.items() for word in words.split()}
 STATISTICS = ("mean", "sd", "best", "median", "worst", "rank", "success")
 CONSTANT = ("suite", "instance", "dimension", "budget", "runs", "optimizer")
-KEYS = (*CONSTANT, "source", "values", "zero", "sd", "counts", "problem", "constraints", "functions", "optimizers")
+KEYS = (*CONSTANT, "source", "values", "zero", "lowest", "counts", "problem", "constraints", "functions", "optimizers")
 AVERAGES = frozenset(["average", "avg", "mean", "averagerank", "avgrank", "averank", "meanrank", "overall"])
 MISSING = frozenset(["", "-", "--", "–", "—", "na", "n/a", "nan", "none"])
 
@@ -138,6 +139,11 @@ class PaperTable:
         """Whether values are errors, above the optimum, and no objective values."""
         return self.settings.get("values") == "error"
 
+    @property
+    def lowest(self) -> float:
+        """The value below which none can be, by what the table says of itself; -inf where it says nothing."""
+        return float(self.settings.get("lowest", 0.0 if self.errors else -math.inf))
+
 
 def read(path: Path) -> PaperTable:
     """Return the table of a CSV or TOML file.
@@ -174,11 +180,13 @@ def _plain(text: str) -> str:
 def _known(settings: dict[str, Any], where: str, notes: list[str]) -> dict[str, Any]:
     """Return the settings that are known; the others are noted."""
     notes += [f"{where}: unknown key {key!r}{nearest(key, KEYS)}" for key in settings if key not in KEYS]
-    for key, known in (("values", ("objective", "error")), ("sd", ("ours",)), ("counts", (True, False))):
+    for key, known in (("values", ("objective", "error")), ("counts", (True, False))):
         if key in settings and settings[key] not in known:
             raise BenchError(f"{where}: {key} must be {' or '.join(map(repr, known))}, not {settings[key]!r}")
     if "zero" in settings:
         require_positive(f"{where}: zero", settings["zero"])
+    if "lowest" in settings and not is_finite(settings["lowest"]):
+        raise BenchError(f"{where}: lowest must be a number, not {settings['lowest']!r}")
     for key in ("problem", "functions", "optimizers"):
         if not isinstance(settings.get(key, {}), dict):
             raise BenchError(f"{where}: {key} must be a table, not {settings[key]!r}")

@@ -11,8 +11,9 @@ claims of a difference rare without an assumption on the distribution (``validat
   have one exact law, the negative hypergeometric (precedence tests; Balakrishnan and Ng 2006).
 
 The p of a cell is Bonferroni's over its tests, that of a table Holm's over its cells. A cell that does not differ is
-*reproduced* where it also is shown to be near: the means differ by less than one printed SD, and by less than the
-printed mean lies above the lowest value (two one-sided tests at 5%, Schuirmann 1987); else the runs leave it *open*.
+*reproduced* where it also is shown to be near: the means differ by less than one SD (the printed one, or ours where
+none is), and by less than the printed mean lies above the lowest value (two one-sided tests at 5%, Schuirmann 1987);
+else the runs leave it *open*.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ from bench.reproduce.table import PaperCell, PaperTable, Printed
 from bench.typing import Floats
 
 REPRODUCED, DIFFERS, OPEN, UNJUDGED = "reproduced", "differs", "open", "not judged"
+HEADS = ("cell", "printed", "ours", "shift", "p", "verdict")
+NOTE = "shift: our mean less theirs, in their SDs (ours where none is printed); p: adjusted over the table"
 SHOWN = 6
 """Functions that the sentence on a table names."""
 
@@ -88,12 +91,11 @@ def judge(table: PaperTable, samples: Mapping[PaperCell, Floats], reasons: Mappi
         samples: our final values by cell, at least two each.
         reasons: why other cells have none.
     """
-    by_ours = table.settings.get("sd") == "ours"
     zero = float(table.settings.get("zero", 0.0)) if table.errors else 0.0
     found = []
     for cell in table.cells:
         if cell in samples:
-            found.append(_judged(cell, samples[cell], by_ours, table.errors, zero))
+            found.append(_judged(cell, samples[cell], table.lowest, zero))
         else:
             found.append(Judgement(cell, np.empty(0), reason=reasons.get(cell, "there are no trials of it")))
     judged = [place for place, each in enumerate(found) if not each.reason]
@@ -105,7 +107,7 @@ def judge(table: PaperTable, samples: Mapping[PaperCell, Floats], reasons: Mappi
     return found
 
 
-def _judged(cell: PaperCell, values: Floats, by_ours: bool, errors: bool, zero: float) -> Judgement:
+def _judged(cell: PaperCell, values: Floats, lowest: float, zero: float) -> Judgement:
     if cell.runs is None or cell.runs < 2:
         reason = "one run has no spread" if cell.runs else "the number of runs is not printed"
         return Judgement(cell, values, reason=reason)
@@ -113,39 +115,32 @@ def _judged(cell: PaperCell, values: Floats, by_ours: bool, errors: bool, zero: 
         name: Printed(0.0, zero, printed.text) if abs(printed.value) < zero and name != "sd" else printed
         for name, printed in cell.numbers.items()
     }
-    found = compare(numbers, cell.runs, values, lowest=0.0 if errors else -math.inf, by_ours=by_ours)
-    if found is None:
-        missing = "mean" if "mean" not in numbers else "SD"
-        return Judgement(cell, values, reason=f"no {missing} is printed, and no best, median or worst")
+    if not numbers.keys() & {"mean", "best", "median", "worst"}:
+        return Judgement(cell, values, reason="no mean is printed, and no best, median or worst")
+    found = compare(numbers, cell.runs, values, lowest)
     return Judgement(cell, values, float(found.p), bool(found.near), str(found.by))
 
 
-def compare(
-    numbers: Mapping[str, Printed], runs: int, values: Floats, *, lowest: float = -math.inf, by_ours: bool = False
-) -> Comparison | None:
-    """Return what the tests of a cell show, None where none can be made.
+def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: float = -math.inf) -> Comparison:
+    """Return what the tests of a cell show; without an SD, they show of means alone that ours are larger.
 
     Args:
-        numbers: printed numbers by statistic.
+        numbers: printed numbers by statistic, a mean, best, median or worst among them.
         runs: behind them, at least two.
         values: (..., n) ours, at least two.
-        lowest: no value is below; a printed best replaces it.
-        by_ours: whether a mean without an SD is compared by ours, which skewed errors may make wrong.
+        lowest: no value is below, -inf where nothing is known; a printed best replaces it.
     """
     tests: dict[str, Floats] = {}
     near = np.zeros(values.shape[:-1], dtype=bool)
     if "mean" in numbers:
         mean, sd = numbers["mean"], numbers.get("sd")
         least = numbers["best"].low if "best" in numbers else lowest
-        if sd is not None or by_ours:
-            tests["mean"], near = compare_means(mean, sd, runs, least, values)
-        if sd is not None or np.all(least > -math.inf):
-            tests["mean and SD"] = compare_counts(mean, sd, runs, least, values)
+        p, near = compare_means(mean, sd, runs, least, values)
+        tests |= {} if sd is None else {"mean": p}
+        tests["mean and SD" if sd else "mean"] = compare_counts(mean, sd, runs, least, values)
     for name, low, high in (("best", 1, 1), ("median", (runs + 1) // 2, runs // 2 + 1), ("worst", runs, runs)):
         if name in numbers:
             tests[name] = compare_order(numbers[name], runs, low, high, values)
-    if not tests:
-        return None
     all_p = np.array(list(tests.values()))
     by = np.array(list(tests))[np.argmin(all_p, axis=0)]
     return Comparison(np.minimum(1.0, len(tests) * all_p.min(axis=0)), near, by)
@@ -158,7 +153,7 @@ def compare_means(
 
     Args:
         mean: as printed; the difference counts from its last digit on.
-        sd: as printed; None takes ours for both, an assumption that skewed errors break.
+        sd: as printed; None takes ours for both, which skewed errors make wrong: the p is worth nothing then.
         runs: behind the printed mean, at least two.
         lowest: no value is below; ``-inf`` where nothing is known.
         values: (..., n) ours, at least two.
@@ -255,6 +250,31 @@ def frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def shown(judgements: Sequence[Judgement]) -> list[tuple[str, ...]]:
+    """Return a row of :data:`HEADS` for each cell that is judged."""
+    rows: list[tuple[str, ...]] = []
+    for each in judgements:
+        if each.verdict != UNJUDGED:
+            numbers, ours = each.cell.numbers, each.values
+            printed = " ± ".join(numbers[name].text for name in ("mean", "sd") if name in numbers)
+            own = f"{ours.mean():.4g} ± {ours.std(ddof=1):.2g}"
+            where = each.cell.where.rpartition(" (line")[0]
+            rows.append((where, printed, own, f"{each.shift:+.2g}", f"{each.p_table:.2g}", each.verdict))
+    return rows
+
+
+def unjudged(judgements: Sequence[Judgement]) -> list[str]:
+    """Return a sentence for each reason why cells are not judged."""
+    reasons: dict[str, list[str]] = {}
+    for each in judgements:
+        if each.reason:
+            reasons.setdefault(each.reason, []).append(each.cell.where)
+    more = {
+        reason: f" and {count(len(cells) - 1, 'more cell')}" * (len(cells) > 1) for reason, cells in reasons.items()
+    }
+    return [f"not judged: {cells[0]}{more[reason]}: {reason}" for reason, cells in reasons.items()]
+
+
 def sentence(judgements: Sequence[Judgement]) -> str:
     """Return the verdict on a table in one sentence, such as ``"reproduced in 61 of 72 cells, …; 4 differ: …"``."""
     groups = {
@@ -263,7 +283,9 @@ def sentence(judgements: Sequence[Judgement]) -> str:
     judged = len(judgements) - len(groups[UNJUDGED])
     if not judged:
         return f"none of {count(len(judgements), 'cell')} can be judged"
-    parts = [f"reproduced in {len(groups[REPRODUCED])} of {count(judged, 'cell')} to within one SD"]
+    own = any("sd" not in each.cell.numbers for each in groups[REPRODUCED])
+    within = "one SD (ours, where none is printed)" if own else "one SD"
+    parts = [f"reproduced in {len(groups[REPRODUCED])} of {count(judged, 'cell')} to within {within}"]
     if groups[DIFFERS]:
         number = len(groups[DIFFERS])
         parts.append(f"{number} differ{'s' if number == 1 else ''}: {_named(groups[DIFFERS])}")

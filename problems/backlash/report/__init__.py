@@ -16,7 +16,7 @@ def sections(findings: Findings) -> list[Section]:
     truths, unknown = expected_values(results)
     return [
         *levels.sections(frame, truths, unknown),
-        *fitting_errors.sections(frame, results.study),
+        *fitting_errors.sections(results, frame),
         *reference.sections(results, frame),
         *amplitudes.sections(frame, truths, results.study),
         *noise.sections(results, frame, truths),

@@ -11,7 +11,7 @@ from bench.report import Section, Table, count, listing
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.recordings import Recording
 from problems.backlash.report.accuracy import estimates
-from problems.backlash.report.fitting_errors import conditions
+from problems.backlash.report.fitting_errors import PUBLISHED_BUDGET, PUBLISHED_TRIALS
 from problems.backlash.sensor.estimate import Settings, infer_backlash
 from problems.backlash.sensor.load_turn import fold
 from problems.backlash.signature.datasets import NOISES, peak_to_peak
@@ -34,6 +34,17 @@ def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> lis
     text = [conditions(results.study), *(sentence for level in levels for sentence in sentences(cells, best, level))]
     tables = [side_by_side(cells[cells["noise level"] == level], level) for level in levels]
     return [Section(TITLE, tuple(text), (*tables, *([beside_best(best)] if len(best) else [])))]
+
+
+def conditions(study: Study) -> str:
+    """Return a sentence that compares the study's conditions with the published ones."""
+    asked = f"{PUBLISHED_TRIALS} trials of {PUBLISHED_BUDGET:,} evaluations"
+    if (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
+        return f"Both are means over {asked}."
+    return (
+        f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "
+        f"{study.budget_words}, so they need not agree."
+    )
 
 
 def noisy_problems(study: Study) -> pd.DataFrame:

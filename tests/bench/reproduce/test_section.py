@@ -1,0 +1,62 @@
+"""A published table in a study's folder: imported beside trials, and shown in their report."""
+
+import shutil
+
+import pytest
+
+import bench
+from bench import BenchError
+from bench.cli.app import main
+from bench.reproduce.section import attach, sections
+from bench.topics import Findings
+from tests.bench.reproduce.test_protocol import HEAD, ROWS, results  # noqa: F401 - a fixture
+
+
+@pytest.fixture
+def folder(results, tmp_path):  # noqa: F811
+    return shutil.copytree(results.paths[0], tmp_path / "run")
+
+
+def paper(tmp_path, name="paper.csv", text=f"# source = 'Doe 2020'\n# values = 'error'\n{HEAD}{ROWS}"):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path / name
+
+
+def shown(folder):
+    return sections(Findings(bench.Results(folder)))
+
+
+def test_a_folder_without_a_table_has_no_section(folder):
+    assert shown(folder) == []
+
+
+def test_an_imported_table_stands_beside_the_trials(folder, tmp_path):
+    attach(paper(tmp_path), folder)
+    (section,) = shown(folder)
+    assert section.title == "Beside Doe 2020"
+    assert section.text == ("Reproduced in 0 of 2 cells to within one SD; 2 left open by so few runs.",)
+    (table,) = section.items
+    assert table.frame["ours"].tolist() == ["2 ± 1.3", "2 ± 1.3"]
+    assert table.data["our_mean"].tolist() == [2.0, 2.0]
+
+
+def test_a_later_table_replaces_an_earlier_one(folder, tmp_path):
+    attach(paper(tmp_path), folder)
+    text = "source = 'Roe'\nsuite = 'classical'\n[[cells]]\nfunction = 'sphere'\noptimizer = 'GWO'\nmean = 1\n"
+    attach(paper(tmp_path, "paper.toml", text), folder)
+    assert [section.title for section in shown(folder)] == ["Beside Roe"]
+    assert shown(folder)[0].items == ()
+
+
+def test_a_table_has_no_trials_to_make_a_folder_of(tmp_path):
+    with pytest.raises(BenchError, match="has means and no trials, so it is shown beside trials"):
+        attach(paper(tmp_path), tmp_path / "none")
+
+
+def test_bench_import_takes_a_table_into_the_folder_of_a_run(folder, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["bench", "import", str(paper(tmp_path)), "-o", str(folder)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert not ended.value.code
+    assert capsys.readouterr().out.startswith("imported 2 printed cells; 'bench report ")
+    assert (folder / "published.csv").is_file()
