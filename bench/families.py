@@ -10,13 +10,11 @@ import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
-
-if TYPE_CHECKING:
-    from bench.optimizer import Optimizer
+from bench.optimizer import Optimizer, settings
 
 LARGEST_INSTANCE = 200_000
 """BBOB's generator is seeded with 10,000 times the instance, which must stay below its modulus, 2^31 - 1."""
@@ -132,8 +130,6 @@ def derive(
         load: an importable ``load(name, **options)`` that returns an instance.
         attributes: class attributes, such as ``bibtex`` and ``code``.
     """
-
-    from bench.optimizer import settings  # numpy is slow to import, and names of problems need none
 
     def reduce(self: Any) -> tuple[Callable[[], Optimizer], tuple[()]]:
         return partial(load, name, **settings(self)), ()

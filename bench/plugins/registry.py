@@ -6,6 +6,7 @@ Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.st
 
 from __future__ import annotations
 
+import hashlib
 import re
 from base64 import urlsafe_b64encode
 from functools import cache
@@ -173,8 +174,6 @@ def claimants(module: str) -> list[str]:
 
 def _record_hash(file: Path) -> str:
     """Return a file's SHA-256 as an installation's RECORD notes it."""
-    import hashlib  # slow to import, and most commands need none
-
     return urlsafe_b64encode(hashlib.sha256(file.read_bytes()).digest()).decode().rstrip("=")
 
 
