@@ -8,7 +8,8 @@ Across problems: :func:`across_problems`, :func:`places`, :func:`medians`, :func
 :func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`earlier_leads`, :func:`unused_budget`,
 :func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`,
 :func:`tolerance_times`,
-:func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
+:func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`parallel_times`,
+:func:`parallel_ranks`, :func:`ecdf`, :func:`restart_shares`,
 :func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. Which optimizers
 to take: :func:`target_shares`, :func:`portfolio_of`, :func:`shapley`, :func:`validated_selection`,
 :func:`selection_gain`, :func:`best_on`. And :func:`timing`, :func:`feasibility`, :func:`integrity`.
@@ -90,6 +91,7 @@ from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
 from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
+from bench.analysis.parallel import parallel_ranks, parallel_times
 from bench.analysis.portfolio import Portfolio, portfolio_of, shapley, target_shares
 from bench.analysis.reference import reference_shares, reference_times, runlength_targets
 from bench.analysis.running_time import (
@@ -179,6 +181,8 @@ __all__ = [
     "near_best",
     "normalised_errors",
     "pairwise_tests",
+    "parallel_ranks",
+    "parallel_times",
     "places",
     "pool_instances",
     "portfolio_of",

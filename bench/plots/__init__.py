@@ -13,6 +13,7 @@ Example:
 
 from bench.plots import style
 from bench.plots.curves import convergence, data_profile, ecdf, ert, ert_scatter, regret, scaling
+from bench.plots.parallel import fastest_map
 from bench.plots.ranks import a12_forest, cd_diagram, rank_course
 from bench.plots.rows import box_plot, timing
 
@@ -25,6 +26,7 @@ __all__ = [
     "ecdf",
     "ert",
     "ert_scatter",
+    "fastest_map",
     "rank_course",
     "regret",
     "scaling",

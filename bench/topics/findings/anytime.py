@@ -206,21 +206,26 @@ class Anytime:
         return analysis.success_rates(self.hits, self.target_set.levels)
 
     @cached_property
-    def running_times(self) -> pd.DataFrame:
-        """The ERT of each cell to the targets of the tables, with its spread, also by dimension and in seconds.
-
-        The targets have the name of their unit; times in seconds end with ``_s``.
-        """
+    def tabled_hits(self) -> pd.DataFrame:
+        """The hitting times of the targets of the tables, with the ``budget`` of each trial."""
         hits = self.hits
         codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
         tabled = np.isclose(taus[:, np.newaxis], self.target_set.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
         rounded = np.array(self.target_set.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        tabled_hits = hits[kept].assign(
+        tabled_hits: pd.DataFrame = hits[kept].assign(
             tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.trials.allowed)
         )
-        table = analysis.running_times(tabled_hits)
-        times = analysis.running_times(analysis.in_seconds(tabled_hits, self.trials.whole))
+        return tabled_hits
+
+    @cached_property
+    def running_times(self) -> pd.DataFrame:
+        """The ERT of each cell to the targets of the tables, with its spread, also by dimension and in seconds.
+
+        The targets have the name of their unit; times in seconds end with ``_s``.
+        """
+        table = analysis.running_times(self.tabled_hits)
+        times = analysis.running_times(analysis.in_seconds(self.tabled_hits, self.trials.whole))
         names = ["ert", "low", "high", "p10", "p90"]
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{name}_s" for name in names])
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
