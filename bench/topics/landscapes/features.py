@@ -42,7 +42,8 @@ def landscapes(findings: Findings) -> Landscapes:
         instance = members[label][0]
         points = sample(results.dimension(instance))
         try:
-            if not pace.get(instance, 0.0) * results.study.parallel * points <= PATIENCE:  # times of imported trials are unknown
+            taken = pace.get(instance, 0.0) * results.study.parallel * points  # unknown of imported trials
+            if not taken <= PATIENCE:
                 raise BenchError("its evaluations take too long, or their time is unknown")
             rows[label] = describe(results.problem(instance), points)
         except Exception as error:  # a plug-in may raise anything
