@@ -24,7 +24,6 @@ from tests.bench.plots.frames import (
     curves,
     fractions,
     improvements,
-    plateau,
     ranks_of,
     strict,
     svg,
@@ -143,19 +142,6 @@ def test_values_of_any_size(values):
     svg(distribution_figure(frame, "p", 0.0, {"speed_rpm": (1.0, 1e-9)}).figure)
 
 
-@pytest.mark.parametrize(
-    ("optimum", "expected", "said"),
-    [
-        (0.5, {}, "Line: the optimum. "), (None, {}, "is the median. Failed"),
-        (None, {"speed_rpm": (101.0, 1.0)}, "Lines: the true values (hatched"),
-        (0.5, {"speed_rpm": (101.0, 1.0)}, "Lines: the optimum and the true values (hatched"),
-    ],
-)  # fmt: skip
-def test_the_caption_says_what_the_lines_are(optimum, expected, said):
-    frame = trials({("p", "a"): [1.0, 2.0]})
-    assert said in distribution_figure(frame, "p", optimum, expected).caption
-
-
 def test_a_panel_for_each_figure_whose_truth_is_known():
     frame = trials({("p", "a"): [1.0, 2.0]})
     wide = distribution_figure(frame, "p", None, {"speed_rpm": (1.0, 2.0), "unknown": (1.0, 1.0)})
@@ -181,27 +167,6 @@ def test_the_table_behind_them_holds_round_numbers():
     assert shown.loc[("q", 10), "a"] == 10.0
     many = at_round_numbers(curves(range(60), ["a"]), ["problem", "evaluations"], "median", (1, 2, 5))
     assert many.loc[3].index.tolist() == [1, 10, 99]
-
-
-@pytest.mark.parametrize(("plateaus", "others"), [("p", "q"), ("pr", "q"), ("p", ""), ("pr", "")])
-def test_a_plateau_has_an_empty_panel_and_a_row_in_the_table(plateaus, others):
-    table = pd.concat([plateau(plateaus, ["a", "b"]), times(others, ["a", "b"]) if others else None])
-    each = ert_figure(table, ["a", "b"])
-    svg(each.figure)
-    panels = {ax.get_title(loc="left"): ax for ax in each.figure.axes}
-    assert list(panels) == [*plateaus, *others]
-    for problem, ax in panels.items():
-        assert [len(line.get_xdata()) for line in ax.lines] == ([0, 0] if problem in plateaus else [5, 5])
-    assert len({ax.get_xlim() for ax in panels.values()}) == 1
-    assert len({tuple(ax.get_xticks()) for ax in panels.values()}) == 1
-    assert len(each.data) == len(table)
-    assert all(each.shown.loc[(problem, 0.0), "a"] == 1.0 for problem in plateaus)
-    assert all(each.shown.loc[problem].index.tolist() == [1.0, 0.1, 0.01, 0.001] for problem in others)
-    assert "tau = 0" in each.caption
-
-
-def test_without_a_plateau_no_caption_speaks_of_one():
-    assert "tau = 0" not in ert_figure(times("pq", ["a"]), ["a"]).caption
 
 
 @pytest.mark.parametrize(("plateaus", "others"), [("p", "q"), ("pr", "")])

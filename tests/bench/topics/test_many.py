@@ -8,31 +8,12 @@ from bench.topics.anytime import section as anytime
 from bench.topics.comparison import section as comparison
 from bench.topics.datasets import section as datasets
 from bench.topics.findings import COLOURED, MANY_OPTIMIZERS, MANY_PROBLEMS, Findings
-from bench.topics.ranks import section as across
-from bench.topics.ranks import tables as ranking
-from bench.topics.verdict import section as verdict
-
-
-@pytest.fixture(scope="module")
-def few(make, tmp_path_factory):
-    problems = tuple(f"p{number}" for number in range(MANY_PROBLEMS))
-    return Findings(Results(make(tmp_path_factory.mktemp("few") / "s", problems, trials=1)))
 
 
 @pytest.fixture(scope="module")
 def many(make, tmp_path_factory):
     problems = tuple(f"p{number}" for number in range(MANY_PROBLEMS + 1))
     return Findings(Results(make(tmp_path_factory.mktemp("many") / "s", problems, trials=1)))
-
-
-@pytest.mark.slow
-def test_up_to_twenty_problems_only_single_ones_are_folded(few):
-    assert comparison.section(few).items
-    assert not comparison.section(few).sections
-    for part in (anytime, datasets):
-        section = part.section(few)
-        assert section.sections
-        assert all(each.folded for each in section.sections)
 
 
 @pytest.mark.slow
@@ -52,7 +33,9 @@ def test_the_matrix_of_many_problems_is_folded_below_its_text(many):
 @pytest.mark.slow
 def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
     section = anytime.section(many)
-    assert [item.name for item in section.items] == ["targets-reached", "success-rates", "target-sets"]
+    assert [item.name for item in section.items] == [
+        "ranks-over-budget", "targets-reached", "success-rates", "target-sets",
+    ]  # fmt: skip
     (each,) = section.sections  # all are of one dimension
     assert each.folded
     assert each.title == "Each problem"
@@ -69,18 +52,6 @@ def test_problems_of_several_dimensions_are_folded_by_dimension(make, tmp_path):
     assert set(sections[1].items[0].data["problem"]) == {"p3"}
 
 
-class TestClaim:
-    @staticmethod
-    def claim(make, folder, optimizers, changes):
-        made = make(folder, ("p", "q"), optimizers, changes=changes)
-        return verdict.section(Findings(Results(made))).cards[0].text[0]
-
-    def test_nobody_leads_where_all_are_tied(self, make, tmp_path):
-        tied = {label: {"fun": 1.0} for label in "abcde"}
-        claim = self.claim(make, tmp_path / "s", tuple("abcde"), tied)
-        assert claim == "No optimizer leads on these 2 problems at 100 evaluations: all are level."
-
-
 @pytest.fixture(scope="module")
 def wide(make, tmp_path_factory):
     labels = tuple(f"o{number:02d}" for number in range(MANY_OPTIMIZERS + 2, 0, -1))  # the last one is the worst
@@ -88,32 +59,9 @@ def wide(make, tmp_path_factory):
 
 
 class TestManyOptimizers:
-    def test_they_are_the_rows_of_the_tables_best_first(self, wide):
-        ranked = [f"o{number:02d}" for number in range(MANY_OPTIMIZERS + 2, 0, -1)]
-        ranks = ranking.rank_map(wide)
-        assert list(ranks.frame.index) == ranked
-        assert list(ranks.frame) == ["p", "q", "r"]
-        assert ranks.cells["o12", "q"] == ("q", "o12")
-        assert ranks.frame["p"].tolist() == [str(rank) for rank in range(1, MANY_OPTIMIZERS + 3)]
-        medians = comparison.section(wide).items[0]
-        assert list(medians.frame.index) == ranked
-        assert medians.bold["q"].tolist() == [True, *[False] * (MANY_OPTIMIZERS + 1)]
-        assert "of the column" in medians.note
-
     def test_only_the_best_have_a_colour(self, wide):
         own = [label for label, pen in wide.display.pens.items() if not pen.background]
         assert own == wide.final.ranked[:COLOURED]
-
-    def test_pairs_are_a_matrix_and_their_table_is_folded(self, wide):
-        section = across.section(wide)
-        assert [item.name for item in section.items] == ["ranking", "ranks", "pair-matrix", "interquartile-mean"]
-        (pairs,) = section.sections
-        assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["pairs-over-problems"])
-        matrix = section.items[2]
-        first, last = wide.final.ranked[0], wide.final.ranked[-1]
-        assert (matrix.frame.at[first, last], matrix.frame.at[last, first]) == ("1.00", "0.00")
-        assert matrix.frame.at[first, first] == ""
-        assert len(matrix.data) == (MANY_OPTIMIZERS + 2) * (MANY_OPTIMIZERS + 1) / 2
 
     def test_a_problem_shows_the_pairs_of_its_first_optimizer(self, wide):
         tests = next(item for item in datasets.section(wide).sections[0].items if item.name == "tests-p")

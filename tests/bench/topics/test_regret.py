@@ -55,16 +55,3 @@ class TestRegret:
         assert self.names(comparison.section(found)) == ["comparison"]
         assert "regret-curves" not in self.names(anytime.section(found))
         assert "Targets fall from tau = 1 to 0.001." in " ".join(anytime.section(found).text)
-
-    @pytest.mark.parametrize(
-        ("optima", "said"),
-        [
-            (
-                {"p": 1.0, "q": 1.0},
-                "f_L is the known optimum (Moré and Wild 2009). Targets fall from tau = 1 to 1e-08.",
-            ),
-            ({"p": 1.0}, "Targets fall from tau = 1 to 1e-08 where f_L is the optimum, else to 0.001."),
-        ],
-    )
-    def test_how_far_the_targets_fall_is_said(self, folder, optima, said):
-        assert said in " ".join(anytime.section(self.findings(folder, **optima)).text)

@@ -11,7 +11,6 @@ from bench.topics.anytime import best
 from bench.topics.datasets import section as datasets
 from bench.topics.findings import Findings
 from bench.topics.findings import anytime as findings_module
-from bench.topics.methods.methods import methods
 from tests.bench.formats.made import BUDGET, make, record
 
 pytestmark = pytest.mark.skipif(not find_spec("cocoex"), reason="bbob's optima are computed by coco-experiment")
@@ -111,11 +110,3 @@ def test_where_every_optimum_is_beaten_nothing_is_compared(beside):
 def test_other_targets_than_precisions_are_refused(beside):
     with pytest.raises(BenchError, match="the targets are quantiles; add --targets precisions or leave out best2009"):
         beside("quantiles").anytime.check_targets()
-
-
-def test_the_methods_name_it(beside, results):
-    assert "the lowest running times of the algorithms of BBOB 2009 (Hansen et al., 2010)" in " ".join(
-        methods(beside()).text
-    )
-    assert "2009" not in " ".join(methods(Findings(results, "precisions")).text).replace("Moré and Wild, 2009", "")
-    assert best.section(Findings(results)) is None

@@ -53,12 +53,6 @@ def test_without_a_problem_to_score_there_is_a_sentence_and_no_table(make, tmp_p
     assert "U-score" not in "".join(methods(found).text)
 
 
-def test_the_methods_cite_the_paper(make, tmp_path):
-    found = findings(make(tmp_path / "s", trials=2))
-    assert "by U-scores: the pairs of trials" in "".join(methods(found).text)
-    assert "Price, Kenneth V." in methods(found).bibtex
-
-
 def test_there_is_no_ranking_of_one_optimizer_or_without_a_suite(make, tmp_path):
     one = findings(make(tmp_path / "one", optimizers=("a",), trials=2))
     assert dominance.section(one) is None

@@ -14,7 +14,6 @@ from bench.study import Entry, Fingerprints
 from bench.topics.comparison import feasibility
 from bench.topics.comparison import section as comparison
 from bench.topics.findings import Findings
-from bench.topics.methods.methods import methods
 from tests.bench.reports import finished
 
 NONE = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
@@ -48,12 +47,6 @@ def test_the_share_of_trials_with_a_feasible_point(testing_plugins, tmp_path):
     assert table.frame.loc["ring-2"].tolist() == [75.0, 100.0]
     assert table.lost.loc["ring-2"].tolist() == [True, False]
     assert table.data["first"].tolist() == [1.0, 1.0]
-
-
-def test_it_is_part_of_the_comparison_and_the_methods(testing_plugins, tmp_path):
-    found = written(tmp_path / "s")
-    assert [each.title for each in comparison.section(found).sections] == ["Feasibility"]
-    assert "1 problem has constraints" in "".join(methods(found).text)
 
 
 def test_without_handled_constraints_there_is_none(testing_plugins, make, tmp_path):

@@ -37,53 +37,22 @@ def test_a_selection_names_what_is_left_out(optimizers, problems, every, missing
     assert selection(whole, whole, by_instance=every == FOUR) == ""
 
 
-NONE = Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {})
+CASES = {
+    "nothing": {},
+    "a problem failed": {"failed": {"prob.py:raises": (15, 16)}},
+    "two problems failed": {"failed": {"p": (1, 1), "q": (2, 9)}},
+    "some instances are shared": {"instances": {"f": (2, 4)}},
+    "no instance is shared": {"instances": {"f": (0, 4)}},
+    "one spent more": {"unknown": {("p", "a"): 3, ("q", "a"): 1}},
+    "two spent more": {"unknown": {("p", "a"): 3, ("p", "b"): 1}},
+}
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({}, None),
-        (
-            {"failed": {"prob.py:raises": (15, 16)}},
-            (
-                "The problem that failed is not compared, as its own code raised, not an optimizer’s: "
-                "prob.py:raises (in 15 of 16 trials)."
-            ),
-        ),
-        (
-            {"failed": {"p": (1, 1), "q": (2, 9)}},
-            (
-                "The 2 problems that failed are not compared, as their own code raised, not an optimizer’s: p "
-                "(in 1 of 1 trial) and q (in 2 of 9 trials)."
-            ),
-        ),
-        (
-            {"instances": {"f": (2, 4)}},
-            (
-                "Final values are compared on the instances that all optimizers share (2 of 4 on f); running "
-                "times to targets count all instances."
-            ),
-        ),
-        ({"instances": {"f": (0, 4)}}, "The optimizers share no instance of f, so they are not compared there."),
-        (
-            {"unknown": {("p", "a"): 3, ("q", "a"): 1}},
-            (
-                "a spent more evaluations than others had on p and q, and what was found by then is not known, "
-                "so it is not compared there."
-            ),
-        ),
-        (
-            {"unknown": {("p", "a"): 3, ("p", "b"): 1}},
-            (
-                "a and b spent more evaluations than others had on p, and what was found by then is not known, "
-                "so they are not compared there."
-            ),
-        ),
-    ],
-)
-def test_each_reason_has_its_sentence(changes, sentence):
-    assert left_out(NONE._replace(**changes)) == (() if sentence is None else (sentence,))
+def test_each_reason_has_the_committed_sentence(committed):
+    none = Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {})
+    said = {name: left_out(none._replace(**changes)) for name, changes in CASES.items()}
+    assert said.pop("nothing") == ()
+    committed("left-out-cases", "".join(f"{name}: {sentence}\n" for name, (sentence,) in said.items()))
 
 
 def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):

@@ -8,8 +8,6 @@ from bench.analysis import PRECISIONS
 from bench.analysis import table as table_of
 from bench.report.latex import to_latex
 from bench.topics import write_report
-from bench.topics.anytime import section as anytime
-from bench.topics.comparison import section as comparison
 from bench.topics.datasets import section as datasets
 from bench.topics.findings import Findings
 from bench.topics.integrity.checks import checks
@@ -47,12 +45,6 @@ def test_the_checks_count_instances_and_problems_each_by_its_name(findings, monk
     assert "cma-es-fast on 8 instances of 4 problems, random-search on 8 instances of 4 problems" in said
 
 
-def test_the_text_says_what_is_pooled(findings):
-    _, text = suite.section(findings).text
-    assert text.startswith("2 functions in 2 groups, in dimensions 2 and 5.")
-    assert "(2 each) are pooled" in text
-
-
 def test_who_reached_the_most_targets_is_said_first(findings, items):
     first, _ = suite.section(findings).text
     curves = items["targets-by-group"].data
@@ -75,19 +67,6 @@ def test_all_who_reached_the_most_targets_are_named(findings, items):
 def test_nobody_leads_where_no_target_was_reached(items, nothing):
     reached = items["targets-by-group"].data.assign(fraction=nothing)
     assert suite._most_targets(reached) == "No trial reached a target."
-
-
-def test_a_precision_is_drawn_once(findings):
-    names = [item.name for each in anytime.section(findings).sections for item in each.items]
-    assert any(name.startswith("regret-curves") for name in names)
-    assert not any(name.startswith("convergence") for name in names)
-    assert [item.name for item in comparison.section(findings).items] == ["comparison"]
-
-
-def test_shares_of_the_budget_are_compared_where_budgets_differ(findings):
-    text = anytime.section(findings).text[0]
-    assert text.startswith("After 1% of the budget ")
-    assert "After 100% of the budget " in text
 
 
 def test_ranks_are_given_by_group_and_dimension(findings, items):
@@ -161,14 +140,6 @@ def test_functions_have_their_own_curves_and_one_table_a_dimension(findings):
     assert r"\begin{tabular}" in to_latex(table, "t")
 
 
-def test_functions_of_one_name_stand_under_their_labels(findings):
-    members = suite._members(findings.trials).assign(function="same")
-    (first, _) = suite._each_dimension(findings, members)
-    curves, table = first.items
-    assert curves.data["problem"].unique().tolist() == ["classical-sphere-d2, d = 2", "classical-rastrigin-d2, d = 2"]
-    assert table.frame.index.get_level_values("function").nunique() == 2
-
-
 def test_a_suite_without_a_target_has_its_ranks_alone(findings):
     again = Findings(findings.results)
     again.anytime.__dict__["hits"] = findings.anytime.hits[:0]
@@ -190,15 +161,6 @@ def test_the_running_times_of_two_are_scattered(findings, items):
     table = items["ert-scatter"].data
     assert set(findings.final.ranked[:2]) <= set(table)
     assert set(table["kind"]) == {"d = 2", "d = 5"}
-    assert suite._scatter(Findings(findings.results, reference="random-search"), suite._members(findings.trials))[
-        0
-    ].caption.startswith("Expected running time / d of cma-es-fast over that of random-search")
-
-
-def test_dimensions_are_in_order_beside_the_scatter(findings):
-    members = suite._members(findings.trials)
-    (figure,) = suite._scatter(findings, members.assign(dimension=members["dimension"].replace(2, 20)))
-    assert list(figure.data["kind"].unique()) == ["d = 5", "d = 20"]
 
 
 @pytest.mark.slow

@@ -22,16 +22,6 @@ def test_a_study_without_a_sweep_has_no_section(make, tmp_path):
 
 def test_shares_best_values_and_tests_are_stated(make, tmp_path):
     found = section(make(tmp_path / "s", SEVEN, tuple(OPTIONS), options=OPTIONS))
-    text = " ".join(found.text)
-    assert "o ran with 4 combinations of n (1, 2) and h (x, y), on 7 problems." in text
-    assert "in the mean over 7 problems: n 75%, h 19% and randomness of trials 7%" in text
-    assert "n has the largest share of its own on 7 of 7 problems." in text
-    assert (
-        "n: 1 has the highest mean chance (0.75; the lowest is 0.25); the values differ across problems (p = 0.031"
-        in text
-    )
-    assert "On 7 of 7 problems the trials themselves show a difference." in text
-    assert "No interaction explains 1% or more" in text
     effects, shares, levels, each = found.items
     assert levels.frame["best on problems"].tolist() == [7, 0, 7, 0]
     assert levels.frame["p (Holm)"].tolist() == ["0.031"] * 4  # 2 / 2^7, twice

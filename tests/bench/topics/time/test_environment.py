@@ -9,44 +9,6 @@ def shown(table):
     return [[cell.text for cell in row] for row in table.rows]
 
 
-def test_one_environment_is_one_short_table(render):
-    section = render(
-        [RECORD, RECORD | {"started": "later", "ended": None, "host": "two", "cores": 4}], [1] * 20 + [2] * 4
-    )
-    assert section.warnings == ()
-    assert section.tables.keys() == {"entries", "environment", "runs"}
-    assert shown(section.tables["environment"]) == [
-        ["processor", "Xeon"], ["cores", "2 and 4"], ["memory", "8.0 GB"], ["system", RECORD["system"]],
-        ["Python", "3.11.7"], ["BLAS", "openblas 0.3.30, 1 thread"], ["package numpy", "2.4.6"],
-        ["package scipy", "1.17.1"], ["commit", RECORD["git"]["commit"]],
-    ]  # fmt: skip
-    runs = section.tables["runs"]
-    assert [title for title, _ in runs.header] == [
-        "run", "trials", "started", "ended", "machine", "jobs", "backend", "command",
-    ]  # fmt: skip
-    assert shown(runs) == [
-        ["1", "20", "2026-01-02 03:04:05", "2026-01-02 04:00:00", "one", "2", "local", "bench run s"],
-        ["2", "4", "later", "–", "two", "2", "local", "bench run s"],
-    ]
-
-
-def test_environments_that_differ_are_distinguished_with_their_trials(render):
-    origins = ([1, 2, 2, 3] * 6)[:24]
-    section = render([RECORD, NEWER, RECORD | {"started": "later"}], origins)
-    (warning,) = section.warnings
-    assert warning.startswith("The trials come from 2 different environments; compare times with care. B differs from")
-    assert warning.endswith("B differs from A by numpy 2.4.6 → 2.5.0.")
-    assert "package numpy" not in [row[0] for row in shown(section.tables["environment"])]
-    assert section.tables["environments"].header == [("environment", False), ("package numpy", False)]
-    assert shown(section.tables["environments"]) == [["A", "2.4.6"], ["B", "2.5.0"]]
-    assert list(section.tables["runs"].frame["environment"]) == ["A", "B", "A"]
-    assert list(section.tables["runs"].frame["trials"]) == [6, 12, 6]
-    assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "4", "4"]]
-    data = section.tables["environment-trials"].data
-    assert list(data["run"]) == origins
-    assert list(data["environment"][:4]) == ["A", "B", "B", "A"]
-
-
 def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
     section = render([RECORD, NEWER], [1] * 24)
     assert section.warnings == ()

@@ -6,7 +6,6 @@ from itertools import count
 import pytest
 
 from bench import Results
-from bench.storage.folder import Folder
 from bench.study.budget import Budget
 from bench.study.tuned import Tuned, Tuning
 from bench.topics.findings import Findings
@@ -32,12 +31,8 @@ def section(make, tmp_path):
     numbers = count()
 
     def build(record=SEALED, **options):
-        folder = make(
-            tmp_path / f"s{next(numbers)}", **{"problems": SEVEN, "optimizers": ("a", "b"), "trials": 12} | options
-        )
-        study = replace(Folder(folder).study(), tuning=record)
-        (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
-        return tuning.section(Findings(Results(folder)))
+        usual = {"problems": SEVEN, "optimizers": ("a", "b"), "trials": 12, "tuning": record}
+        return tuning.section(Findings(Results(make(tmp_path / f"s{next(numbers)}", **usual | options))))
 
     return build
 
@@ -48,18 +43,11 @@ def test_a_study_that_was_not_tuned_has_no_section(section):
 
 
 def test_what_was_tuned_what_it_cost_and_what_it_gained_is_stated(section):
-    found = section(optimizers=("b", "a"))  # tuned 5, default 6
-    what, cost, gained = found.text
-    assert "any was tuned by optuna 5, TPESampler and WilcoxonPruner: 4 configurations, the defaults first" in what
-    assert "with 2 runs of 100 evaluations on each of 2 training problems." in what
-    assert what.endswith("lower is better. No problem of this report was tuned on.")
-    assert cost.startswith("The tuning cost 4,000 evaluations and 12.5 s of runs; 1 of 4 configurations were stopped")
-    assert "1 run failed and scored worst." in cost
-    assert "ends lower than one with the defaults is 1.00, in the mean over 7 problems (0.5: no gain)." in gained
+    what, cost, gained = section(optimizers=("b", "a")).text  # tuned 5, default 6
+    assert "No problem of this report was tuned on." in what
+    assert "4,000 evaluations and 12.5 s of runs" in cost
+    assert "is 1.00, in the mean over 7 problems" in gained
     assert "separably lower on 7 and separably higher on 0 of 7 problems" in gained
-    assert "Over these problems, the tuned parameters are lower (p" in gained
-    (warning,) = found.warnings
-    assert warning.startswith("Agents was tuned: tuned parameters meet the other optimizers under conditions of their")
 
 
 @pytest.mark.parametrize("record", [TUNED, replace(SEALED, train=["f-i1"]), replace(SEALED, seed=2)])
