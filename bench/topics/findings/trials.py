@@ -139,11 +139,6 @@ class Trials(Compared):
         return [label for label, facts in self.known.items() if facts.noisy]
 
     @cached_property
-    def mixed(self) -> list[str]:
-        """The labels of the problems with integer variables."""
-        return [label for label, facts in self.known.items() if facts.integers]
-
-    @cached_property
     def optima(self) -> dict[str, float]:
         """The best known objective value of the problems that have one."""
         return {label: facts.optimum for label, facts in self.known.items() if facts.optimum is not None}
