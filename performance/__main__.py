@@ -41,12 +41,13 @@ def main() -> None:
         rows += found
         print(f"{script.name}: {len(found)} rows in {monotonic() - began:.0f} s", flush=True)
         for row in found:
-            before = known.get(row["measured"], "none")
-            print(f"  {row['measured']}: {row['value']} (committed: {before})", flush=True)
+            before = known.get(row["measured"], "")
+            print(f"  {row['measured']}: {row['value']}" + f" (committed: {before})" * bool(before), flush=True)
             if (times := growth(before, row["value"])) >= GROWN:
                 grown.append(f"{times:.1f} times the committed one: {row['measured']}")
     RESULT.write_text(json.dumps(record(quick) | {"rows": rows}, indent=1) + "\n", encoding="utf-8")
-    print("\n".join(grown or [f"nothing is {GROWN} times slower or larger than the committed rows"]))
+    if known:
+        print("\n".join(grown or [f"nothing is {GROWN} times slower or larger than the committed rows"]))
 
 
 def committed(quick: bool) -> dict[str, str]:
