@@ -29,7 +29,7 @@ STYLES = {"ok": "green", "note": "yellow", "broken": "red"}
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Finding:
     """A finding on one thing: ``state`` is "ok", "note" (something is missing that may be) or "broken"."""
 
     topic: str
@@ -60,19 +60,19 @@ def command(
         sys.exit(1)
 
 
-def examine(folder: Path | None = None) -> Iterator[Diagnosis]:
+def examine(folder: Path | None = None) -> Iterator[Finding]:
     """Yield what is found of the program, its requirements, the machine, and the store of a study's folder."""
     for part in (_program, _names, _requirements, _machine, _plugins, _caches, _sandbox):
         try:
             yield from part()
         except ImportError as error:  # what is broken must not hide what else is
             remedy = f"pip install --force-reinstall {registry.DISTRIBUTION}"
-            yield Diagnosis("packages", error.name or "unknown", f"cannot be imported: {error}", "broken", remedy)
+            yield Finding("packages", error.name or "unknown", f"cannot be imported: {error}", "broken", remedy)
     if folder is not None:
         yield from _store(folder)
 
 
-def _show(findings: list[Diagnosis], console: Console) -> None:
+def _show(findings: list[Finding], console: Console) -> None:
     rows, last = [], ""
     for finding in findings:
         topic = Text(finding.topic if finding.topic != last else "", "bold")
@@ -97,35 +97,35 @@ def _show(findings: list[Diagnosis], console: Console) -> None:
 # The installation
 
 
-def _program() -> Iterator[Diagnosis]:
+def _program() -> Iterator[Finding]:
     try:
         package = registry.own()
     except BenchError as error:
-        yield Diagnosis("program", registry.DISTRIBUTION, "not installed", "broken", str(error))
+        yield Finding("program", registry.DISTRIBUTION, "not installed", "broken", str(error))
         return
-    yield Diagnosis("program", registry.DISTRIBUTION, f"{package.version} in {Path(__file__).resolve().parents[2]}")
+    yield Finding("program", registry.DISTRIBUTION, f"{package.version} in {Path(__file__).resolve().parents[2]}")
     running = ".".join(map(str, sys.version_info[:3]))
     needed = str(package.metadata["Requires-Python"])
     yield _bounded("program", "Python", f"{running} ({sys.executable})", running, needed, f"install Python {needed}")
 
 
-def _names() -> Iterator[Diagnosis]:
+def _names() -> Iterator[Finding]:
     """Yield whether the top-level modules, which have common names, are those of this distribution."""
     with suppress(BenchError):
         for module in registry.own_modules():
             if sentence := registry.conflict(module):
-                yield Diagnosis("names", module, "another package's", "broken", sentence)
+                yield Finding("names", module, "another package's", "broken", sentence)
             elif packages := " and ".join(registry.claimants(module)):
                 clash = (
                     f"this package's; {packages} has a module of that name, too, whose file is not installed any more"
                 )
                 remedy = f"install {packages} in an environment of its own, as one of the two breaks the other"
-                yield Diagnosis("names", module, clash, "note", remedy)
+                yield Finding("names", module, clash, "note", remedy)
             else:
-                yield Diagnosis("names", module, "this package's")
+                yield Finding("names", module, "this package's")
 
 
-def _requirements() -> Iterator[Diagnosis]:
+def _requirements() -> Iterator[Finding]:
     """Yield the versions of the packages that are needed, and by extra of those that are optional."""
     from packaging.requirements import Requirement
 
@@ -142,44 +142,44 @@ def _requirements() -> Iterator[Diagnosis]:
             )
 
 
-def _required(requirement: Any, asked: str) -> Diagnosis:
+def _required(requirement: Any, asked: str) -> Finding:
     install = f"pip install '{asked}'"
     try:
         installed = version(requirement.name)
     except PackageNotFoundError:
-        return Diagnosis("packages", requirement.name, "not installed", "broken", install)
+        return Finding("packages", requirement.name, "not installed", "broken", install)
     return _bounded("packages", requirement.name, installed, installed, str(requirement.specifier), install)
 
 
-def _extra(extra: str, requirements: list[Any]) -> Diagnosis:
+def _extra(extra: str, requirements: list[Any]) -> Finding:
     """Return one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
     asked = f"{registry.DISTRIBUTION}[{extra}]"
     packages = [_required(requirement, asked) for requirement in requirements]
     missing = [package.name for package in packages if package.found == "not installed"]
     text = ", ".join(f"{package.name} {package.found}" for package in packages)
     if any(package.state == "broken" and package.name not in missing for package in packages):
-        return Diagnosis("extras", extra, text, "broken", f"pip install '{asked}'")
+        return Finding("extras", extra, text, "broken", f"pip install '{asked}'")
     if missing:
-        return Diagnosis("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
-    return Diagnosis("extras", extra, text)
+        return Finding("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
+    return Finding("extras", extra, text)
 
 
-def _bounded(topic: str, name: str, shown: str, installed: str, bounds: str, remedy: str) -> Diagnosis:
+def _bounded(topic: str, name: str, shown: str, installed: str, bounds: str, remedy: str) -> Finding:
     """Return a finding on a version that must be within bounds such as ``">=2.0,<3"``."""
     from packaging.specifiers import SpecifierSet
 
     if SpecifierSet(bounds).contains(installed, prereleases=True):
-        return Diagnosis(topic, name, shown)
-    return Diagnosis(topic, name, f"{shown}; needed is {bounds}", "broken", remedy)
+        return Finding(topic, name, shown)
+    return Finding(topic, name, f"{shown}; needed is {bounds}", "broken", remedy)
 
 
-def _plugins() -> Iterator[Diagnosis]:
+def _plugins() -> Iterator[Finding]:
     """Yield the number of plug-ins of each group, and every one that does not load."""
     for group in GROUPS:
         try:
             names = sorted(registry.entries(group))
         except BenchError as error:
-            yield Diagnosis("plug-ins", group, "not found", "broken", str(error))
+            yield Finding("plug-ins", group, "not found", "broken", str(error))
             return  # all groups share the cause
         failed = 0
         for name in names:
@@ -188,14 +188,14 @@ def _plugins() -> Iterator[Diagnosis]:
             except BenchError as error:
                 failed += 1
                 who = registry.package(group, name) or "its package"
-                yield Diagnosis("plug-ins", name, str(error), "broken", f"update or uninstall {who}")
-        yield Diagnosis("plug-ins", group, f"{len(names) - failed} of {len(names)} load")
+                yield Finding("plug-ins", name, str(error), "broken", f"update or uninstall {who}")
+        yield Finding("plug-ins", group, f"{len(names) - failed} of {len(names)} load")
 
 
 # The machine
 
 
-def _machine() -> Iterator[Diagnosis]:
+def _machine() -> Iterator[Finding]:
     """Yield the machine's cores, memory and BLAS, whose threads compete with the worker processes of a run."""
     import scipy.linalg  # noqa: F401 - loads the BLAS
 
@@ -206,16 +206,16 @@ def _machine() -> Iterator[Diagnosis]:
     except BenchError:  # on plug-ins, which have findings of their own
         return
     for name, key in (("system", "system"), ("processor", "processor"), ("cores", "cores")):
-        yield Diagnosis("machine", name, str(record[key]))
-    yield Diagnosis("machine", "memory", f"{record['memory_gb']} GB")
+        yield Finding("machine", name, str(record[key]))
+    yield Finding("machine", "memory", f"{record['memory_gb']} GB")
     for library in record["blas"]:
-        yield Diagnosis("machine", "BLAS", f"{library['library']} {library['version']}, {library['threads']} threads")
+        yield Finding("machine", "BLAS", f"{library['library']} {library['version']}, {library['threads']} threads")
     if record["git"]:
         changed = ", with uncommitted changes" if record["git"]["dirty"] else ""
-        yield Diagnosis("machine", "commit", f"{record['git']['commit'][:10]}{changed}")
+        yield Finding("machine", "commit", f"{record['git']['commit'][:10]}{changed}")
 
 
-def _caches() -> Iterator[Diagnosis]:
+def _caches() -> Iterator[Finding]:
     """Yield whether the folders can be written that hold what need not be computed twice."""
     from platformdirs import user_cache_path
 
@@ -228,10 +228,10 @@ def _caches() -> Iterator[Diagnosis]:
         ("temporary files", "TMPDIR", [Path(tempfile.gettempdir())]),
     ):
         if usable := next((folder for folder in folders if _can_write(folder)), None):
-            yield Diagnosis("caches", name, str(usable))
+            yield Finding("caches", name, str(usable))
         else:
             remedy = f"set {variable} to a folder that can be written"
-            yield Diagnosis("caches", name, f"{folders[0]} cannot be written", "broken", remedy)
+            yield Finding("caches", name, f"{folders[0]} cannot be written", "broken", remedy)
 
 
 def _can_write(folder: Path) -> bool:
@@ -243,14 +243,14 @@ def _can_write(folder: Path) -> bool:
         return False
 
 
-def _sandbox() -> Iterator[Diagnosis]:
+def _sandbox() -> Iterator[Finding]:
     if program := shutil.which("bwrap"):
-        yield Diagnosis("sandbox", "bubblewrap", program)
+        yield Finding("sandbox", "bubblewrap", program)
     else:
-        yield Diagnosis("sandbox", "bubblewrap", "not installed", "note", "--untrusted needs it (Linux only)")
+        yield Finding("sandbox", "bubblewrap", "not installed", "note", "--untrusted needs it (Linux only)")
 
 
-def _store(folder: Path) -> Iterator[Diagnosis]:
+def _store(folder: Path) -> Iterator[Finding]:
     """Yield the health of a study's store: every row is compared with its digest."""
     from bench.storage.folder import Folder
 
@@ -258,8 +258,8 @@ def _store(folder: Path) -> Iterator[Diagnosis]:
         opened = Folder(folder)
         study, check = opened.study(), opened.check_store()
     except BenchError as error:
-        yield Diagnosis("store", str(folder), "cannot be read", "broken", str(error))
+        yield Finding("store", str(folder), "cannot be read", "broken", str(error))
         return
     remedy = "" if check.sound else "run 'bench run' with the same study and --output, which makes those trials again"
     text = f"study {study.name}: {check.sentence}"
-    yield Diagnosis("store", str(folder), text, "ok" if check.sound else "broken", remedy)
+    yield Finding("store", str(folder), text, "ok" if check.sound else "broken", remedy)

@@ -21,7 +21,7 @@ from bench.execution.job import Task
 from bench.execution.local import Answer
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
-from bench.execution.supervisor import Checked, check
+from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
 from bench.helpers.text import count
 from bench.numbers import require_jobs, require_positive
@@ -197,7 +197,7 @@ def plan(
     return plan
 
 
-def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Checked:
+def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Loaded:
     """Load a study's plug-ins; raises BenchError for a study that cannot be run, or not without a sandbox."""
     if study.imported:
         raise BenchError(

@@ -42,7 +42,7 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 
 
 @dataclass(frozen=True)
-class Checked:
+class Loaded:
     """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers.
 
     ``task`` has the files that were checked and the hashes of data and code, so that no trial is made with others.
@@ -62,7 +62,7 @@ class WorkerDiedError(RuntimeError):
     """Workers were killed several times in a row, or their scheduler was lost; every finished trial is kept."""
 
 
-def check(task: Task) -> Checked:
+def check(task: Task) -> Loaded:
     """Load all plug-ins of a study (:meth:`bench.study.Study.check`), the optimizers of each package in their own copy.
 
     So no package's code can change the fingerprints of the data, or of another package.
@@ -91,7 +91,7 @@ def check(task: Task) -> Checked:
     raise AssertionError("the last loss is raised")
 
 
-def _loaded_in_forks(first: ForkServer, task: Task) -> Checked:
+def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
     """Load every plug-in in its own fork of a process; return what they found.
 
     Raises:
@@ -134,7 +134,7 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Checked:
             code[entry.label] = versions(code[entry.label])
         code[entry.label] |= from_file.fingerprint(entry.name, task.files)
     fingerprints = Fingerprints(data, code, dimensions)
-    return Checked(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data, code=code))
+    return Loaded(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data, code=code))
 
 
 def failed(reason: str) -> Row:

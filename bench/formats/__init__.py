@@ -11,8 +11,8 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 if TYPE_CHECKING:
-    from bench.formats.runs import Reader
-    from bench.formats.trials import Writer
+    from bench.formats.runs import FormatReader
+    from bench.formats.trials import FormatWriter
 
 
 class Format(NamedTuple):
@@ -29,14 +29,14 @@ class Format(NamedTuple):
     writing: str = ""
 
     @property
-    def reader(self) -> Reader:
+    def reader(self) -> FormatReader:
         """The reader of the format."""
-        return cast("Reader", resolve_name(f"{__name__}.{self.reading}"))
+        return cast("FormatReader", resolve_name(f"{__name__}.{self.reading}"))
 
     @property
-    def writer(self) -> Writer:
+    def writer(self) -> FormatWriter:
         """The writer of the format."""
-        return cast("Writer", resolve_name(f"{__name__}.{self.writing}"))
+        return cast("FormatWriter", resolve_name(f"{__name__}.{self.writing}"))
 
 
 FORMATS = {

@@ -92,7 +92,7 @@ class ImportedRun:
 
 
 @dataclass(frozen=True)
-class Reader:
+class FormatReader:
     """The reader of a format.
 
     Attributes:

@@ -23,7 +23,7 @@ OTHERS = "other-problems"
 
 
 @dataclass(frozen=True)
-class Writer:
+class FormatWriter:
     """The writer of a format.
 
     Attributes:

@@ -27,7 +27,7 @@ from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.coco.writer import STAND_IN
 from bench.formats.index import DataSet, Logged, algorithm_labels, by_log, data_sets
-from bench.formats.runs import ImportedRun, Reader, Reading, improvements, label, quoted, require_increasing
+from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, quoted, require_increasing
 from bench.formats.source import Source
 from bench.helpers.text import joined
 from bench.typing import Floats
@@ -279,4 +279,4 @@ def _require_whole(entry: Logged, block: Block, log: PurePosixPath) -> None:
         )
 
 
-READER = Reader("an index of COCO (.info)", is_index, runs)
+READER = FormatReader("an index of COCO (.info)", is_index, runs)

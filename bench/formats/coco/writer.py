@@ -31,7 +31,7 @@ from bench.errors import BenchError
 from bench.formats.trials import (
     OTHERS,
     ExportedTrial,
-    Writer,
+    FormatWriter,
     by_function,
     folders_of,
     readme,
@@ -236,4 +236,4 @@ def _grid(last: int) -> NDArray[np.int64]:
     return np.union1d(np.floor(10 ** (steps / 20)), [1, last]).astype(np.int64)
 
 
-WRITER = Writer(files, about)
+WRITER = FormatWriter(files, about)

@@ -22,7 +22,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.formats.index import DataSet, Logged, algorithm_labels, by_log, data_sets
 from bench.formats.ioh.reader import GUESSED, Block, is_guessed, logged, problem_of
-from bench.formats.runs import ImportedRun, Reader, Reading, improvements
+from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements
 from bench.formats.source import Source
 
 VALUE = "best-so-far f(x)"
@@ -113,4 +113,4 @@ def _require_optimum(value: float, shifted: float, optimum: float, problem: str,
         )
 
 
-READER = Reader("one of IOHprofiler before JSON (.info)", is_index, runs)
+READER = FormatReader("one of IOHprofiler before JSON (.info)", is_index, runs)

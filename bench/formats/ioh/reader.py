@@ -24,8 +24,8 @@ from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.ioh.writer import BBOB, F_OPT
 from bench.formats.runs import (
+    FormatReader,
     ImportedRun,
-    Reader,
     Reading,
     evaluation,
     improvements,
@@ -256,4 +256,4 @@ def _point(best: dict[str, Any], problem: str) -> dict[str, float]:
     return {name: float(value) if is_finite(value) else math.nan for name, value in zip(names, x, strict=True)}
 
 
-READER = Reader("one of IOHprofiler (.json)", is_index, runs)
+READER = FormatReader("one of IOHprofiler (.json)", is_index, runs)

@@ -23,7 +23,7 @@ from bench.errors import BenchError
 from bench.formats.trials import (
     OTHERS,
     ExportedTrial,
-    Writer,
+    FormatWriter,
     by_function,
     folders_of,
     readme,
@@ -175,4 +175,4 @@ def _experiment_attributes(environments: list[dict[str, Any]]) -> list[dict[str,
     return [{"git_sha": "+".join(dict.fromkeys(commits))}] if commits else []
 
 
-WRITER = Writer(files, about)
+WRITER = FormatWriter(files, about)

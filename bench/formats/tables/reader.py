@@ -19,7 +19,7 @@ import pandas as pd
 from bench.columns import FEATURES, RESERVED, STORED
 from bench.errors import BenchError
 from bench.formats import naming
-from bench.formats.runs import ImportedRun, Reader, Reading, improvements, label, require_increasing
+from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.objective import Trace
 
@@ -155,4 +155,4 @@ def _known(value: float) -> float | None:
     return None if np.isnan(value) else value
 
 
-READER = Reader(f"a table ({', '.join(COLUMNS)})", is_index, runs)
+READER = FormatReader(f"a table ({', '.join(COLUMNS)})", is_index, runs)

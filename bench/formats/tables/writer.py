@@ -12,7 +12,7 @@ import pandas as pd
 
 from bench.columns import FRAME
 from bench.errors import require
-from bench.formats.trials import Writer, readme
+from bench.formats.trials import FormatWriter, readme
 from bench.objective import Trace
 from bench.results.results import Results
 
@@ -66,4 +66,4 @@ def improvements(results: Results) -> pd.DataFrame:
     )
 
 
-CSV, PARQUET = (Writer(partial(files, kind=kind), about, holds_failures=True) for kind in WRITERS)
+CSV, PARQUET = (FormatWriter(partial(files, kind=kind), about, holds_failures=True) for kind in WRITERS)

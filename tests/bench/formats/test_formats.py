@@ -5,20 +5,20 @@ from pathlib import Path
 import pytest
 
 from bench.formats import EXPORTABLE, FORMATS, IMPORTABLE, described
-from bench.formats.runs import Reader
-from bench.formats.trials import Writer
+from bench.formats.runs import FormatReader
+from bench.formats.trials import FormatWriter
 
 REFERENCE = Path(__file__).parents[3] / "docs" / "reference" / "formats.md"
 
 
 @pytest.mark.parametrize("kind", IMPORTABLE)
 def test_a_format_that_is_imported_has_a_reader(kind):
-    assert isinstance(FORMATS[kind].reader, Reader)
+    assert isinstance(FORMATS[kind].reader, FormatReader)
 
 
 @pytest.mark.parametrize("kind", EXPORTABLE)
 def test_a_format_that_is_exported_has_a_writer(kind):
-    assert isinstance(FORMATS[kind].writer, Writer)
+    assert isinstance(FORMATS[kind].writer, FormatWriter)
 
 
 @pytest.mark.parametrize("kind", FORMATS)
