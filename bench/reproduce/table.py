@@ -283,14 +283,15 @@ def _cell(line: str, texts: Mapping[str, str]) -> PaperCell:
     numbers: dict[str, Printed] = {}
     reasons: dict[str, str] = {}
     for name in STATISTICS:
-        text = re.sub(r"(?<=[\d.])\s*[-+≈=*†‡§~]+$", "", texts.get(name, "").strip()).replace("−", "-").replace(" ", "")
+        given = texts.get(name, "").strip()
+        text = re.sub(r"(?<=[\d.])\s*[-+≈=*†‡§~]+$", "", given).replace("−", "-").replace(" ", "")
         if text.lower() in MISSING:
             continue
         try:
             decimal = Decimal(text.rstrip("%"))
             exponent = int(decimal.as_tuple().exponent)  # raises for NaN and infinity
         except (InvalidOperation, ValueError):
-            reasons[name] = f"{printable(text, 40)!r} as {name} is no number"
+            reasons[name] = f"{printable(given, 40)!r} as {name} is no number"
             continue
         exact = decimal == 0 and "e" in text.lower()
         numbers[name] = Printed(float(decimal), 0.0 if exact else 10.0**exponent, text)

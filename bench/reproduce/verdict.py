@@ -256,10 +256,19 @@ def shown(judgements: Sequence[Judgement]) -> list[tuple[str, ...]]:
     for each in judgements:
         if each.verdict != UNJUDGED:
             numbers, ours = each.cell.numbers, each.values
-            printed = " ± ".join(numbers[name].text for name in ("mean", "sd") if name in numbers)
+            printed = " ± ".join(numbers[name].text for name in ("mean", "sd") if name in numbers and "mean" in numbers)
             own = f"{ours.mean():.4g} ± {ours.std(ddof=1):.2g}"
             where = each.cell.where.rpartition(" (line")[0]
-            rows.append((where, printed, own, f"{each.shift:+.2g}", f"{each.p_table:.2g}", each.verdict))
+            rows.append(
+                (
+                    where,
+                    printed or "no mean",
+                    own,
+                    "" if math.isnan(each.shift) else f"{each.shift:+.2g}",
+                    f"{each.p_table:.2g}",
+                    each.verdict,
+                )
+            )
     return rows
 
 

@@ -85,7 +85,7 @@ def test_text_among_numbers_is_noted_and_the_rest_is_read(tmp_path):
         {"mean": 5.0, "best": 1.0},
     ]
     assert found.notes == (
-        "f1, d = 10, GWO (line 4): 'seetext' as mean is no number",
+        "f1, d = 10, GWO (line 4): 'see text' as mean is no number",
         "f3, GWO (line 6): 'inf' as sd is no number",
         "f3, GWO (line 6): 'ten' as dimension is no whole number from 1",
     )

@@ -8,7 +8,16 @@ import pytest
 from scipy import stats
 
 from bench.reproduce.table import PaperCell, PaperTable, Printed
-from bench.reproduce.verdict import compare, compare_counts, compare_means, compare_order, frame, judge, sentence
+from bench.reproduce.verdict import (
+    compare,
+    compare_counts,
+    compare_means,
+    compare_order,
+    frame,
+    judge,
+    sentence,
+    shown,
+)
 
 
 def number(value, unit=0.0):
@@ -169,3 +178,8 @@ def test_a_difference_in_another_number_than_the_mean_is_named():
         sentence(judged((printed, normal(10))))
         == "reproduced in 0 of 1 cell to within one SD; 1 differs: f1 (GWO by its best)"
     )
+
+
+def test_a_cell_without_a_mean_shows_no_shift():
+    (row,) = shown(judged((cell(median=10.0, sd=1.0), normal(10))))
+    assert row == ("f1, GWO", "no mean", "10 ± 1", "", "1", "open")
