@@ -160,7 +160,7 @@ class Talk:
 
 
 def short(value: Any) -> str:
-    """Return what a program wrote as one printable line that is not long."""
+    """Return a program's words as one printable line that is not long."""
     text = value if isinstance(value, str) else json.dumps(value)
     text = "".join(letter if letter.isprintable() else "?" for letter in text.strip()[: SHOWN + 1])
     return text if len(text) <= SHOWN else f"{text[:SHOWN]}…"

@@ -134,7 +134,8 @@ class Store:
     def keys(self, *, finished_only: bool = False, shown: Mapping[int, Labels] | None = None) -> set[Key]:
         """Return the stored trials, or the finished ones only, damaged or not; ``shown`` as in :meth:`traces`."""
         labels = self.held().selected if shown is None else shown
-        stored = self._select("SELECT cell, trial FROM results" + " WHERE status = 'ok'" * finished_only)
+        query = "SELECT cell, trial FROM results WHERE typeof(trial) = 'integer'"  # damage may leave a text
+        stored = self._select(query + " AND status = 'ok'" * finished_only)
         return {(*labels[cell], trial) for cell, trial in stored if cell in labels}
 
     def cells(self, shown: Mapping[int, Labels] | None = None) -> list[CellCounts]:

@@ -70,7 +70,7 @@ class ProblemSubject:
         return RecordedRun(points=answers, touched=tuple(changed))
 
     def parameters(self, problem: Problem) -> dict[str, str]:
-        """Return what the problem declares, as text."""
+        """Return the problem's declaration as text."""
         names = ("name", "variables", "lower", "upper", "integer", "optimum", "features", "repairs", "noisy", "measure")
         return {name: repr(getattr(problem, name)) for name in names}
 

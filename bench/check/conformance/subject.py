@@ -55,7 +55,7 @@ class AnySubject(Protocol):
         """Use a new instance, or ``instance``, as a trial does, and return the record."""
 
     def parameters(self, plugin: Any, /) -> dict[str, str]:
-        """Return what an instance declares, as text."""
+        """Return the declaration of an instance as text."""
 
 
 @dataclasses.dataclass(frozen=True)

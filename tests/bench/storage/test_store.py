@@ -19,7 +19,7 @@ from bench.storage.store import Store
 from bench.study.cell import Cell, record
 from bench.study.looks import Looks
 from bench.trial import Trial
-from tests.bench.storage.changes import forge
+from tests.bench.storage.changes import change, forge
 
 TRACE = Trace(np.array([1, 5, 40]), np.array([3.5, 0.1, -0.0]))
 
@@ -97,6 +97,12 @@ def test_cells_count_by_status_and_keys_distinguish_finished_from_lost(store):
     stored_keys, finished_keys = store.keys(), store.keys(finished_only=True)
     assert ("sphere-2", "scatter", 2) in stored_keys
     assert ("sphere-2", "scatter", 2) not in finished_keys
+
+
+def test_a_damaged_number_of_a_trial_is_no_key(store):
+    fill(store, 0, 1)
+    change(store.path, "UPDATE results SET trial = 'many' WHERE trial = 1")
+    assert store.keys() == {("sphere-2", "scatter", 0)}
 
 
 def test_a_lost_trial_is_replaced_and_a_finished_one_never(store):
