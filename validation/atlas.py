@@ -17,7 +17,7 @@ import numpy as np
 from bench import load_optimizer
 from bench.analysis.similarity import STAGES, TRAITS
 from bench.atlas.compare import compare
-from bench.atlas.runs import MEASURES, PROBLEMS, Surveyed, Task, measure
+from bench.atlas.runs import MEASURES, PROBLEMS, AtlasRun, Surveyed, measure
 from bench.atlas.table import Implementation
 from bench.seeds import trial_seed
 
@@ -69,7 +69,9 @@ def runs(number: int, trials: int) -> list[Surveyed]:
         for copy in ("one", "other"):
             seeds = [trial_seed(number, name, copy, trial) for trial in range(trials)]
             measures = {
-                problem: np.array([measure(optimizer, Task(problem, BUDGET, each, 10))["measures"] for each in seeds])
+                problem: np.array(
+                    [measure(optimizer, AtlasRun(problem, BUDGET, each, 10))["measures"] for each in seeds]
+                )
                 for problem in PROBLEMS
             }
             found.append(surveyed(name, copy, measures))
