@@ -79,6 +79,21 @@ EQUALS = (  # name, draw, then designs of optimizers, problems and trials
     ("90% ties", mostly_tied, ((2, 1, 51), (2, 24, 5), (2, 24, 15), (5, 10, 30))),
     ("20% failures", failures, ((2, 1, 15), (2, 24, 5), (5, 24, 15))),
 )  # fmt: skip
+SUBJECTS = (  # name, draw, optimizers, problems, trials, more
+    *(("identical", equal, *design, {}) for design in (
+        (2, 1, 15), (3, 1, 15), (5, 1, 15), (5, 2, 15), (5, 5, 3), (5, 8, 5), (5, 24, 5), (5, 24, 15), (10, 24, 15),
+    )),
+    *(("two tied best, others worse", two_best, *design, {}) for design in ((3, 1, 15), (5, 8, 15), (5, 24, 15))),
+    *(("spreads 1 to 100", spread(100.0), *design, {}) for design in ((2, 1, 15), (5, 1, 15), (5, 8, 5), (5, 24, 15))),
+    ("90% ties", mostly_tied, 5, 8, 30, {}), ("success .9", successes(0.9), 5, 24, 15, {}),
+    ("20% failures", failures, 5, 24, 15, {}),
+    ("sizes 51, 15, 15", equal, 3, 8, 15, {"sizes": (51, 15, 15)}),
+    ("sizes 5, 51, 51", equal, 3, 8, 5, {"sizes": (5, 51, 51)}),
+    *(("chosen for its results, naively", equal, *design, {"chosen": "naive"})
+      for design in ((5, 8, 15), (10, 24, 15))),
+    *(("chosen for its results, all pairs", equal, *design, {"chosen": "counted"})
+      for design in ((5, 8, 15), (10, 24, 15))),
+)  # fmt: skip
 POPULATIONS = (  # shares and values of A12 of a problem, of mean 0.5
     ((0.8, 0.2), (0.6, 0.1)), ((0.9, 0.1), (0.55, 0.05)), ((0.95, 0.05), (0.525, 0.025)), ((0.2, 0.8), (0.9, 0.4)),
     ((0.1, 0.9), (0.95, 0.45)), ((0.05, 0.95), (0.975, 0.475)), ((0.5, 0.5), (1.0, 0.0)), ((0.5, 0.5), (0.8, 0.2)),
@@ -104,6 +119,9 @@ def main(studies: int) -> None:
     for k, problems, trials in ((2, 1, 3), (2, 24, 5), (5, 24, 3)):
         shared = false_claims(equal, k, problems, trials, studies, instances=5)
         row("5 instances, any variance between", k, problems, trials, *map(share, shared))
+    header("a subject against k - 1 rivals", "k", "N", "n", "problem", "over all", "parts", "any")
+    for name, draw, k, problems, trials, more in SUBJECTS:
+        row(name, k, problems, trials, *map(share, of_subject(draw, k, problems, trials, studies, **more)))
     header("further problems, N 2 to 50", "too low", "too high", "interval")
     for shares, values in POPULATIONS:
         every = [further(shares, values, problems, trials, studies) for problems in NUMBERS for trials in (15, 51)]
@@ -166,6 +184,32 @@ def false_claims(
     tied = 2 if draw is two_best else k
     on_problem, over_all, winner = claims((strata() for _ in range(problems)), level, tied)
     return on_problem, over_all, winner, on_problem | over_all | winner
+
+
+def of_subject(
+    draw: Draw, k: int, problems: int, trials: int, studies: int, chosen: str = "", sizes: Sequence[int] = ()
+) -> tuple[Flags, Flags, Flags, Flags]:
+    """Return which studies claim anything false of a subject, in halves and quarters of the problems, too.
+
+    A subject that is ``chosen`` after the results is the optimizer that is lowest most often over all trials; "naive"
+    tests it as if it had been named before, "counted" tests every pair, as a page does.
+    """
+    rng, pairs = np.random.default_rng((k, problems, trials, 7)), k * (k - 1) // 2
+    values = [draw(rng, k, studies, max(sizes, default=trials)) for _ in range(problems)]
+    if chosen:
+        wins = np.stack([sum((of.argmin(axis=0) == place).sum(axis=1) for of in values) for place in range(k)])
+        order = np.argsort(-wins, axis=0, kind="stable")
+        values = [np.take_along_axis(of, order[:, :, np.newaxis], axis=0) for of in values]
+    strata = [[[own[:, :size] for own, size in zip(of, sizes or [trials] * k, strict=True)]] for of in values]
+    tested = pairs if chosen == "counted" else k - 1
+    level = analysis.levels([sorted(sizes)[-2] if sizes else trials] * problems, tested, tested * problems)
+    parts = [list(range(start, problems, step)) for step in (2, 4) for start in range(step) if problems >= 2 * step]
+    if chosen == "counted":
+        on_problem, over_all, _ = claims(strata, level)
+        where = claims(strata, level._replace(course=level.course * 2 / k), parts=parts)[2]
+    else:
+        on_problem, over_all, where = claims(strata, level, 2 if draw is two_best else k, parts)
+    return on_problem, over_all, where, on_problem | over_all | where
 
 
 def of_chances(rng: np.random.Generator, chances: Floats, trials: int) -> Effects:

@@ -5,7 +5,8 @@ Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise
 Across problems: :func:`across_problems`, :func:`places`, :func:`medians`, :func:`ranks_by_block`, :func:`friedman`,
 :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How often such claims are wrong:
 :func:`levels`, :func:`rates_of_equals`, :func:`rates_of_spreads`, :func:`detectable_a12`, :func:`detectable_across`,
-:func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`earlier_leads`, :func:`unused_budget`,
+:func:`trials_to_separate`. One optimizer against its rivals: :func:`in_parts`, :func:`seen_from`, :func:`signs_of`,
+:func:`outcome`. Over the evaluations: :func:`stage_ranks`, :func:`earlier_leads`, :func:`unused_budget`,
 :func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`,
 :func:`tolerance_times`,
 :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`parallel_times`,
@@ -105,6 +106,7 @@ from bench.analysis.running_time import (
 from bench.analysis.selection import best_on, selection_gain, validated_selection
 from bench.analysis.stages import SHARES, earlier_leads, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
+from bench.analysis.subject import in_parts, outcome, seen_from, signs_of
 from bench.analysis.target_sets import (
     aocc,
     compare_sets,
@@ -169,6 +171,7 @@ __all__ = [
     "friedman",
     "hitting_times",
     "holm",
+    "in_parts",
     "in_seconds",
     "in_study_order",
     "integrity",
@@ -180,6 +183,7 @@ __all__ = [
     "medians",
     "near_best",
     "normalised_errors",
+    "outcome",
     "pairwise_tests",
     "parallel_ranks",
     "parallel_times",
@@ -202,10 +206,12 @@ __all__ = [
     "runlength_targets",
     "running_times",
     "scores",
+    "seen_from",
     "selection_gain",
     "separably_fastest",
     "shapley",
     "signs",
+    "signs_of",
     "simulated_restarts",
     "stage_ranks",
     "standings",

@@ -35,7 +35,7 @@ from bench.analysis.direction import (
     standardised,
     stratified,
 )
-from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
+from bench.analysis.pairwise import RESAMPLES, holm, of_subject, percentile_interval
 from bench.analysis.standings import against_rivals, complete_ranks, matrices, ranks
 from bench.analysis.strata import Samples
 from bench.typing import Flags, Floats
@@ -91,7 +91,9 @@ def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame([row | {"note": note}])
 
 
-def across_problems(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA) -> pd.DataFrame:
+def across_problems(
+    pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA, subject: str = ""
+) -> pd.DataFrame:
     """Return one row a pair of optimizers: the probability that a run of ``first`` ends lower than one of ``second``.
 
     Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12, with its 95% interval for
@@ -103,17 +105,20 @@ def across_problems(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: fl
     variance of runs: the values of the problems alone then give both tests and intervals.
 
     ``pairs`` are those of :func:`bench.analysis.pairwise_tests`. All is missing where no problem has trials of every
-    optimizer, and the p-values are 1.
+    optimizer, and the p-values are 1. With a ``subject``, only its pairs are hypotheses, over which p_holm is adjusted
+    and the joint intervals hold; the others have no p_holm and are never significant.
     """
     table, problems, estimates = _by_problem(pairs)
     means = pd.DataFrame(estimates.a12).groupby(_owners(problems, blocks), sort=False).mean().to_numpy()
     p, p_further = p_of_means(estimates), bounded.p_values(means)
-    p_holm, further = in_sequence(p, p_further, alpha)
+    tested = of_subject(table, subject)
+    p_holm, further = np.full(len(table), np.nan), np.zeros(len(table), dtype=bool)
+    p_holm[tested], further[tested] = in_sequence(p[tested], p_further[tested], alpha)
     mean = mean_of(estimates)
     balance = np.round(mean.a12 - 0.5, 12)
     favoured = np.where(balance > 0, table["first"], np.where(balance < 0, table["second"], ""))
     table = table.assign(problems=len(problems), blocks=len(means), probability=mean.a12)
-    for prefix, level in (("", 0.95), ("joint_", 1 - 0.05 / max(len(table), 1))):
+    for prefix, level in (("", 0.95), ("joint_", 1 - 0.05 / max(int(tested.sum()), 1))):
         low, high = intervals(mean, level)
         alone = np.isnan(low) & ~np.isnan(mean.a12)  # no variance of runs
         low[alone], high[alone] = bounded.intervals(estimates.a12[:, alone], level)

@@ -31,6 +31,7 @@ ON_PROBLEMS = 0.01  # of the level of all claims of a page
 COURSE = 0.005
 
 Stratum = Sequence[Floats]  # the values of k optimizers on one instance, (studies, n) each
+Parts = Sequence[Sequence[int]]  # the places of the problems of each part
 
 
 class Levels(NamedTuple):
@@ -96,7 +97,9 @@ def _can_reject(trials: int, tests: int, level: float) -> bool:
     return bool(least_p(trials) * max(tests, 1) <= level)
 
 
-def rates_of_equals(pools: Sequence[Sequence[Floats]], optimizers: int, level: Levels, seed: int = 0) -> Rates:
+def rates_of_equals(
+    pools: Sequence[Sequence[Floats]], optimizers: int, level: Levels, seed: int = 0, parts: Parts | None = None
+) -> Rates:
     """Return the rates where the optimizers are identical.
 
     Args:
@@ -104,6 +107,7 @@ def rates_of_equals(pools: Sequence[Sequence[Floats]], optimizers: int, level: L
         optimizers: k; of more than twelve, twelve are simulated, which have the trials of all to draw from.
         level: of the tests.
         seed: of the simulation.
+        parts: of the problems; where they are given, the first optimizer is a subject, as of :func:`claims`.
     """
     rng, k = np.random.default_rng(seed), min(optimizers, MOST)
     studies = _studies(k, sum(len(pool) for strata in pools for pool in strata) / optimizers)
@@ -113,15 +117,19 @@ def rates_of_equals(pools: Sequence[Sequence[Floats]], optimizers: int, level: L
         values = rng.permuted(np.tile(pool, (studies, 1)), axis=1)[:, : trials * k]
         return list(values.reshape(studies, k, trials).transpose(1, 0, 2))
 
-    return _rates(([dealt(pool) for pool in strata] for strata in pools), level)
+    return _rates(([dealt(pool) for pool in strata] for strata in pools), level, parts)
 
 
-def rates_of_spreads(trials: int, optimizers: int, problems: int, level: Levels, seed: int = 0) -> Rates:
+def rates_of_spreads(
+    trials: int, optimizers: int, problems: int, level: Levels, seed: int = 0, parts: Parts | None = None
+) -> Rates:
     """Return the rates where A12 is 0.5 for every pair and the spread doubles from one optimizer to the next."""
     rng, k = np.random.default_rng(seed), min(optimizers, MOST)
     studies = _studies(k, trials * problems)
     return _rates(
-        ([[2.0**place * rng.standard_normal((studies, trials)) for place in range(k)]] for _ in range(problems)), level
+        ([[2.0**place * rng.standard_normal((studies, trials)) for place in range(k)]] for _ in range(problems)),
+        level,
+        parts,
     )
 
 
@@ -129,33 +137,44 @@ def _studies(optimizers: int, trials: float) -> int:
     return int(np.clip(WORK // (trials * optimizers * max(optimizers - 1, 1)), *STUDIES))
 
 
-def _rates(problems: Iterable[Sequence[Stratum]], level: Levels) -> Rates:
-    on_problem, over_all, winner = claims(problems, level)
+def _rates(problems: Iterable[Sequence[Stratum]], level: Levels, parts: Parts | None) -> Rates:
+    on_problem, over_all, winner = claims(problems, level, parts=parts)
     claimed = on_problem, over_all | winner, on_problem | over_all | winner
     return Rates(len(on_problem), *(float(flags.mean()) for flags in claimed))
 
 
-def claims(problems: Iterable[Sequence[Stratum]], level: Levels, tied: int | None = None) -> tuple[Flags, Flags, Flags]:
+def claims(
+    problems: Iterable[Sequence[Stratum]], level: Levels, tied: int | None = None, parts: Parts | None = None
+) -> tuple[Flags, Flags, Flags]:
     """Return which studies claim any difference on a problem, any over all problems, and a winner, (studies,) each.
 
     The claims are those of a report: by Holm's method any difference is claimed where the smallest p is, and a winner
-    needs no adjustment, since all of its tests must reject.
+    needs no adjustment, since all of its tests must reject. With ``parts`` the first optimizer is a subject: only its
+    pairs are tested, and the third claim is a difference over all problems of any part, in place of a winner.
 
     Args:
         problems: the strata of each problem, its instances or itself.
         level: of the tests.
         tied: the number of optimizers, the first ones, between which a claim is false; all, unless given.
+        parts: the places of the problems of each part, such as a class of functions.
     """
-    found = [stratified([_pairs(stratum) for stratum in strata]) for strata in problems]
+    found = [stratified([_pairs(stratum, parts is not None) for stratum in strata]) for strata in problems]
     estimates = stacked(found)  # (problems, pairs, studies)
     number, pairs, _ = estimates.a12.shape
-    optimizers = 1 + int(np.sqrt(2 * pairs))  # whose pairs these are
-    rivals = list(combinations(range(optimizers), 2))
+    optimizers = 1 + (int(np.sqrt(2 * pairs)) if parts is None else pairs)  # whose pairs these are
+    rivals = [pair for pair in combinations(range(optimizers), 2) if parts is None or not pair[0]]
     equal = np.array([second < (tied or optimizers) for _, second in rivals])
     alone = p_values(estimates)
     on_problem = _holm(alone.reshape(-1, alone.shape[2]), np.tile(equal, number), level.problems)
     p, mean = p_of_means(estimates), mean_of(estimates).a12.round(12)
     over_all, shown = _holm(p, equal, level.across), p <= level.across
+    if parts is not None:
+        a12, ratio, smaller = map(np.asarray, estimates)
+        of_parts = [Effects(*(each[list(places)] for each in (a12, ratio, smaller))) for places in parts]
+        every = [p_of_means(of_part) for of_part in of_parts]
+        none = np.zeros_like(over_all)
+        where = _holm(np.concatenate(every), np.tile(equal, len(every)), level.course) if every else none
+        return on_problem, over_all, where
     won = np.zeros((optimizers, p.shape[1]), dtype=np.int64)
     for place, (first, second) in enumerate(rivals):
         won[first] += shown[place] & (mean[place] > 0.5)
@@ -170,9 +189,10 @@ def _holm(p: Floats, equal: Flags, level: float) -> Flags:
     return np.array([bool((holm(own)[equal] <= level).any()) for own in p.T])
 
 
-def _pairs(stratum: Stratum) -> Effects:
-    """Return A12 of each pair of optimizers in each study, (pairs, studies)."""
-    return stacked([effects(one, other) for one, other in combinations(stratum, 2)])
+def _pairs(stratum: Stratum, of_first: bool) -> Effects:
+    """Return A12 of each pair of optimizers, or of the first with each other one, in each study, (pairs, studies)."""
+    pairs = ((stratum[0], other) for other in stratum[1:]) if of_first else combinations(stratum, 2)
+    return stacked([effects(one, other) for one, other in pairs])
 
 
 @lru_cache

@@ -14,7 +14,7 @@ from bench.analysis.cells import labels, quantiles
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.strata import Samples, strata
-from bench.typing import Floats
+from bench.typing import Flags, Floats
 
 RESAMPLES = 9_999  # of every bootstrap; with the sample itself 10,000
 CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2000, Table 1
@@ -27,7 +27,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd.DataFrame:
     """Return one row a problem and pair of optimizers.
 
     The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, of pooled
@@ -46,6 +46,7 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
 
     Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties. A pair of which a cell has
     fewer than two trials has no interval and p = 1, and is no hypothesis of the adjustment where a cell has none.
+    With a ``subject``, only its pairs are hypotheses; the others have no p_holm and are never significant.
     Names are categories: texts would take most of the memory.
     """
     by_problem, optimizers, problems = strata(frame), labels(frame, "optimizer"), labels(frame, "problem")
@@ -54,7 +55,8 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
         dtype=np.int64,
     )
     one, other = np.triu_indices(len(optimizers), 1)
-    tests = int(np.sum(np.minimum(sizes[:, one], sizes[:, other]) > 0)) if len(problems) else 0
+    tested = np.array([subject in ("", optimizers[i], optimizers[j]) for i, j in zip(one, other, strict=True)], bool)
+    tests = int(np.sum((np.minimum(sizes[:, one], sizes[:, other]) > 0) & tested)) if len(problems) else 0
     # Of each column one array from the beginning: many small ones would leave gaps in the memory.
     columns: dict[str, Any] = {}
     for place, problem in enumerate(problems):
@@ -73,24 +75,32 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     }
     pairs = pd.DataFrame(columns, columns=list(COLUMNS), copy=False)
     smaller = pairs[["n_first", "n_second"]].min(axis=1).to_numpy(dtype=float)
-    return adjusted(pairs, alpha).assign(
-        testable=2.0 ** (1 - smaller) * max(tests, 1) <= alpha,
+    return adjusted(pairs, alpha, subject).assign(
+        testable=(2.0 ** (1 - smaller) * max(tests, 1) <= alpha) & of_subject(pairs, subject),
         separated=pairs["a12"].isin((0.0, 1.0)),
         cliffs_delta=2 * pairs["a12"] - 1,
         ks_tied=pairs["ks_tied"].eq(True),
     )
 
 
-def adjusted(pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return the rows of :func:`pairwise_tests` with what follows from p and a12 of all rows."""
-    present = ((pairs["n_first"] > 0) & (pairs["n_second"] > 0)).to_numpy(dtype=bool)
-    p_holm = np.ones(len(pairs))
+def adjusted(pairs: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd.DataFrame:
+    """Return the rows of :func:`pairwise_tests` with what follows from p and a12 of all rows, or of a subject's."""
+    tested = of_subject(pairs, subject)
+    present = ((pairs["n_first"] > 0) & (pairs["n_second"] > 0)).to_numpy(dtype=bool) & tested
+    p_holm = np.where(tested, 1.0, np.nan)
     p_holm[present] = holm(pairs["p"].to_numpy(dtype=float)[present])
     significant, chance = p_holm <= alpha, pairs["a12"].to_numpy(dtype=float)
     first, second = (pairs[name].cat.codes.to_numpy(dtype=np.int64) for name in ("first", "second"))
     lower = np.where(significant & (chance > 0.5), first + 1, np.where(significant & (chance < 0.5), second + 1, 0))
     names = pd.Index(["", *pairs["first"].cat.categories])
     return pairs.assign(p_holm=p_holm, significant=significant, lower=pd.Categorical.from_codes(lower, names))
+
+
+def of_subject(pairs: pd.DataFrame, subject: str) -> Flags:
+    """Return which rows, with columns first and second, have the subject; all without one."""
+    if not subject:
+        return np.ones(len(pairs), dtype=bool)
+    return ((pairs["first"] == subject) | (pairs["second"] == subject)).to_numpy(dtype=bool)
 
 
 def holm(p: Floats) -> Floats:

@@ -73,6 +73,14 @@ Rope = Annotated[
         help="Differences of medians that count as equal: a number in the problem's unit, or a share as '1%'.",
     ),
 ]
+Subject = Annotated[
+    str | None,
+    typer.Option(
+        rich_help_panel=STUDY,
+        metavar="OPTIMIZER",
+        help="The optimizer that the report is about: it alone is tested against each of the others.",
+    ),
+]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
 ]

@@ -9,7 +9,8 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Against, Jobs, Open, Rope, Targets
+from bench.cli.console import Against, Jobs, Open, Rope, Subject, Targets
+from bench.errors import BenchError
 from bench.helpers.console import print_line, steps
 
 
@@ -30,12 +31,8 @@ def command(
     ] = None,
     jobs: Jobs = -1,
     against: Against = None,
-    reference: Annotated[
-        str | None,
-        typer.Option(
-            metavar="OPTIMIZER", help="Mark where this optimizer is better (+), equal (=) or worse (-) than the others."
-        ),
-    ] = None,
+    subject: Subject = None,
+    reference: Annotated[str | None, typer.Option(hidden=True)] = None,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(metavar="PATTERN", help="Show these optimizers alone, as in 'gwo*'; repeatable. Needs --output."),
@@ -61,9 +58,11 @@ def command(
     Several folders, such as those of two versions of an optimizer, are compared as one study. A selection of
     optimizers or problems says on its page what is left out.
     """
+    if reference is not None:
+        raise BenchError(f"--reference is --subject now: give --subject {reference}")
     chosen = {"optimizers": optimizer or None, "problems": problem or None, "dimensions": dimension or None}
     beside, best = published(against)
-    settings = {"output": output, "n_jobs": jobs, "targets": targets, "rope": rope, "reference": reference}
+    settings = {"output": output, "n_jobs": jobs, "targets": targets, "rope": rope, "subject": subject}
     report_on([*folders, *beside], Console(), open_, beside_best=best, versions=versions or (), **settings, **chosen)
 
 

@@ -27,6 +27,7 @@ from bench.cli.console import (
     Open,
     Parallel,
     Rope,
+    Subject,
     Targets,
     Untrusted,
 )  # fmt: skip
@@ -82,6 +83,7 @@ def command(
             autocompletion=completion.problems,
         ),
     ] = None,
+    subject: Subject = None,
     matched: Annotated[
         bool, _study("--matched", help="Also run each optimizer under the conditions of the others, as controls.")
     ] = False,
@@ -154,6 +156,7 @@ def command(
         "constraints": constraints,
         "targets": targets,
         "parallel": parallel,
+        "subject": subject,
     }
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
     if matched:

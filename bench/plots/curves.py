@@ -193,8 +193,8 @@ def _curve(ax: Axes, x: np.ndarray, y: np.ndarray, pen: style.Pen, place: int, s
     """Draw the curve of one optimizer with few markers, at other places than those of the previous optimizer."""
     every = max(len(x) // 5, 1)
     ax.plot(
-        x, y, color=pen.color, linestyle=pen.line, linewidth=0.5 if pen.background else 1.1, marker=pen.marker,
-        markersize=3.0,
+        x, y, color=pen.color, linestyle=pen.line, linewidth=0.5 if pen.background else 1.1 * pen.width,
+        marker=pen.marker, markersize=3.0,
         markevery=(2 * place % every, every), drawstyle="steps-post" if steps else "default",
     )  # fmt: skip
 

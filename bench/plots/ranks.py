@@ -115,7 +115,7 @@ def rank_course(ranks: pd.DataFrame, *, pens: style.Pens | None = None, ax: Axes
         if not len(x):
             continue
         ax.plot(
-            x, y, color=pen.color, linestyle=pen.line, linewidth=0.6 if pen.background else 1.3,
+            x, y, color=pen.color, linestyle=pen.line, linewidth=0.6 if pen.background else 1.3 * pen.width,
             marker="" if pen.background else pen.marker, markersize=4.0, clip_on=False,
         )  # fmt: skip
         if not pen.background:

@@ -10,7 +10,7 @@ import unicodedata
 import warnings
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import blake2b
 from itertools import takewhile
@@ -23,10 +23,12 @@ import matplotlib.figure
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedFormatter, FuncFormatter, LogLocator, MaxNLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from bench.errors import BenchError, nearest
@@ -69,6 +71,7 @@ class Pen:
     marker: str
     line: Any
     background: bool = False
+    width: float = 1.0  # of lines, times that of the plot
 
 
 Pens = Mapping[str, Pen]
@@ -125,8 +128,31 @@ def _colours(labels: Sequence[str]) -> dict[str, int]:
 
 
 def behind_first(pens: Pens) -> list[tuple[str, Pen]]:
-    """Return labels and pens in the order of drawing: those in the background first."""
-    return sorted(pens.items(), key=lambda item: not item[1].background)
+    """Return labels and pens in the order of drawing: those in the background first, and thick ones last."""
+    return sorted(pens.items(), key=lambda item: (not item[1].background, item[1].width))
+
+
+def standing_out(pens: Pens, subject: str) -> Pens:
+    """Return the pens with thicker lines of a subject, and paler colours of its rivals; the pens without a subject."""
+    if subject not in pens:
+        return pens
+    quiet = np.array(to_rgb(GREY))
+    paler = {
+        label: replace(pen, color=to_hex(tuple(0.4 * np.array(to_rgb(pen.color)) + 0.6 * quiet)))
+        for label, pen in pens.items()
+    }
+    return paler | {subject: replace(pens[subject], line="-", width=1.8, background=False)}
+
+
+def mark(figure: matplotlib.figure.Figure, subject: str) -> None:
+    """Write the name of a subject in bold letters wherever it stands in a figure: at an axis, line or legend."""
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            if isinstance(axis.get_major_formatter(), FixedFormatter):
+                axis.get_ticklabels()  # which names them; the names of others are numbers
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and text.get_text() == plain(subject, max(len(text.get_text()), 1)):
+            text.set_fontweight("bold")
 
 
 def pens_of(frame: pd.DataFrame, chosen: Pens | None = None) -> Pens:

@@ -87,6 +87,7 @@ def run(
         "sandbox": "bwrap" if untrusted else None,
         "trials": study.trials,
         "extends": extends,
+        "subject": study.subject,
     }
 
 

@@ -99,6 +99,8 @@ class Study:
             tuning of this harness. It decides no trial's result.
         looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
             (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
+        subject: the label of the optimizer that the study is about: reports test it against each rival, and no other
+            pair. It decides no trial's result; "" where there is none.
         controls: optimizers that run beside the others and are not compared with them, such as the same ones under
             other conditions (:mod:`bench.study.matched`). They decide no other trial's result.
     """
@@ -120,6 +122,7 @@ class Study:
     blocks: Checked[Blocks | None] = Checked(Blocks.read)
     tuning: Checked[Tuning | None] = Checked(Tuning.read)
     looks: Checked[Looks] = Checked(Looks.read, Looks())
+    subject: str = ""
     controls: tuple[Entry, ...] = ()
 
     def __post_init__(self) -> None:
@@ -162,7 +165,7 @@ class Study:
         for key in data:
             if key not in fields:
                 raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, fields)}")
-        for key in ("name", "title"):
+        for key in ("name", "title", "subject"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
         if not data.get("name"):
@@ -222,6 +225,8 @@ class Study:
                 raise BenchError(f"study {where} needs at least one of the {key}")
             entries.check_labels(getattr(self, key), key, where)
         entries.check_labels(self.with_controls, "optimizers and controls", where)
+        if self.subject:
+            self._named("optimizer", self.optimizers, self.subject)
         labels = [entry.label for entry in self.problems]
         if self.blocks is not None:
             self.blocks.require_known({*labels, *map(pooled, labels)}, f"study {where}: ")
@@ -351,6 +356,7 @@ class Study:
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
+        table["subject"] = self.subject or None
         table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
         table |= {"targets": self.targets, "rope": self.rope, "looks": self.looks.plain}
         for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
@@ -375,13 +381,13 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, rope, blocks, tuning and the default handlings of constraints and evaluations are no part of it: older
-        studies do not name them. Neither are the number of points evaluated at a time, and controls, which change no
-        other trial and may be added to a folder. Looks are, where there are any: they decide which trials are made, and
-        must be declared before the first one.
+        Targets, rope, blocks, tuning, subject and the default handlings of constraints and evaluations are no part of
+        it: older studies do not name them. Neither are the number of points evaluated at a time, and controls, which
+        change no other trial and may be added to a folder. Looks are, where there are any: they decide which trials are
+        made, and must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "looks", "controls"}
+        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "looks", "controls", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks

@@ -12,7 +12,9 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError, nearest
 from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
+from bench.plots import style
 from bench.report.drawing import Drawer
+from bench.report.parts import Figure, Section
 from bench.report.wording import count
 from bench.report.write import MANIFEST, Chapter, Writer
 from bench.results.results import Results
@@ -36,7 +38,7 @@ def write_report(
     targets: Any = None,
     rope: Any = None,
     beside_best: bool = False,
-    reference: str | None = None,
+    subject: str | None = None,
     optimizers: Patterns = None,
     problems: Patterns = None,
     dimensions: Dimensions = None,
@@ -58,7 +60,8 @@ def write_report(
         rope: differences that count as equal, other than the study's own (:class:`bench.study.rope.Rope`).
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
-        reference: the label of the optimizer that the competition's table compares with each other one.
+        subject: the label of the optimizer that the report is about, other than the study's own: it alone is tested
+            against each of the others. Where the first run did not name it, every pair counts as a test.
         optimizers: labels or patterns of the only optimizers to show (:meth:`bench.Results.select`). The page, the
             methods and the answer say what was left out, and a selection needs an ``output`` of its own.
         problems: likewise of problems.
@@ -68,7 +71,7 @@ def write_report(
 
     Raises:
         BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
-            are none, the best of 2009 is of other problems, the study has no optimizer ``reference``, nothing has a
+            are none, the best of 2009 is of other problems, the study has no optimizer ``subject``, nothing has a
             pattern or a dimension that is selected, a selection has no ``output``, or that cannot be written or holds
             another study.
     """
@@ -77,11 +80,10 @@ def write_report(
     results = Results(path, *others, versions=versions)
     if (optimizers, problems, dimensions) != (None, None, None):
         results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
-    findings = Findings(results, chosen, equal, beside_best, reference)
-    if reference is not None and reference not in findings.trials.optimizers:
-        raise BenchError(
-            f"the study has no optimizer {reference!r} to refer to{nearest(reference, findings.trials.optimizers)}"
-        )
+    findings = Findings(results, chosen, equal, beside_best, subject)
+    if subject is not None and subject not in findings.trials.optimizers:
+        known = nearest(subject, findings.trials.optimizers)
+        raise BenchError(f"the study has no optimizer {subject!r} for a subject{known}")
     findings.anytime.check_targets()
     folder = _folder(results, None if output is None else Path(output))
     try:
@@ -119,7 +121,18 @@ def chapters(findings: Findings) -> list[Chapter]:
 def _chapter(name: str, topic: Topic | Exception, findings: Findings) -> Chapter:
     if isinstance(topic, Exception):
         return Chapter(name, f"Section {name}", _raising(topic), list)
-    return Chapter(name, topic.title, lambda: topic.sections(findings), lambda: topic.files(findings))
+    return Chapter(name, topic.title, lambda: _marked(topic, findings), lambda: topic.files(findings))
+
+
+def _marked(topic: Topic, findings: Findings) -> list[Section]:
+    """Return the sections of a topic, with the subject's name marked in their figures."""
+    sections = topic.sections(findings)
+    if findings.subject:
+        for part in (part for section in sections for part in (section, *section.sections)):
+            for item in part.items:
+                if isinstance(item, Figure):
+                    style.mark(item.figure, findings.subject)
+    return sections
 
 
 def _raising(error: Exception) -> Callable[[], Any]:

@@ -20,10 +20,10 @@ OTHER_NOTE = (
 NOTE = (
     "Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower with it "
     "(A12 > 0.5); none where half of the optimizers or more share the first place. Italics: the first one is not "
-    "separably lower. Letters, in the order of the ranks: optimizers of a row that share a letter are not separable. "
-    "–: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. Values have four significant "
-    "digits, or up to six to distinguish those of a row."
+    "separably lower. {marks} –: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. "
+    "Values have four significant digits, or up to six to distinguish those of a row."
 )
+LETTERS = "Letters, in the order of the ranks: optimizers of a row that share a letter are not separable."
 VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
@@ -35,13 +35,16 @@ def section(findings: Findings) -> Section:
     if not best.to_numpy().any():
         text = ["No problem has two optimizers with a finite value, so no best optimizer is marked."]
     else:
-        unclear = int(alike.any(axis=1).sum())
+        unclear, subject = int(alike.any(axis=1).sum()), findings.final.subject
         test = (
             f"On {unclear} of these problems a first optimizer is not separably lower than another one."
             if unclear
             else "The first optimizers are separably lower than all others on each of these problems."
         )
-        text = [f"{leaders(best, 'the first rank')}. {test}", *filter(None, (_odd(odd), _gaps(findings.trials)))]
+        text = [
+            f"{leaders(best, 'the first rank')}. {'' if subject else test}".rstrip(),
+            *filter(None, (_odd(odd), _gaps(findings.trials))),
+        ]
     items = _medians(findings)
     regrets = regret(findings.final.measured_summary, findings.trials.unbeaten, VALUES)
     if len(regrets):
@@ -57,17 +60,20 @@ def section(findings: Findings) -> Section:
 
 def _medians(findings: Findings) -> list[Table]:
     """Return the matrix of medians: a table of objective values, and one of the precisions of pooled instances."""
+    subject = findings.final.subject
+    signs = f"+: {subject} is separably lower than this one; −: higher; =: neither; other pairs are not tested."
+    notes = NOTE.format(marks=signs if subject else LETTERS)
     precise = findings.final.matrix["problem"].isin(findings.trials.precisions)
     caption = "over the trials of each cell (lower is better), and who beats the most rivals."
     tables = []
     if not precise.all():
         values = findings.final.matrix[~precise]
-        tables.append(_matrix(findings, "comparison", f"Median of the best objective value {caption}", values, NOTE))
+        tables.append(_matrix(findings, "comparison", f"Median of the best objective value {caption}", values, notes))
     if precise.any():
         name = "comparison-precisions" if tables else "comparison"
         what = f"Median precision, the best objective value less the optimum of the instance, {caption}"
         made = listing([cells.words() for cells in findings.trials.replications if cells.instances > 1])
-        marked = "Marked as the comparison of objective values." if tables else NOTE
+        marked = "Marked as the comparison of objective values." if tables else notes
         how = f" A cell holds the trials of all instances, {made}; a precision of at most {SOLVED:g} counts as 0."
         tables.append(_matrix(findings, name, what, findings.final.matrix[precise], marked + how))
     return tables

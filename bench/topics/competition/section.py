@@ -20,21 +20,21 @@ BY_U_SCORES = ("cec2022", "cec2024")
 
 
 def section(findings: Findings) -> Section | None:
-    """Return the tables of functions of CEC's suites, and of any study that names a reference; None for others."""
+    """Return the tables of functions of CEC's suites, and of any study with a subject; None for others."""
     suites = {str(facts.features.get("suite", "")) for facts in findings.trials.known.values()}
-    if not findings.reference and not (suites and all(name.startswith("cec") for name in suites)):
+    if not findings.subject and not (suites and all(name.startswith("cec") for name in suites)):
         return None
     errors = analysis.error_statistics(findings.trials.frame, findings.trials.unbeaten)
     if errors.empty:
         return None
     tests = (
-        analysis.signs(findings.trials.frame, findings.trials.unbeaten, findings.reference)
-        if findings.reference
+        analysis.signs(findings.trials.frame, findings.trials.unbeaten, findings.subject)
+        if findings.subject
         else pd.DataFrame(columns=["problem", "optimizer", "p", "sign"])
     )
     text = [_about(errors, findings.trials.common_words)]
-    if findings.reference:
-        text.append(_tested(findings.reference, tests, stopped=bool(findings.trials.decisions.stopped)))
+    if findings.subject:
+        text.append(_tested(findings.subject, tests, stopped=bool(findings.trials.decisions.stopped)))
     items = [_table(findings, errors, tests, suites), _statistics(errors)]
     shares = {
         label: analysis.checkpoint_shares(
@@ -61,17 +61,17 @@ def _about(errors: pd.DataFrame, common: str) -> str:
     )
 
 
-def _tested(reference: str, tests: pd.DataFrame, *, stopped: bool) -> str:
+def _tested(subject: str, tests: pd.DataFrame, *, stopped: bool) -> str:
     """Explain the signs, and how often they would appear without any difference."""
     meaning = (
-        f"+: the errors of {reference} are lower than those of the other optimizer (Wilcoxon’s rank-sum test, "
+        f"+: the errors of {subject} are lower than those of the other optimizer (Wilcoxon’s rank-sum test, "
         "two-sided, p < 0.05); −: they are higher; =: neither is shown, which is not equality."
     )
     if tests.empty:
-        return f"{meaning} No problem has trials of {reference} and of another optimizer."
+        return f"{meaning} No problem has trials of {subject} and of another optimizer."
     return (
         f"{meaning} As the field does, each test is made at 0.05 by itself: nothing is corrected for the "
-        f"{count(len(tests), 'test')} of this table. If no optimizer differed from {reference}, about "
+        f"{count(len(tests), 'test')} of this table. If no optimizer differed from {subject}, about "
         f"{0.05 * len(tests):.2g} of its signs would still be + or − on average, or fewer with few or tied trials"
         + (", and more here, as looks stopped trials where a difference was large" if stopped else "")
         + ". The verdict and the comparison have tests that are corrected for their number."
@@ -79,7 +79,7 @@ def _tested(reference: str, tests: pd.DataFrame, *, stopped: bool) -> str:
 
 
 def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites: set[str]) -> Table:
-    reference, optimizers = findings.reference, findings.trials.optimizers
+    subject, optimizers = findings.subject, findings.trials.optimizers
     mean, sd = (
         errors.pivot(index="problem", columns="optimizer", values=name)
         .reindex(index=findings.trials.problems, columns=optimizers)
@@ -96,10 +96,10 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     best = mean.min(axis=1)
     lowest = mean.sub(best, axis=0).le(analysis.NEAR * best.abs(), axis=0) & np.isfinite(mean)
     ends: dict[str, list[str]] = {}
-    if reference:
+    if subject:
         counts = [" / ".join(str(int((sign[optimizer] == one).sum())) for one in SIGNS) for optimizer in optimizers]
         ends[" / ".join(SIGNS.values())] = [
-            "" if optimizer == reference else sign_counts
+            "" if optimizer == subject else sign_counts
             for optimizer, sign_counts in zip(optimizers, counts, strict=True)
         ]
     scores = findings.anytime.u_scores if suites <= set(BY_U_SCORES) and len(optimizers) > 1 else pd.DataFrame()
@@ -112,14 +112,14 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     return Table(
         "competition",
         "Mean and standard deviation of the error"
-        + (f", and where {reference} is better (+), not shown to differ (=) or worse (−)" if reference else "")
+        + (f", and where {subject} is better (+), not shown to differ (=) or worse (−)" if subject else "")
         + ".",
         frame.rename_axis(index="problem", columns=None),
         texts=pd.concat([texts, last]),
         bold=lowest.reindex(frame.index, fill_value=False),
         marks=marks.reindex(frame.index, fill_value=""),
         note="Mean (standard deviation). Bold: the lowest mean of a row. ∞: a trial failed."
-        + (" Each sign: Wilcoxon’s rank-sum test at 0.05, uncorrected; last: their counts." if reference else "")
+        + (" Each sign: Wilcoxon’s rank-sum test at 0.05, uncorrected; last: their counts." if subject else "")
         + (" U-score: over the problems where all have as many trials." if len(scores) else "")
         + " The CSV file has every statistic and p.",
         data=merged,

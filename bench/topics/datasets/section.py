@@ -56,7 +56,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     ]
     if len(table := findings.anytime.running_times) and (table["problem"] == problem).any():
         items.append(_abridged(findings, problem, _running_times(findings, problem)))
-    pairs = findings.final.pairs[findings.final.pairs["problem"] == problem]
+    pairs = findings.final.tested_pairs[findings.final.tested_pairs["problem"] == problem]
     text = []
     if problem in findings.trials.precisions:
         instances = len(findings.trials.pooled.members[problem])
@@ -120,8 +120,8 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         shown,
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
-        note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
-        f"reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
+        note="The interval of the median is distribution-free; letters, or signs, as in the comparison; success: "
+        f"trials that reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
         data=cells.reset_index(),
     )
 
@@ -226,7 +226,7 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"KS D": 3, "A12": 3},
         note="p: of the hypothesis A12 = 0.5; Holm’s adjustment is over the "
-        f"{len(findings.final.pairs):,} pairs of all problems. Bold: significant; lower: then, the one that is "
+        f"{len(findings.final.tested_pairs):,} pairs of all problems. Bold: significant; lower: then, the one that is "
         "separably lower. Jointly: intervals of which all together hold. KS: the exact Kolmogorov-Smirnov test "
         "of one distribution, raw, which differences in spread reject, too.",
         data=pairs if crowd else every,

@@ -50,14 +50,14 @@ class Findings:
         asked: targets other than the study's own.
         asked_rope: a region of practical equivalence other than the study's own.
         beside_best: whether the best of 2009 stands beside the optimizers.
-        reference: the optimizer that the competition's table compares with each other one.
+        asked_subject: the optimizer that the page is about, other than the study's own.
     """
 
     results: Results
     asked: Checked[Targets | None] = Checked(Targets.read)
     asked_rope: Checked[Rope | None] = Checked(Rope.read)
     beside_best: bool = False
-    reference: str | None = None
+    asked_subject: str | None = None
     _computed: dict[Callable[[Findings], Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def of(self, compute: Callable[[Findings], Found]) -> Found:
@@ -74,7 +74,7 @@ class Findings:
     @cached_property
     def final(self) -> Final:
         """The values that the trials reached at the end."""
-        return Final(self.trials, self.asked_rope)
+        return Final(self.trials, self.asked_rope, self.subject if self.declared else "")
 
     @cached_property
     def anytime(self) -> Anytime:
@@ -84,7 +84,28 @@ class Findings:
     @cached_property
     def display(self) -> Display:
         """How much of it is shown."""
-        return Display(self.trials, self.final)
+        return Display(self.trials, self.final, self.subject)
+
+    @property
+    def subject(self) -> str:
+        """The optimizer that the page is about; "" where it is about all, or has no trials of it."""
+        subject = self.results.study.subject if self.asked_subject is None else self.asked_subject
+        return subject if subject in self.trials.optimizers else ""
+
+    @property
+    def declared(self) -> bool:
+        """Whether the first run already named the subject: only then are other pairs no hypotheses of the page.
+
+        Looks test all pairs.
+        """
+        runs = [record for record in self.results.environments if not record.get("imported")]
+        first = min(runs, key=lambda record: str(record.get("started", "")), default={})
+        return bool(self.subject) and first.get("subject") == self.subject and not self.results.study.looks
+
+    @property
+    def leader(self) -> str:
+        """The optimizer that the page speaks for: the subject, or else the first in rank."""
+        return self.subject or self.final.ranked[0]
 
     @property
     def study(self) -> Study:

@@ -26,6 +26,7 @@ class Display:
 
     trials: Trials
     final: Final
+    subject: str = ""
 
     @property
     def written_pairs(self) -> pd.DataFrame:
@@ -38,12 +39,15 @@ class Display:
     @cached_property
     def pens(self) -> style.Pens:
         """The pen of each optimizer in every figure: of many, only the best have one of their own."""
-        return style.pens(self.trials.optimizers, self.coloured)
+        return style.standing_out(style.pens(self.trials.optimizers, self.coloured), self.subject)
 
     @property
     def coloured(self) -> list[str] | None:
         """The optimizers that alone have a colour of their own, of many the best; None for all."""
-        return self.final.ranked[:COLOURED] if len(self.trials.optimizers) > MANY_OPTIMIZERS else None
+        if len(self.trials.optimizers) <= MANY_OPTIMIZERS:
+            return None
+        first = [label for label in self.final.ranked if label != self.subject]
+        return ([self.subject] if self.subject else []) + first[: COLOURED - bool(self.subject)]
 
     @property
     def upright(self) -> bool:

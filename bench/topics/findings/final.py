@@ -21,6 +21,7 @@ class Final:
 
     trials: Trials
     asked_rope: Rope | None = None  # other than the study's own
+    subject: str = ""  # whose pairs alone are tested
 
     # problem by problem
 
@@ -38,10 +39,15 @@ class Final:
     def pairs(self) -> pd.DataFrame:
         """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
         level = self.levels.problems
-        pairs = analysis.pairwise_tests(self.trials.frame, level or analysis.ALPHA)
+        pairs = analysis.pairwise_tests(self.trials.frame, level or analysis.ALPHA, self.subject)
         if not level:  # the whole level belongs to the tests over all problems
-            pairs = analysis.adjusted(pairs, level).assign(testable=False)
+            pairs = analysis.adjusted(pairs, level, self.subject).assign(testable=False)
         return analysis.at_looks(pairs, self.trials.decisions, level) if self.trials.results.study.looks else pairs
+
+    @property
+    def tested_pairs(self) -> pd.DataFrame:
+        """The rows of the pairs that are tested: all, or those of the subject."""
+        return self.pairs[self.pairs["p_holm"].notna()]
 
     @cached_property
     def levels(self) -> analysis.Levels:
@@ -52,14 +58,21 @@ class Final:
 
     def _levels(self, smaller: list[int]) -> analysis.Levels:
         """Return the levels for a number of trials in the smaller cell of each pair, by problem."""
-        pairs = comb(len(self.trials.optimizers), 2)
-        return analysis.levels(smaller, pairs, self.tests, looks=bool(self.trials.results.study.looks))
+        return analysis.levels(smaller, self.tested, self.tests, looks=bool(self.trials.results.study.looks))
+
+    @property
+    def tested(self) -> int:
+        """The number of pairs of optimizers that are tested: all, or those of the subject."""
+        optimizers = len(self.trials.optimizers)
+        return optimizers - 1 if self.subject else comb(optimizers, 2)
 
     @cached_property
     def tests(self) -> int:
-        """The number of pairs on problems of which both have trials."""
-        sizes = self.summary.groupby("problem", observed=True)["n"]
-        return sum(comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in sizes)
+        """The number of pairs on problems of which both have trials, and which are tested."""
+        there = analysis.table(self.summary, "n") > 0
+        if self.subject:
+            return int(there.drop(columns=self.subject)[there[self.subject]].to_numpy().sum())
+        return sum(comb(int(number), 2) for number in there.sum(axis=1))
 
     @cached_property
     def enough(self) -> int:
@@ -68,9 +81,13 @@ class Final:
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
-        """The comparison matrix of medians with its letters, one row a cell."""
-        letters = analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
-        return analysis.comparison_matrix(self.summary, self.pairs, standing=self.standings).merge(letters)
+        """The comparison matrix of medians with its letters, or the signs of the subject's tests, one row a cell."""
+        letters = (
+            analysis.signs_of(self.summary, self.pairs, self.subject)
+            if self.subject
+            else analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
+        )
+        return analysis.comparison_matrix(self.summary, self.tested_pairs, standing=self.standings).merge(letters)
 
     @cached_property
     def standings(self) -> pd.DataFrame:
@@ -108,7 +125,7 @@ class Final:
     def needed_for(self, power: float) -> pd.DataFrame:
         """Return the trials that would separate the pairs that are not separated, with a power."""
         return analysis.trials_needed(
-            self.trials.frame, self.pairs, self.standings, power=power, looks=self.trials.results.study.looks
+            self.trials.frame, self.tested_pairs, self.standings, power=power, looks=self.trials.results.study.looks
         )
 
     @cached_property
@@ -130,10 +147,17 @@ class Final:
         effects = self._overall.filter(regex="probability|low$|high$")
         return self._overall.assign(**effects * float("nan")) if self.trials.decisions.stopped else self._overall
 
+    @property
+    def tested_overall(self) -> pd.DataFrame:
+        """The rows of the pairs over all problems that are tested: all, or those of the subject."""
+        return self.overall[self.overall["p_holm"].notna()]
+
     @cached_property
     def _overall(self) -> pd.DataFrame:
-        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across)
-        return analysis.with_winner(tests, self.trials.optimizers, self.levels.across) if len(tests) else tests
+        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across, self.subject)
+        if self.subject or not len(tests):
+            return tests
+        return analysis.with_winner(tests, self.trials.optimizers, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:

@@ -32,11 +32,13 @@ class Controls:
 
     Attributes:
         matched: the conditions that optimizers of the study have, each with all algorithms; none of several folders.
+        leader: the optimizer whose rivals are compared with it.
     """
 
     trials: Trials
     final: Final
     matched: Sequence[Matched]
+    leader: str
 
     @cached_property
     def chances(self) -> pd.DataFrame:
@@ -49,7 +51,7 @@ class Controls:
         kinds, ranked = algorithms(self.trials.results.study), self.final.ranked
         if not len(self.final.medians):
             return pd.DataFrame(columns=list(COLUMNS))
-        leader = ranked[0]
+        leader = self.leader
         best = {kind: label for label in reversed(ranked) if (kind := kinds[label]) != kinds[leader]}  # of an algorithm
         rivals = sorted(best.values(), key=ranked.index)[:RIVALS]
         rows = [(REPORTED, rival, leader, rival, *self._chance(leader, rival)) for rival in rivals]
@@ -112,4 +114,5 @@ class Controls:
 def controls(findings: Findings) -> Controls:
     """Return the optimizers under each other's conditions, none of several folders."""
     several = len(findings.results.paths) > 1
-    return Controls(findings.trials, findings.final, [] if several else matched(findings.study, findings.descriptions))
+    under = [] if several else matched(findings.study, findings.descriptions)
+    return Controls(findings.trials, findings.final, under, findings.leader)

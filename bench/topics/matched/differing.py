@@ -18,7 +18,7 @@ def differing(findings: Findings) -> str:
     That is :func:`options_differing`, and the share of the budget that a rival used, where the leader used more, such
     as ``"handling is box for cma-es and repair for the 4 others, gwo stopped after 72% of the budget"``.
     """
-    leader, spent = findings.final.ranked[0], _used(findings)
+    leader, spent = findings.leader, _used(findings)
     less = spent["needed"][spent["needed"] < min(float(spent["used"][leader]), 1.0) - UNUSED].drop(
         leader, errors="ignore"
     )
@@ -29,7 +29,7 @@ def differing(findings: Findings) -> str:
 
 def options_differing(findings: Findings) -> str:
     """Return which options may favour the leader as a clause; "" where none is known to."""
-    return conditions.differing(findings.study, findings.descriptions, findings.final.ranked[0])
+    return conditions.differing(findings.study, findings.descriptions, findings.leader)
 
 
 def _used(findings: Findings) -> pd.DataFrame:

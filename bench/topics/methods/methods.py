@@ -37,6 +37,7 @@ from bench.topics.findings.trials import sweeps
 from bench.topics.landscapes.features import landscapes
 from bench.topics.matched.conditions import conditions
 from bench.topics.methods import problem_words
+from bench.topics.subject.against import against, subject_methods
 from bench.topics.sweeps.section import by_sweep
 from bench.topics.verdict.winner import winner_rule
 
@@ -98,6 +99,8 @@ def facts(findings: Findings) -> dict[str, Any]:
         "aocc": anytime.aocc["problem"].nunique() if anytime.target_set.absolute else 0,
         "early": {label: int((early & (trials.frame["optimizer"] == label)).sum()) for label in trials.optimizers},
         "checks": results.checks,
+        "subject": subject_methods(findings.of(against)) if findings.subject and len(final.medians) else "",
+        "subject_tested": final.subject,
         "rope": final.rope if len(findings.of(beside_rope)) else None,
         "landscapes": len(findings.of(landscapes).table),
         "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,

@@ -16,6 +16,7 @@ from bench.topics.ranks.words import across, dependent
 from bench.topics.topic import Topic
 
 TITLE = "Across problems"
+WINNER = "The pairs of a winner are significant without adjustment, as all of them must be. "
 
 
 def section(findings: Findings) -> Section:
@@ -35,19 +36,20 @@ def section(findings: Findings) -> Section:
             f"The tests of this part leave out {count(left_out, 'problem')} on which an optimizer has no trial."
         )
     items: list[Part] = [ranking_table(findings)]
-    if len(medians) > 1 and len(optimizers) > 2:
+    if len(medians) > 1 and len(optimizers) > 2 and not findings.final.subject:  # whose rivals no test joins
         ranks = analysis.mean_ranks(findings.final.standings)
         items.append(rank_figure(ranks, analysis.cliques(ranks, findings.final.overall)))
     means = _aggregate(analysis.interquartile_mean(findings.trials.frame, findings.trials.optima))
     if len(optimizers) <= MANY_OPTIMIZERS:
         items += [
-            forest_figure(findings.final.overall),
-            _tests(findings.final.overall),
+            forest_figure(findings.final.tested_overall),
+            _tests(findings.final.tested_overall, findings.final.subject),
             means,
         ]
         return Section(TITLE, tuple(text), tuple(items))
     items += [pair_matrix(findings), means]
-    pairs = Section("Every pair of optimizers", items=(_tests(findings.final.overall),), folded=True)
+    tests = _tests(findings.final.tested_overall, findings.final.subject)
+    pairs = Section("Every pair of optimizers", items=(tests,), folded=True)
     return Section(TITLE, tuple(text), tuple(items), sections=(pairs,))
 
 
@@ -64,7 +66,7 @@ def _friedman(test: dict[str, Any]) -> str:
     )
 
 
-def _tests(tests: pd.DataFrame) -> Table:
+def _tests(tests: pd.DataFrame, subject: str) -> Table:
     names = {
         "first": "first", "second": "second", "probability": "first lower", "p": "p", "p_holm": "p (Holm)",
         "significant": "significant", "lower": "lower", "blocks": "independent problems", "p_further": "p, further",
@@ -76,8 +78,8 @@ def _tests(tests: pd.DataFrame) -> Table:
         "The probability of each pair to end lower, in the mean over these problems, and the tests that it is 0.5.",
         shown.rename(columns=names),
         decimals={"first lower": 2},
-        note="The pairs of a winner are significant without adjustment, as all of them must be. Of a pair that is "
-        "significant on these problems, further ones are tested at the same level, if these are "
+        note=("" if subject else WINNER)
+        + "Of a pair that is significant on these problems, further ones are tested at the same level, if these are "
         "an independent sample of them.",
         data=tests.assign(lower=shown["lower"]),
     )

@@ -16,6 +16,9 @@ from bench.topics.findings import Final, Findings, Trials
 
 MOST_PAIRED = 30  # optimizers of a matrix of pairs
 MOST_BLOCKS = 20  # columns of the map of a suite: optimizers times dimensions
+TESTED = (
+    "; separable: on which it is separably lower than every rival; worse: on which a rival is separably lower than it."
+)
 HEAD = 20  # letters of an optimizer there
 UPRIGHT_HEAD = 28  # of a problem, above a column of a map whose rows are the optimizers
 NEAR = "≈"  # beside the rank of an optimizer that no test separates from the first
@@ -172,6 +175,8 @@ def ranking_table(findings: Findings) -> Table:
         },
         index=table.index,
     )
+    if findings.final.subject:  # of rivals, nothing but their pair with it is tested
+        shown = shown.drop(columns=["separable", "worse"])
     return Table(
         "ranking",
         f"The ranking over {count(problems, 'problem')}.",
@@ -179,9 +184,8 @@ def ranking_table(findings: Findings) -> Table:
         decimals=2,
         note="Chance: that a run of it ends lower than a run of a rival, in the mean over rivals and problems. "
         + ("In brackets: a 95% interval of the mean rank that other trials on these problems would give. " * sure)
-        + "First: problems on which it is ranked first, unless half of the optimizers or more share that place; "
-        "separable: on which it is separably lower than every rival; "
-        "worse: on which a rival is separably lower than it.",
+        + "First: problems on which it is ranked first, unless half of the optimizers or more share that place"
+        + ("." if findings.final.subject else TESTED),
         data=table.reset_index(),
     )
 

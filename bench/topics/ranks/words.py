@@ -8,15 +8,17 @@ from bench.topics.findings import Findings
 
 def across(findings: Findings) -> str:
     """Return a sentence on what the tests across problems do not show."""
-    tests = findings.final.overall
+    tests, subject = findings.final.tested_overall, findings.final.subject
     if not findings.final.levels.across:
         few = f"{findings.trials.per_cell[0]:,} trials and {count(len(tests), 'pair')} of optimizers"
         return f"Nothing is tested over all problems: {few} leave no test that could be significant."
     apart = tests[~tests["significant"]]
     if apart.empty:
-        return "Every pair of optimizers differs significantly on these problems, but not on each of them."
+        whose = f"Every rival differs from {subject}" if subject else "Every pair of optimizers differs"
+        return f"{whose} significantly on these problems, but not on each of them."
     if len(apart) == len(tests) > 1:
-        return "On these problems the tests distinguish no two optimizers (Holm)."
+        none = f"no rival from {subject}" if subject else "no two optimizers"
+        return f"On these problems the tests distinguish {none} (Holm)."
     open_pairs = [f"{first} from {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
     return f"On these problems the tests do not distinguish {listing(open_pairs, at_most=4)} (Holm)."
 

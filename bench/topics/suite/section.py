@@ -92,8 +92,8 @@ def _each_dimension(findings: Findings, members: pd.DataFrame) -> Iterator[Secti
 
 
 def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
-    """Return the running times of the first two in rank, or of the reference and the first other one."""
-    first = findings.reference or findings.final.ranked[0]
+    """Return the running times of the first two in rank, or of the subject and the first other one."""
+    first = findings.leader
     second = next(label for label in findings.final.ranked if label != first)
     unit, times = findings.anytime.target_set.unit, findings.anytime.running_times
     rows = times[times["problem"].isin(members["problem"])]

@@ -14,6 +14,7 @@ from bench.analysis.strata import strata
 from bench.report.parts import Section, Table
 from bench.report.wording import count, percent
 from bench.topics.findings import Findings
+from bench.topics.subject.against import parts_of
 from bench.topics.topic import Topic
 
 TITLE = "Power"
@@ -23,7 +24,7 @@ def section(findings: Findings) -> Section:
     """Return the differences that the tests can and cannot find with this study's trials."""
     if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs, level = findings.final.tests, len(findings.final.overall), findings.final.levels.problems
+    tests, pairs, level = findings.final.tests, findings.final.tested, findings.final.levels.problems
     rows = []
     for n in sorted(set(findings.trials.per_cell)):
         kinds = {"a single test": ALPHA} | ({"the first of all tests": level / tests} if level else {})
@@ -62,7 +63,7 @@ def blindness(findings: Findings) -> str:
         parts.append(f"{trials} the tests on problems would often miss an A12 below {smallest:.2f}")
     if levels.across:
         tested = findings.final.overall
-        a12 = analysis.detectable_across(n, int(tested["problems"].iloc[0]), levels.across / len(tested))
+        a12 = analysis.detectable_across(n, int(tested["problems"].iloc[0]), levels.across / findings.final.tested)
         if not isnan(a12):
             parts.append(f"the tests over all problems would often miss an A12 below {a12:.2f} on every problem")
     return "; ".join(parts) + " (power 80%)."
@@ -76,10 +77,14 @@ def error_text(findings: Findings) -> tuple[str, ...]:
     optimizers, trials = len(findings.trials.optimizers), findings.trials.per_cell[0]
     if trials < 2:
         return ("With one trial a cell nothing is tested on single problems, and no rate is simulated.",)
-    equal = analysis.rates_of_equals(pools, optimizers, findings.final.levels)
-    spread = analysis.rates_of_spreads(trials, optimizers, len(pools), findings.final.levels)
+    parts = None  # of the problems, in which a subject alone is tested
+    if findings.final.subject:
+        parts = [[complete.index(label) for label in part] for part in parts_of(findings, complete).values()]
+    equal = analysis.rates_of_equals(pools, optimizers, findings.final.levels, parts=parts)
+    spread = analysis.rates_of_spreads(trials, optimizers, len(pools), findings.final.levels, parts=parts)
     simulated = f"{MOST} of {optimizers}" if optimizers > MOST else str(optimizers)
     design = f"{simulated} optimizers, {count(len(complete), 'problem')}, {count(trials, 'trial')} a cell"
+    design += f", {findings.final.subject} against each other one" if findings.final.subject else ""
     return (
         f"How often a page of this design ({design}) claims any difference where there is none; the rule allows 5%.",
         f"Identical optimizers, the trials of each problem dealt out to them at random: {_rate(equal)}.",

@@ -34,7 +34,7 @@ def section(findings: Findings) -> Section:
     text = [
         *looks_text(findings),
         *extension_text(findings),
-        *summary(findings.final.needed, len(findings.final.pairs)),
+        *summary(findings.final.needed, len(findings.final.tested_pairs)),
     ]
     if findings.trials.precisions:
         text.append("Where instances are pooled, the trials of all of them count, one of each instance in turn.")

@@ -23,7 +23,8 @@ def evidence(findings: Findings, clear: bool) -> Figure:
     ``clear`` says that the tests show the leader to be lower than every rival.
     """
     if not shows_trials(findings):
-        return leader_figure(findings.final.overall, findings.final.ranked, clear)
+        rivals = [label for label in findings.final.ranked if label != findings.leader]
+        return leader_figure(findings.final.overall, [findings.leader, *rivals], clear)
     solved = set(findings.trials.pooled.functions)
     return trials_figure(
         findings.trials.frame, list(findings.final.medians.index), findings.trials.optima, solved, findings.display.pens
@@ -36,7 +37,7 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
     ``tests`` are those of :func:`bench.analysis.across_problems`.
     """
     leader, rivals = ranked[0], ranked[1 : RIVALS + 1]
-    pairs = seen_from(tests, leader).set_index("second").loc[list(rivals)].reset_index()
+    pairs = analysis.seen_from(tests, leader).set_index("second").loc[list(rivals)].reset_index()
     pairs = pairs.assign(significant=pairs["significant"] | clear).drop(columns=["further_low", "further_high"])
     names = style.names(rivals, 18)
     left = style.text_width(names.values(), style.SMALL) + 0.25
@@ -51,15 +52,6 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
         f"together; right of the line it ends lower. Filled: the test shows it.{more}"
     )
     return Figure("leader-against-each", caption, figure, pairs)
-
-
-def seen_from(tests: pd.DataFrame, optimizer: str) -> pd.DataFrame:
-    """Return the pairs of an optimizer with it as the first one; probabilities and intervals are turned round."""
-    turned = tests[tests["second"] == optimizer].rename(columns={"first": "second", "second": "first"})
-    ends = {"low": "high", "joint_low": "joint_high", "further_low": "further_high"}
-    both = ends | {high: low for low, high in ends.items()} | {"probability": "probability"}
-    turned = turned.assign(**{name: 1 - turned[other] for name, other in both.items()})
-    return pd.concat([tests[tests["first"] == optimizer], turned])
 
 
 def shows_trials(findings: Findings) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from math import comb
 
 import numpy as np
 
@@ -21,13 +20,14 @@ from bench.topics.matched.controls import REPORTED, controls
 from bench.topics.matched.differing import differing, options_differing
 from bench.topics.ranks.tables import rank_map
 from bench.topics.ranks.words import across, dependent
+from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
 from bench.topics.topic import Topic
 from bench.topics.trials.power import error_text
 from bench.topics.trials.section import NOT_ADJUSTED, extension_text
 from bench.topics.verdict.answer import answer
 from bench.topics.verdict.clock import clock
 from bench.topics.verdict.first_picture import evidence
-from bench.topics.verdict.winner import TIED, Across, Stage, Standing, verdict
+from bench.topics.verdict.winner import TIED, Across, Conclusion, Stage, Standing, verdict, winner_rule
 
 TITLE = "Verdict"
 SAY = speaker(__package__)
@@ -51,17 +51,24 @@ def section(findings: Findings) -> Section:
         nothing = "There is nothing to compare: no trial finished."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=troubles)
-    known, leader = standing(findings), findings.final.ranked[0]
-    said, conditions = verdict(known), sentences(findings.study, findings.descriptions, leader)
+    said: Conclusion | FirstScreen
+    if findings.subject:
+        known = findings.of(against)
+        said, clear, leads = first_screen(known), known.clear, False
+    else:
+        found = standing(findings)
+        said = verdict(found)
+        clear, leads = said.clear, bool(found.leads)
+    conditions = sentences(findings.study, findings.descriptions, findings.leader)
     definition = (SEPARABLY,) if any("separably" in line.text for line in said.lines) else ()
     cards = (
-        Card("", (said.headline,), "claim" if said.clear else "open", lines=said.lines),
+        Card("", (said.headline,), "claim" if clear else "open", lines=said.lines),
         Card("The numbers behind it", (*said.details, *definition, _evidence(findings)), "limit", folded=True),
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
         Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
         Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
     )
-    items: list[Part] = [evidence(findings, bool(known.leads)), rank_map(findings)]
+    items: list[Part] = [evidence(findings, leads), rank_map(findings)]
     return Section(TITLE, (), tuple(items), troubles, cards=cards, lost=lost)
 
 
@@ -258,8 +265,9 @@ def _limits(findings: Findings) -> tuple[str, ...]:
 def _grounds(findings: Findings) -> str:
     """Return by which tests and levels the verdict is decided."""
     looks, final = findings.results.study.looks, findings.final
-    pairs, trials = comb(len(findings.trials.optimizers), 2), findings.trials.per_cell[0]
-    return SAY("grounds", final.levels, [*looks], final.tests, pairs, trials, ALPHA)
+    trials = findings.trials.per_cell[0]
+    rule = subject_rule(findings.of(against)) if findings.subject else winner_rule(bool(looks))
+    return SAY("grounds", final.levels, [*looks], final.tests, final.tested, trials, ALPHA, rule, findings.subject)
 
 
 def answer_file(findings: Findings) -> list[File]:

@@ -5,6 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 
 from bench import BenchError, plots
 from bench.plots import style
@@ -145,3 +146,24 @@ class TestLooks:
 def test_offsets_are_fixed_and_bounded():
     assert np.abs(style.spread(1000)).max() <= 0.25
     assert (style.spread(5) == style.spread(5)).all()
+
+
+def test_a_subject_stands_out_and_its_rivals_are_paler():
+    pens = style.pens("abc")
+    shown = style.standing_out(pens, "b")
+    assert shown["b"].color == pens["b"].color
+    assert shown["b"].width > 1
+    assert all(shown[label].color != pens[label].color for label in "ac")
+    assert len({(pen.color, pen.marker, str(pen.line)) for pen in shown.values()}) == 3
+    assert style.behind_first(shown)[-1][0] == "b"
+    assert style.standing_out(pens, "") == pens
+
+
+def test_the_name_of_a_subject_is_bold_at_an_axis_and_in_a_legend():
+    figure, (ax,) = style.grid(1, height=1.0, left=1.0)
+    style.name_rows(ax, ["a", "subject"])
+    style.legend_above(figure, style.handles(style.pens(["a", "subject"])))
+    style.mark(figure, "subject")
+    bold = [text for text in figure.findobj(Text) if text.get_fontweight() == "bold"]
+    assert {text.get_text() for text in bold} == {"subject"}
+    assert len(bold) == 2

@@ -162,6 +162,7 @@ class TestRun:
         assert {key: value for key, value in record.items() if key not in ("started", "ended", "command")} == {
             "jobs": 4, "backend": "local", "study": small_study.identity(),
             "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3, "extends": None,
+            "subject": "",
         }  # fmt: skip
 
     def test_a_module_s_command_can_be_typed_again(self, small_study, monkeypatch):

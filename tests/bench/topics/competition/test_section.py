@@ -10,8 +10,8 @@ from bench.topics.competition import section as competition
 from bench.topics.findings import Findings
 
 
-def section(folder, reference=None, suite="cec2022", **optima):
-    found = Findings(Results(folder), reference=reference)
+def section(folder, subject=None, suite="cec2022", **optima):
+    found = Findings(Results(folder), asked_subject=subject)
     found.results._facts = lambda label: ProblemFacts(  # an instance of each function
         optima.get(label), features={"suite": suite, "function": label} if suite else {}
     )
@@ -58,7 +58,7 @@ def test_values_stand_where_no_optimum_is_known(make, tmp_path):
         "On 1 problem without a known optimum, or where a trial beat it, the table has the value itself."
         in found.text[0]
     )
-    assert len(found.text) == 1  # no reference, no test
+    assert len(found.text) == 1  # no subject, no test
     assert tables(found)["competition"].note.endswith("The CSV file has every statistic and p.")
 
 
@@ -86,6 +86,6 @@ def test_other_suites_have_it_for_a_reference_alone(make, tmp_path):
     assert "U-score" not in tables(section(folder, "a", suite="bbob", p=1.0, q=1.0))["competition"].texts.index
 
 
-def test_a_reference_that_the_study_lacks_is_refused(make, tmp_path):
-    with pytest.raises(BenchError, match=r"the study has no optimizer 'mine' to refer to; known: a, b, c"):
-        write_report(make(tmp_path / "s"), reference="mine")
+def test_a_subject_that_the_study_lacks_is_refused(make, tmp_path):
+    with pytest.raises(BenchError, match=r"the study has no optimizer 'mine' for a subject; known: a, b, c"):
+        write_report(make(tmp_path / "s"), subject="mine")

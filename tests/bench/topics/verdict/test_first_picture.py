@@ -7,7 +7,7 @@ from bench import Results
 from bench.plots import style
 from bench.report.page import inline
 from bench.topics.findings import Findings
-from bench.topics.verdict.first_picture import evidence, leader_figure, seen_from, shows_trials, trials_figure
+from bench.topics.verdict.first_picture import evidence, leader_figure, shows_trials, trials_figure
 from tests.bench.plots.frames import strict, svg, trials
 
 
@@ -39,14 +39,6 @@ def across(probability):
             **{f"{prefix}low": tests["probability"] - 0.1, f"{prefix}high": tests["probability"] + 0.2}
         )
     return tests
-
-
-def test_pairs_are_seen_from_either_side():
-    turned = seen_from(across(0.7), "a").set_index("second")
-    assert turned.index.tolist() == ["c", "b"]
-    assert turned.loc["c", ["probability", "low", "joint_high"]].tolist() == pytest.approx([0.7, 0.6, 0.9])
-    assert turned.loc["b", ["probability", "low", "joint_high"]].tolist() == pytest.approx([0.6, 0.4, 0.7])
-    assert seen_from(across(0.7), "c")["probability"].tolist() == pytest.approx([0.3, 0.3])
 
 
 def test_the_leader_is_drawn_against_each_rival_and_filled_where_a_test_shows_it():

@@ -1,0 +1,247 @@
+"""State whom the subject of a study beats, whom it loses to and what is open: the facts, and its first screen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import pandas as pd
+
+from bench import analysis
+from bench.analysis.error_rates import Levels
+from bench.report.parts import Line
+from bench.report.prose import speaker
+from bench.report.wording import count, listing
+from bench.topics.findings import Findings
+from bench.topics.matched.differing import differing
+from bench.topics.ranks.words import dependent
+
+TITLE = "Against its rivals"
+WORDS = 20  # of a line, at most
+NAMED = 2  # rivals that a clause names
+PARTS = {"where": TITLE, "by_how_much": TITLE, "how_sure": "How often would this page be wrong?", "at_what_cost": TITLE}
+
+
+class Rival(NamedTuple):
+    """The subject against one rival.
+
+    Attributes:
+        label: of the rival.
+        outcome: "better", "worse" or "open", by the test over all problems, as seen from the subject.
+        chance: that a run of the subject ends lower, in the mean over problems, with its 95% interval, low to high.
+        p: of the test over all problems, adjusted over the pairs that are tested; missing where there is none.
+        further: whether the same is shown for further problems.
+        better: the problems on which the subject is separably lower.
+        worse: those on which the rival is.
+        ratio: the median over problems of the rival's expected running time over that of the subject.
+        both: the problems on which both reach the target, over which the median is.
+    """
+
+    label: str
+    outcome: str
+    chance: float
+    low: float
+    high: float
+    p: float
+    further: bool
+    better: int
+    worse: int
+    ratio: float
+    both: int
+
+
+@dataclass(frozen=True)
+class Against:
+    """What is known of the subject, from which its sentences are written.
+
+    Attributes:
+        subject: its label.
+        rivals: in the order of their places.
+        parts: of :func:`bench.analysis.in_parts`.
+        levels: of the tests.
+        pairs: the pairs over which the tests are adjusted.
+        declared: whether the first run named the subject, so that its pairs alone are tested.
+        looks: whether the study declares looks, which test every pair.
+        problems: on which every optimizer has trials.
+        trials: of a cell, in words.
+        budget: in words.
+        target: to which the running times are, in words.
+        conditions: what differs between the optimizers besides their algorithms; "" where nothing does.
+        sweep: that the problems are one sweep; "" where they are not.
+        selected: whether optimizers or problems were selected after the results were seen.
+    """
+
+    subject: str
+    rivals: Sequence[Rival]
+    parts: pd.DataFrame
+    levels: Levels
+    pairs: int
+    declared: bool
+    looks: bool
+    problems: int
+    trials: str
+    budget: str
+    target: str
+    conditions: str
+    sweep: str
+    selected: bool
+
+    def of(self, outcome: str) -> list[str]:
+        """Return the labels of the rivals of an outcome."""
+        return [rival.label for rival in self.rivals if rival.outcome == outcome]
+
+    @property
+    def testable(self) -> bool:
+        """Whether any test can be significant."""
+        return bool(self.levels.problems or self.levels.across)
+
+    @cached_property
+    def exceptions(self) -> list[tuple[str, str, str]]:
+        """What is shown in a part but not of all problems: the outcome, the rival and the parts in words."""
+        whole = {rival.label: rival.outcome for rival in self.rivals}
+        shown = self.parts[self.parts["outcome"] != "open"]
+        other = shown[shown["outcome"] != shown["rival"].map(whole)]
+        grouped = other.groupby(["outcome", "rival", "kind"], sort=False)["part"]
+        found: list[tuple[str, str, str]] = []
+        for key, parts in grouped:
+            outcome, rival, kind = cast("tuple[str, str, str]", key)
+            found.append((outcome, rival, _where(kind, list(parts))))
+        return found
+
+    @property
+    def clear(self) -> bool:
+        """Whether the page claims that the subject beats a rival, under like conditions."""
+        return bool(self.of("better")) and not self.conditions and not self.selected
+
+
+def _where(kind: str, parts: Sequence[str]) -> str:
+    """Return parts of one kind in words, such as ``"in dimension 2 and 5"``, or ``"at 1% and 3% of the budget"``."""
+    named = listing(parts, 3)
+    if kind == "class":
+        return f"on {named if len(parts) == 1 else f'{len(parts)} classes of functions'}"
+    return f"at {named} of the budget" if kind == "budget" else f"in {kind} {named}"
+
+
+def against(findings: Findings) -> Against:
+    """Return what is known of the subject."""
+    trials, final, subject = findings.trials, findings.final, findings.subject
+    complete = [str(label) for label in final.medians.index]
+    overall = analysis.seen_from(final.overall, subject).set_index("second").to_dict("index")
+    pairs = final.pairs[final.pairs["problem"].isin(complete)]
+    own = analysis.seen_from(pairs.astype({"first": object, "second": object, "lower": object}), subject)
+    better, worse = (
+        own.loc[own["lower"] == (subject if mine else own["second"]), "second"].value_counts() for mine in (True, False)
+    )
+    ratios = running_time_ratios(findings)
+    rivals = []
+    for label in final.ranked:
+        if label == subject:
+            continue
+        row, lower, higher = overall[label], int(better.get(label, 0)), int(worse.get(label, 0))
+        outcome = analysis.outcome(float(row["probability"]), bool(row["significant"]) and final.levels.across > 0)
+        if not final.levels.across and max(lower, higher) * 2 > len(complete):
+            outcome = "better" if lower > higher else "worse"  # all of the level is spent on problems
+        rivals.append(
+            Rival(
+                label, outcome, float(row["probability"]), float(row["low"]), float(row["high"]),
+                float(row["p_holm"]) if final.levels.across else np.nan, bool(row["further"] and row["significant"]),
+                lower, higher, *ratios.get(label, (np.nan, 0)),
+            )
+        )  # fmt: skip
+    least, most = trials.per_cell
+    return Against(
+        subject, rivals, _parts(findings, complete), final.levels, final.tested,
+        declared=findings.declared, looks=bool(findings.results.study.looks), problems=len(complete),
+        trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
+        budget="their largest common budget" if trials.common else findings.study.budget_words,
+        target=findings.anytime.target_set.at(findings.anytime.target_set.level),
+        conditions=differing(findings), sweep=dependent(findings), selected=bool(findings.selection),
+    )  # fmt: skip
+
+
+def _parts(findings: Findings, complete: Sequence[str]) -> pd.DataFrame:
+    """Return the subject against each rival by dimension, by class of functions, and at smaller budgets."""
+    final, level = findings.final, findings.final.levels.course
+    earlier = findings.anytime.earlier_leads(findings.subject, level)
+    subjects = 1 if final.subject else len(findings.trials.optimizers)
+    return analysis.in_parts(
+        final.pairs,
+        parts_of(findings, complete),
+        earlier if level else earlier.head(0),
+        findings.subject,
+        level,
+        subjects,
+    )
+
+
+def parts_of(findings: Findings, complete: Sequence[str]) -> dict[tuple[str, str], list[str]]:
+    """Return the problems of each dimension and class of functions, of two at least, where there are several."""
+    if not findings.final.levels.course:
+        return {}
+    known = findings.trials.known
+    kinds = {
+        "dimension": {label: f"{size}" for label, size in findings.trials.dimensions.items()},
+        "class": {label: str(facts.features["group"]) for label, facts in known.items() if "group" in facts.features},
+    }
+    parts: dict[tuple[str, str], list[str]] = {}
+    for kind, part_of in kinds.items():
+        named = {label: part_of[label] for label in complete if label in part_of}
+        for part in dict.fromkeys(named.values()) if len(set(named.values())) > 1 else ():
+            members = [label for label, of in named.items() if of == part]
+            if len(members) > 1:
+                parts[kind, part] = members
+    return parts
+
+
+def running_time_ratios(findings: Findings) -> dict[str, tuple[float, int]]:
+    """Return the median ratio of each rival's ERT over that of the subject, and of how many problems it is."""
+    chosen, times = findings.anytime.target_set, findings.anytime.running_times
+    if times.empty:
+        return {}
+    at_level = times[np.isclose(times[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
+    ert = analysis.table(at_level, "ert").astype(float).replace(np.inf, np.nan)
+    if findings.subject not in ert:
+        return {}
+    ratios = ert.div(ert[findings.subject], axis=0)
+    return {str(label): (float(ratios[label].median()), int(ratios[label].count())) for label in ratios}
+
+
+class FirstScreen(NamedTuple):
+    """The headline, the lines below the pictures, and the sentences that they shorten."""
+
+    headline: str
+    lines: tuple[Line, ...]
+    details: tuple[str, ...]
+
+
+def first_screen(known: Against) -> FirstScreen:
+    """Return what the first screen says of the subject."""
+    say = speaker(__package__, it=known, NAMED=NAMED)
+    texts: dict[str, str] = {
+        "where": _short(say, "where", len(known.exceptions)),
+        "by_how_much": _short(say, "by_how_much", min(len(known.rivals), 2)),
+        "how_sure": say("how_sure"),
+        "at_what_cost": _short(say, "at_what_cost", 2),
+    }
+    lines = [Line(label.replace("_", " "), text, PARTS[label]) for label, text in texts.items() if text]
+    details = (say("abstract"), say("named"), say("scope"), say("conditions"))
+    return FirstScreen(say("headline"), tuple(lines), tuple(filter(None, details)))
+
+
+def _short(say: Any, name: str, most: int) -> str:
+    """Return a line that names as many items as fit into its words."""
+    tries = (str(say(name, number)) for number in range(most, -1, -1))
+    return next((text for text in tries if len(text.split()) <= WORDS), "")
+
+
+def subject_rule(known: Against) -> str:
+    """Return when the subject is called better or worse."""
+    return speaker(__package__, it=known, NAMED=NAMED)("rule")
+
+
+def subject_methods(known: Against) -> str:
+    """Return which pairs are tested and when the subject is called better, as methods sections state it."""
+    return f"{speaker(__package__, it=known, NAMED=NAMED)('named')} {subject_rule(known)}"
