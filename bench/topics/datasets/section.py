@@ -120,7 +120,8 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         shown,
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
-        note="The interval of the median is distribution-free; letters, or signs, as in the comparison; success: "
+        note="The interval of the median is distribution-free; "
+        f"{'signs' if findings.final.subject else 'letters'} as in the comparison; success: "
         f"trials that reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
         data=cells.reset_index(),
     )
