@@ -156,7 +156,7 @@ class TestRunLengths:
         rates = next(item for item in anytime.section(found).items if item.name == "success-rates")
         assert list(rates.frame) == [f"the target for {each} d evaluations" for each in (3, 10, 50)]
         assert sorted(rates.data["tau"].unique()) == pytest.approx([3, 10, 50])
-        problem = datasets._running_times(found, found.trials.problems[0])
+        (problem,) = [each for each in datasets.section(found).sections[0].items if "running-times" in each.name]
         assert list(problem.frame)[:5] == ["0.5", "1.2", "3", "10", "50"]
         assert "trials that reached 50." in problem.note
         assert "by running length: for budgets of 0.5, 1.2, 3, 10 and 50 times" in " ".join(methods(found).text)
@@ -182,14 +182,11 @@ class TestOrder:
             for label, rank in zip("abc", own, strict=True)
         ]
         found.anytime.__dict__["target_sets"] = pd.DataFrame(rows)
-        return " ".join(anytime._sets_agree(found))
+        return " ".join(anytime.section(found).text)
 
     def test_the_choice_matters_or_not(self, folder):
         same = self.said(folder, x=[1, 2, 3], y=[1, 2, 3], z=[1, 2, 3])
-        assert same == (
-            "The choice of targets does not matter here: the order of the optimizers is the same under 3 sets of "
-            "targets (x, y and z)."
-        )
+        assert "the order of the optimizers is the same under 3 sets of targets (x, y and z)." in same
         assert "the first is the same, a, but the order of the others" in self.said(folder, x=[1, 2, 3], y=[1, 3, 2])
         other = self.said(folder, x=[1, 2, 3], y=[2, 1, 3], z=[1.5, 1.5, 3])
         assert (
@@ -197,5 +194,5 @@ class TestOrder:
         )
 
     def test_where_nothing_can_be_compared_nothing_is_said(self, folder):
-        assert self.said(folder, x=[1, 2, 3]) == ""
-        assert self.said(folder, x=[np.nan] * 3, y=[1, 2, 3]) == ""
+        assert "choice of targets" not in self.said(folder, x=[1, 2, 3])
+        assert "choice of targets" not in self.said(folder, x=[np.nan] * 3, y=[1, 2, 3])

@@ -55,7 +55,7 @@ def test_the_tables_have_its_times(beside):
     times = found.anytime.running_times.set_index(["problem", "optimizer", "precision"])["best2009"]
     assert times["bbob-f08-d2", "a"].loc[[10.0, 1.0, 1e-2, 1e-8]].tolist() == [5.0, 10.0, 10.0, 20.0]
     assert times["bbob-f08-d5", "b"].loc[[10.0, 1.0]].tolist() == [40.0, np.inf]
-    table = datasets._running_times(found, "bbob-f08-d2")
+    (table,) = [each for each in datasets.section(found).sections[0].items if "running-times" in each.name]
     assert table.frame.loc["best of 2009", ["10", "1e-08"]].tolist() == [5.0, 20.0]
     assert table.frame.loc["best of 2009", "successes"] == ""
     assert not table.bold.loc["best of 2009"].any()

@@ -55,18 +55,17 @@ def test_who_reached_the_most_targets_is_said_first(findings, items):
     assert shares.idxmax() in first
 
 
-def test_all_who_reached_the_most_targets_are_named(findings, items):
-    reached = items["targets-by-group"].data.assign(fraction=0.5)
-    assert suite._most_targets(reached) == (
-        "Within the whole budget, the most targets were reached by cma-es-fast and random-search in dimension "
-        "2 (50%) and 5 (50%)."
-    )
-
-
-@pytest.mark.parametrize("nothing", [0.0, np.nan])
-def test_nobody_leads_where_no_target_was_reached(items, nothing):
-    reached = items["targets-by-group"].data.assign(fraction=nothing)
-    assert suite._most_targets(reached) == "No trial reached a target."
+@pytest.mark.parametrize(
+    ("evaluations", "said"),
+    [
+        (1.0, "reached by cma-es-fast and random-search in dimension 2 (100%) and 5 (100%)."),
+        (np.inf, "No trial reached a target."),
+    ],
+)
+def test_all_who_reached_the_most_targets_are_named_and_nobody_where_none_was(findings, evaluations, said):
+    again = Findings(findings.results)
+    again.anytime.__dict__["hits"] = findings.anytime.hits.assign(evaluations=evaluations)
+    assert suite.section(again).text[0].endswith(said)
 
 
 def test_ranks_are_given_by_group_and_dimension(findings, items):

@@ -85,32 +85,40 @@ def test_the_page_prints_how_often_it_would_be_wrong(fresh):
     assert "would often miss an A12 below" in text[3]
 
 
+def size(findings, **medians):
+    """Return by how much the verdict says a to be lower than b, whose medians on three problems these are."""
+    findings.final.__dict__["medians"] = pd.DataFrame(medians, index=["p", "q", "r"])
+    return verdict.standing(findings).size
+
+
 @pytest.mark.parametrize(
-    ("ends", "shown"),
-    [((39, 81), " (39% to 81% lower)"), ((-20, 58), " (20% higher to 58% lower)"), ((0, 3.4), " (0% to 3.4% lower)"),
-     ((-58, -20), " (20% to 58% higher)"), ((5.01, 5.02), ""), ((-5, 5), " (5% higher to 5% lower)"), ((0, 0), "")],
-)  # fmt: skip
-def test_the_spread_of_the_gain_never_calls_a_higher_median_lower(ends, shown):
-    assert verdict._spread(*ends) == shown
+    ("medians", "said"),
+    [
+        ([61.0, 42.0, 19.0], "58% lower in the median over problems (39% to 81% lower)."),
+        ([120.0, 80.0, 42.0], "20% lower in the median over problems (20% higher to 58% lower)."),
+        ([100.0, 99.0, 96.6], "1% lower in the median over problems (0% to 3.4% lower)."),
+        ([158.0, 130.0, 120.0], "30% higher in the median over problems (20% to 58% higher)."),
+        ([94.99, 94.985, 94.98], "5% lower in the median over problems."),
+        ([6200.4, 100.0, 0.4], "0% lower in the median over problems (6,100% higher to 100% lower)."),
+    ],
+)
+def test_the_spread_of_the_gain_never_calls_a_higher_median_lower(fresh, medians, said):
+    assert size(fresh, a=medians, b=[100.0] * 3) == f"Its median is {said}"
+
+
+@pytest.mark.parametrize("lowest", [-1e-9, -5.0])
+def test_medians_below_zero_have_no_percentage(fresh, lowest):
+    assert "%" not in size(fresh, a=[lowest, 2.0, 2.0], b=[1.0, 3.0, 3.0])
 
 
 @pytest.mark.parametrize(
     ("ratio", "text"), [(1.0, "about as many"), (1.04, "about as many"), (0.994, "only 99% as many"),
-                        (1.05, "1.1 times as many"), (12.3, "12 times as many")]
+                        (1.05, "1.1 times as many"), (12.3, "12 times as many"), (float("inf"), "")]
 )  # fmt: skip
-def test_no_ratio_of_running_times_is_1_times(ratio, text):
-    assert verdict._times(ratio) == text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(99.6, "100"), (-6100.4, "6,100"), (3.44, "3.4"), (0.0, "0"), (-99.4, "99")]
-)
-def test_percentages_are_written_in_digits_alone(value, text):
-    assert verdict._figure(value) == text
-
-
-@pytest.mark.parametrize("lowest", [0.0, -1e-9, -5.0])
-def test_medians_at_or_below_zero_have_no_percentage(fresh, lowest):
-    fresh.final.__dict__["medians"] = pd.DataFrame({"a": [lowest, 2.0], "b": [1.0, 3.0]}, index=["p", "q"])
-    fresh.anytime.__dict__["running_times"] = pd.DataFrame()
-    assert "%" not in verdict._size(fresh)
+def test_no_ratio_of_running_times_is_1_times(findings, ratio, text):
+    found = Findings(findings.results, "precisions")
+    level, erts = found.anytime.target_set.level, {"a": 100.0, "b": 100.0 * ratio}
+    rows = [{"problem": "p", "optimizer": label, "precision": level, "ert": ert} for label, ert in erts.items()]
+    found.anytime.__dict__["running_times"] = pd.DataFrame(rows).assign(tau=level, successes=3, ert_s=float("nan"))
+    said = verdict.standing(found).size
+    assert f", b needs {text} evaluations" in said if text else said == ""
