@@ -51,6 +51,7 @@ from bench.analysis.anytime import (
     hitting_times,
     success_rates,
 )
+from bench.analysis.bands import curve_bands, leads, spells
 from bench.analysis.cells import (
     CONTENTION,
     HIDDEN_THREADS,
@@ -155,6 +156,7 @@ __all__ = [
     "comparison_matrix",
     "convergence",
     "coverage",
+    "curve_bands",
     "data_profiles",
     "decide",
     "detectable_a12",
@@ -177,6 +179,7 @@ __all__ = [
     "integrity",
     "interquartile_mean",
     "labels",
+    "leads",
     "levels",
     "mean_ranks",
     "mean_shares",
@@ -213,6 +216,7 @@ __all__ = [
     "signs",
     "signs_of",
     "simulated_restarts",
+    "spells",
     "stage_ranks",
     "standings",
     "stopped_early",

@@ -12,7 +12,7 @@ Example:
 """
 
 from bench.plots import style
-from bench.plots.curves import convergence, data_profile, ecdf, ert, ert_scatter, regret, scaling
+from bench.plots.curves import convergence, data_profile, ecdf, ert, ert_scatter, regret, scaling, spells
 from bench.plots.parallel import fastest_map
 from bench.plots.ranks import a12_forest, cd_diagram, rank_course
 from bench.plots.rows import box_plot, timing
@@ -30,6 +30,7 @@ __all__ = [
     "rank_course",
     "regret",
     "scaling",
+    "spells",
     "style",
     "timing",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -62,8 +62,9 @@ def ecdf(
 ) -> Axes:
     """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
-    ``curves`` are those of :func:`bench.analysis.ecdf`. A cross marks the end of the budget of an optimizer, which
-    ``ends`` gives in the unit of the axis: beyond it, restarts are simulated.
+    ``curves`` are those of :func:`bench.analysis.ecdf`, or of :func:`bench.analysis.curve_bands`, whose bands are drawn
+    for up to six optimizers. A cross marks the end of the budget of an optimizer, which ``ends`` gives in the unit of
+    the axis: beyond it, restarts are simulated.
     """
     ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
     _fractions(curves, "share of targets reached", pens, legend, ax)
@@ -74,6 +75,21 @@ def ecdf(
             ax.plot(
                 end, spent["fraction"].iloc[-1], "x", color=pens[optimizer].color, markersize=5, markeredgewidth=1.2
             )
+    return ax
+
+
+def spells(shown: pd.DataFrame, rivals: Sequence[str], *, pens: style.Pens, ax: Axes | None = None) -> Axes:
+    """Draw when an optimizer or its rival is shown to be ahead: a row a rival, a bar a spell in the colour of who is.
+
+    ``shown`` are those of :func:`bench.analysis.spells`, with the rivals as ``second``.
+    """
+    ax = style.own_axes(ax)
+    for place, rival in enumerate(rivals):
+        for spell in shown[shown["second"] == rival].to_dict("records"):
+            ax.barh(place, spell["end"] - spell["begin"], 0.6, spell["begin"], color=pens[spell["ahead"]].color)
+    ax.set_yticks(range(len(rivals)), list(style.names(rivals).values()))
+    ax.set_ylim(len(rivals) - 0.5, -0.5)
+    ax.tick_params(axis="y", length=0)
     return ax
 
 
@@ -180,7 +196,11 @@ def _fractions(curves: pd.DataFrame, share: str, pens: style.Pens | None, legend
     ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
     along = next(name for name in AXES if name in curves)
     for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
-        x, fraction = curves.loc[curves["optimizer"] == optimizer, [along, "fraction"]].to_numpy(dtype=float).T
+        one = curves[curves["optimizer"] == optimizer]
+        x, fraction = one[[along, "fraction"]].to_numpy(dtype=float).T
+        if "low" in one and len(pens) <= MOST_BANDS:
+            low, high = one[["low", "high"]].to_numpy(dtype=float).T
+            ax.fill_between(x, low, high, step="post", color=pen.color, alpha=0.18, linewidth=0)
         _curve(ax, x, fraction, pen, place, steps=True)
     style.span(ax, curves[along])
     style.log_scale(ax, "x")

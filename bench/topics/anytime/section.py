@@ -13,6 +13,7 @@ from bench.report.parts import Figure, File, Part, Section, Table
 from bench.report.wording import count, leaders, listing
 from bench.study.targets import Targets
 from bench.topics.anytime.figures import convergence_figure, course_figure, ecdf_figure, ert_figure, regret_figure
+from bench.topics.anytime.leads import figure, sentences
 from bench.topics.findings import Findings, Trials
 from bench.topics.topic import Topic
 
@@ -50,6 +51,7 @@ def section(findings: Findings) -> Section:
     text = (
         *_leaders(findings.trials, budget),
         *_fastest(findings),
+        *sentences(findings),
         *_sets_agree(findings),
         *_ladder(chosen, findings.anytime.targets, len(findings.trials.problems)),
     )
@@ -67,7 +69,7 @@ def section(findings: Findings) -> Section:
         )
         for dimension, labels in by_dimension.items()
     )
-    return Section(TITLE, text, (*course(findings), together, *rates), sections=own_parts)
+    return Section(TITLE, text, (*course(findings), *figure(findings), together, *rates), sections=own_parts)
 
 
 def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, suffix: str = "") -> Iterator[Figure]:

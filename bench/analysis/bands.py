@@ -1,0 +1,178 @@
+"""Bands of runtime distributions over the budget, and when one optimizer is shown to be ahead of another.
+
+Problems and targets are given, runs are the sample: another study would have other runs of the same optimizers on the
+same problems. The curve of an optimizer is the mean over problems of the mean over runs of the share of targets that a
+run has reached (:func:`bench.analysis.ecdf`), so its variance is that of runs within problems. What runs did not show
+may happen all the same: the variance counts a quarter of a run that reaches everything at once and a quarter of one
+that reaches nothing.
+
+Bands hold for all budgets together, at 95%: their width is that of the largest standardised deviation of the curve
+with normal multipliers of the runs (Chernozhukov, Chetverikov and Kato 2013, Annals of Statistics 41), widened to
+Student's t with Satterthwaite's degrees of freedom (1946, Biometrics Bulletin 2). The band of a curve is Wilson's
+interval (1927) of as many runs as have this variance, which are at least the runs made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.stats import norm, t
+
+from bench.analysis.anytime import Counts
+from bench.analysis.cells import labels
+from bench.typing import Floats
+
+UNSEEN = 0.25  # runs that reach everything at once, and as many that reach nothing, beside those of a cell
+MULTIPLIERS = 400
+LEVEL = 0.95
+
+
+class Curve(NamedTuple):
+    """The curve of an optimizer over the grid, with what its band is made of.
+
+    Attributes:
+        fraction: the share of targets reached, (G,).
+        variance: of it, (G,).
+        freedom: the degrees of freedom of this variance, (G,).
+        process: deviations of the curve with normal multipliers of its runs, (MULTIPLIERS, G).
+        runs: their number.
+    """
+
+    fraction: Floats
+    variance: Floats
+    freedom: Floats
+    process: Floats
+    runs: int
+
+
+def curve_bands(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
+    """Return the curve of each optimizer with its band: optimizer, evaluations, fraction, low and high.
+
+    With ``dimensions``, the d of each problem, the unit is an evaluation a dimension and its column ``per_dimension``.
+    An optimizer with a single run on any problem has no band.
+
+    Args:
+        hits: of :func:`bench.analysis.hitting_times`.
+        grid: increasing numbers of evaluations, or of evaluations a dimension.
+        dimensions: of the problems, by label.
+    """
+    unit = "evaluations" if dimensions is None else "per_dimension"
+    tables = []
+    for optimizer, curve in _curves(hits, grid, dimensions).items():
+        width = _width([np.abs(curve.process) / np.sqrt(curve.variance)], curve.freedom)
+        spread = curve.fraction * (1 - curve.fraction)
+        ratio = width**2 / np.maximum(curve.runs, spread / curve.variance)
+        middle = (curve.fraction + ratio / 2) / (1 + ratio)
+        half = np.sqrt(ratio * (spread + ratio / 4)) / (1 + ratio)
+        ends = {"low": np.clip(middle - half, 0, 1), "high": np.clip(middle + half, 0, 1)}
+        tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": curve.fraction} | ends))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["optimizer", unit, "fraction"])
+
+
+def leads(
+    hits: pd.DataFrame,
+    grid: Counts,
+    dimensions: Mapping[str, int] | None = None,
+    pairs: Sequence[tuple[str, str]] | None = None,
+) -> pd.DataFrame:
+    """Return where the curves of two optimizers part: first, second, evaluations, difference, low, high and ahead.
+
+    The bands of the differences hold for all budgets and all pairs together. ``ahead`` is the optimizer that has
+    reached more targets by then, as far as the band shows it, else "". Compare optimizers on the same problems only.
+
+    Args:
+        hits: of :func:`bench.analysis.hitting_times`.
+        grid: increasing numbers of evaluations, or of evaluations a dimension.
+        dimensions: as for :func:`curve_bands`.
+        pairs: of optimizers to compare; all by default.
+    """
+    unit = "evaluations" if dimensions is None else "per_dimension"
+    curves = _curves(hits, grid, dimensions)
+    chosen = list(combinations(curves, 2)) if pairs is None else list(pairs)
+    columns = ["first", "second", unit, "difference", "low", "high", "ahead"]
+    if not chosen:
+        return pd.DataFrame(columns=columns)
+    variances, deviations = [], []
+    for one, other in ((curves[first], curves[second]) for first, second in chosen):
+        variances.append(one.variance + other.variance)
+        deviations.append(np.abs(one.process - other.process) / np.sqrt(variances[-1]))
+    tables = []
+    for (first, second), variance in zip(chosen, variances, strict=True):
+        one, other = curves[first], curves[second]
+        freedom = variance**2 / (one.variance**2 / one.freedom + other.variance**2 / other.freedom)
+        half = _width(deviations, freedom) * np.sqrt(variance)
+        difference = one.fraction - other.fraction
+        low, high = difference - half, difference + half
+        ahead = np.where(low > 0, first, np.where(high < 0, second, ""))
+        values = (first, second, grid, difference, low, high, ahead)
+        tables.append(pd.DataFrame(dict(zip(columns, values, strict=True))))
+    return pd.concat(tables, ignore_index=True)
+
+
+def spells(differences: pd.DataFrame) -> pd.DataFrame:
+    """Return the budgets over which one optimizer is shown to be ahead: first, second, ahead, begin and end.
+
+    ``differences`` are those of :func:`leads`. A pair of which both are ahead somewhere has crossed.
+    """
+    unit = differences.columns[2]
+    rows = []
+    for (first, second), pair in differences.groupby(["first", "second"], sort=False):
+        run = (pair["ahead"] != pair["ahead"].shift()).cumsum()
+        for _, spell in pair.groupby(run, sort=False):
+            if leader := spell["ahead"].iloc[0]:
+                rows.append((first, second, leader, spell[unit].iloc[0], spell[unit].iloc[-1]))
+    return pd.DataFrame(rows, columns=["first", "second", "ahead", "begin", "end"])
+
+
+def _width(deviations: Sequence[Floats], freedom: Floats) -> Floats:
+    """Return how many standard errors a band reaches, (G,), for deviations that are (MULTIPLIERS, G) each."""
+    largest = np.max([deviation.max(axis=1) for deviation in deviations], axis=0)
+    width = max(float(np.quantile(largest, LEVEL)), float(norm.isf((1 - LEVEL) / 2)))
+    return np.asarray(t.isf(norm.sf(width), freedom))
+
+
+def _curves(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None) -> dict[str, Curve]:
+    """Return the curve of each optimizer that has runs."""
+    if dimensions is not None:
+        hits = hits.assign(evaluations=hits["evaluations"] / hits["problem"].astype(object).map(dimensions))
+    rng = np.random.default_rng(0)
+    curves = {}
+    for optimizer in labels(hits, "optimizer"):
+        of_optimizer = hits[hits["optimizer"] == optimizer]
+        cells = [_run_shares(rows, grid) for _, rows in of_optimizer.groupby("problem", sort=False, observed=True)]
+        if cells:
+            curves[optimizer] = _curve(cells, rng)
+    return curves
+
+
+def _run_shares(rows: pd.DataFrame, grid: Counts) -> Floats:
+    """Return the share of its targets that each run of a cell has reached, (runs, G)."""
+    run, numbers = pd.factorize(rows["trial"])
+    place = np.searchsorted(grid, rows["evaluations"].to_numpy(dtype=float))  # the first count by which it is reached
+    size = len(grid) + 1
+    counts = np.bincount(run * size + place, minlength=len(numbers) * size).reshape(-1, size)
+    return np.asarray(np.cumsum(counts[:, :-1], axis=1) / counts.sum(axis=1, keepdims=True), dtype=np.float64)
+
+
+def _curve(cells: Sequence[Floats], rng: np.random.Generator) -> Curve:
+    """Return the mean over cells of runs, each cell weighing as its runs do, and what its band is made of."""
+    sizes = np.array([len(cell) for cell in cells])
+    total, shape = int(sizes.sum()), cells[0].shape[1]
+    fraction, process = np.zeros(shape), np.zeros((MULTIPLIERS, shape))
+    parts = np.empty((len(cells), shape))
+    for place, (runs, cell) in enumerate(zip(sizes, cells, strict=True)):
+        mean, weight = cell.mean(axis=0), runs / total
+        fraction += weight * mean
+        every = runs + 2 * UNSEEN
+        centre = (cell.sum(axis=0) + UNSEEN) / every
+        squares = ((cell - centre) ** 2).sum(axis=0) + UNSEEN * (centre**2 + (1 - centre) ** 2)
+        parts[place] = weight**2 * squares / (every - 1) / runs if runs > 1 else np.nan
+        multipliers = rng.standard_normal((MULTIPLIERS, runs)) * np.sqrt(runs / max(runs - 1, 1))
+        process += weight / runs * multipliers @ (cell - mean)
+    variance = parts.sum(axis=0)
+    freedom = variance**2 / (parts**2 / np.maximum(sizes - 1, 1)[:, np.newaxis]).sum(axis=0)
+    return Curve(fraction, variance, freedom, process, total)

@@ -1,0 +1,78 @@
+"""Bands of runtime distributions: by hand where that is possible, and where nothing, or everything, was reached."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.analysis.anytime import ecdf
+from bench.analysis.bands import UNSEEN, _curve, curve_bands, leads, spells
+
+GRID = np.geomspace(1, 100, 20)
+
+
+def hits(**times):
+    """Return the hits of optimizers on one problem, whose times are (runs, targets)."""
+    rows = [
+        ("p", optimizer, trial, evaluations)
+        for optimizer, of_runs in times.items()
+        for trial, of_run in enumerate(of_runs)
+        for evaluations in of_run
+    ]
+    return pd.DataFrame(rows, columns=["problem", "optimizer", "trial", "evaluations"])
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(1)
+
+
+def test_the_curve_is_the_runtime_distribution(rng):
+    table = hits(a=rng.uniform(1, 90, (6, 4)), b=rng.uniform(30, 200, (9, 4)))
+    np.testing.assert_allclose(curve_bands(table, GRID)["fraction"], ecdf(table, GRID)["fraction"])
+
+
+def test_the_variance_is_that_of_runs_within_problems_and_of_what_they_did_not_show(rng):
+    cells = [rng.random((5, 1)), rng.random((8, 1))]
+    expected = 0.0
+    for cell in cells:
+        values, weights = np.append(cell, [0.0, 1.0]), np.append(np.ones(len(cell)), [UNSEEN, UNSEEN])
+        centre = np.average(values, weights=weights)
+        spread = (weights * (values - centre) ** 2).sum() / (weights.sum() - 1)
+        expected += (len(cell) / 13) ** 2 * spread / len(cell)
+    assert _curve(cells, rng).variance[0] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("time", "fraction"), [(np.inf, 0.0), (0.5, 1.0)])
+def test_runs_that_are_all_alike_are_not_certain(time, fraction):
+    bands = curve_bands(hits(a=np.full((5, 3), time)), GRID)
+    assert (bands["fraction"] == fraction).all()
+    assert (bands["high"] - bands["low"] > 0.4).all()
+    assert (curve_bands(hits(a=np.full((51, 3), time)), GRID).eval("high - low") < 0.2).all()
+
+
+def test_a_single_run_has_no_band_and_shows_no_lead(rng):
+    table = hits(a=[[2.0, 3.0]], b=rng.uniform(50, 99, (9, 2)))
+    assert curve_bands(table, GRID).groupby("optimizer")["low"].count().to_dict() == {"a": 0, "b": 20}
+    assert (leads(table, GRID)["ahead"] == "").all()
+
+
+def test_curves_that_cross_have_a_spell_each(rng):
+    slow_start = 20 + rng.uniform(0, 1, (30, 4))
+    table = hits(fast=np.hstack([rng.uniform(1, 3, (30, 2)), np.full((30, 2), np.inf)]), thorough=slow_start)
+    found = spells(leads(table, GRID))
+    assert found["ahead"].tolist() == ["fast", "thorough"]
+    assert found.loc[0, "end"] < 20 < found.loc[1, "begin"]
+
+
+def test_the_band_of_many_optimizers_is_wider_than_that_of_two(rng):
+    times = {label: rng.lognormal(3, 1, (10, 4)) for label in "abcde"}
+    few, many = leads(hits(a=times["a"], b=times["b"]), GRID), leads(hits(**times), GRID)
+    pair = many[(many["first"] == "a") & (many["second"] == "b")]
+    assert ((pair["high"] - pair["low"]).to_numpy() > (few["high"] - few["low"]).to_numpy()).all()
+
+
+def test_evaluations_a_dimension_are_those_of_each_problem(rng):
+    table = hits(a=rng.uniform(1, 90, (6, 4)))
+    halved = curve_bands(table.assign(evaluations=table["evaluations"] * 2), GRID, {"p": 2})
+    np.testing.assert_allclose(halved["low"], curve_bands(table, GRID)["low"])
+    assert "per_dimension" in halved
