@@ -63,7 +63,7 @@ def curve_bands(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] 
     unit = "evaluations" if dimensions is None else "per_dimension"
     tables = []
     for optimizer, curve in _curves(hits, grid, dimensions).items():
-        width = _width([np.abs(curve.process) / np.sqrt(curve.variance)], curve.freedom)
+        width = _width((np.abs(curve.process) / np.sqrt(curve.variance)).max(axis=1), curve.freedom)
         spread = curve.fraction * (1 - curve.fraction)
         ratio = width**2 / np.maximum(curve.runs, spread / curve.variance)
         middle = (curve.fraction + ratio / 2) / (1 + ratio)
@@ -81,30 +81,32 @@ def leads(
 ) -> pd.DataFrame:
     """Return where the curves of two optimizers part: first, second, evaluations, difference, low, high and ahead.
 
-    The bands of the differences hold for all budgets and all pairs together. ``ahead`` is the optimizer that has
+    The bands of the differences hold for all budgets and all pairs of optimizers together, so that pairs may be chosen
+    after the results were seen. ``ahead`` is the optimizer that has
     reached more targets by then, as far as the band shows it, else "". Compare optimizers on the same problems only.
 
     Args:
         hits: of :func:`bench.analysis.hitting_times`.
         grid: increasing numbers of evaluations, or of evaluations a dimension.
         dimensions: as for :func:`curve_bands`.
-        pairs: of optimizers to compare; all by default.
+        pairs: of optimizers to show; all by default.
     """
     unit = "evaluations" if dimensions is None else "per_dimension"
     curves = _curves(hits, grid, dimensions)
-    chosen = list(combinations(curves, 2)) if pairs is None else list(pairs)
     columns = ["first", "second", unit, "difference", "low", "high", "ahead"]
-    if not chosen:
+    every = list(combinations(curves, 2))
+    if not every:
         return pd.DataFrame(columns=columns)
-    variances, deviations = [], []
-    for one, other in ((curves[first], curves[second]) for first, second in chosen):
-        variances.append(one.variance + other.variance)
-        deviations.append(np.abs(one.process - other.process) / np.sqrt(variances[-1]))
+    largest = np.zeros(MULTIPLIERS)
+    for one, other in ((curves[first], curves[second]) for first, second in every):
+        deviation = np.abs(one.process - other.process) / np.sqrt(one.variance + other.variance)
+        largest = np.fmax(largest, deviation.max(axis=1))  # an optimizer without a band has no say
     tables = []
-    for (first, second), variance in zip(chosen, variances, strict=True):
+    for first, second in every if pairs is None else pairs:
         one, other = curves[first], curves[second]
+        variance = one.variance + other.variance
         freedom = variance**2 / (one.variance**2 / one.freedom + other.variance**2 / other.freedom)
-        half = _width(deviations, freedom) * np.sqrt(variance)
+        half = _width(largest, freedom) * np.sqrt(variance)
         difference = one.fraction - other.fraction
         low, high = difference - half, difference + half
         ahead = np.where(low > 0, first, np.where(high < 0, second, ""))
@@ -128,9 +130,8 @@ def spells(differences: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["first", "second", "ahead", "begin", "end"])
 
 
-def _width(deviations: Sequence[Floats], freedom: Floats) -> Floats:
-    """Return how many standard errors a band reaches, (G,), for deviations that are (MULTIPLIERS, G) each."""
-    largest = np.max([deviation.max(axis=1) for deviation in deviations], axis=0)
+def _width(largest: Floats, freedom: Floats) -> Floats:
+    """Return how many standard errors a band reaches, (G,), from the largest deviations, (MULTIPLIERS,)."""
     width = max(float(np.quantile(largest, LEVEL)), float(norm.isf((1 - LEVEL) / 2)))
     return np.asarray(t.isf(norm.sf(width), freedom))
 
