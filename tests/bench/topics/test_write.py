@@ -64,7 +64,7 @@ def test_the_twelve_parts_stand_in_their_order(usual):
 
 def test_the_page_stands_alone(usual):
     usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce."))
-    assert usual.tags.count("svg") == usual.tags.count("figure") == 11
+    assert usual.tags.count("svg") == usual.tags.count("figure") == 12
     assert usual.tags.count("caption") == usual.tags.count("table")
     assert set(usual.values("scope")) == {"col", "row"}
 
