@@ -68,6 +68,8 @@ class Optimizer(ABC):
         unmapped: one sentence for each feature of another library's algorithm that its adapter cannot reproduce.
         libraries: the distributions whose versions decide its trials, beside the package that holds the class, such as
             ``("cma",)`` for a wrapper of pycma.
+        invariances: the changes of a problem under which a run is the same, or has the same law: some of
+            "translation", "scale", "monotone", "budget", "order" and "rotation", which ``bench check`` tests.
         fingerprint: hashes, by name, of what else decides its trials, such as a program that it runs; the harness sets
             it for an optimizer in a file.
     """
@@ -76,6 +78,7 @@ class Optimizer(ABC):
     code: ClassVar[str] = ""
     unmapped: ClassVar[tuple[str, ...]] = ()
     libraries: ClassVar[tuple[str, ...]] = ()
+    invariances: ClassVar[tuple[str, ...]] = ()
     fingerprint: ClassVar[Mapping[str, str]] = {}
 
     def __post_init__(self) -> None:

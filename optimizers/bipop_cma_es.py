@@ -50,6 +50,7 @@ class BIPOPCMAES(BoxedCMA):
 
     code: ClassVar[str] = "written here after Hansen (2009), on this package's cma-es-fast"
     bibtex: ClassVar[str] = works("hansen2009bipop")
+    invariances: ClassVar[tuple[str, ...]] = ("translation", "scale", "monotone", "budget")
 
     fewest: ClassVar[int] = 6
 

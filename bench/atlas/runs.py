@@ -8,22 +8,23 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import count
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any
 
 import numpy as np
 
 from bench.analysis.similarity import LEAST, STAGES, TRAITS, behaviour
 from bench.atlas.table import Implementation, Method
+from bench.check.idle import alternatives
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.errors import BenchError
 from bench.execution.safe_runs import LONGEST, Begin, found, in_order, safe_run, safe_runs
 from bench.helpers.console import OnStep
 from bench.helpers.text import printable
-from bench.optimizer import CONDITIONS, Optimizer
+from bench.optimizer import Optimizer
 from bench.plugins.loading import load_optimizer
 from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
@@ -200,43 +201,6 @@ def _without_effect(probed: Future[Any]) -> str:
         return found(probed, lambda record: printable(str(record["tried"]), LONGEST))
     except BenchError:
         return ""
-
-
-def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[str, list[Any]]:
-    """Return other values of each parameter of an optimizer but the conditions and technical ones, up to four.
-
-    They are the other choices; of a number, the ends of its range, twice and half of it, and the next whole numbers. A
-    parameter that is declared as not worth trying is left out, such as a tolerance that only ends a search.
-    """
-    hints = get_type_hints(type(optimizer))
-    alternatives_of = {}
-    for parameter in fields(optimizer):  # type: ignore[arg-type]
-        if parameter.name in (*CONDITIONS, *technical) or not parameter.init or parameter.metadata.get("tune") == []:
-            continue
-        now, hint = getattr(optimizer, parameter.name), hints[parameter.name]
-        if isinstance(now, bool):
-            values: list[Any] = [not now]
-        elif get_origin(hint) is Literal:
-            values = [choice for choice in get_args(hint) if choice is not None]
-        elif isinstance(now, int | float):
-            ends = [parameter.metadata.get(end) for end in ("minimum", "maximum")]
-            values = [2 * now, now / 2, *(end for end in ends if end is not None), now + 1, now - 1]
-            if isinstance(now, int) and hint is not float:
-                values = [int(value) for value in values]
-        else:
-            continue
-        values = [value for value in dict.fromkeys(values) if value != now]
-        if accepted := [value for value in values if _accepted(optimizer, parameter.name, value)]:
-            alternatives_of[parameter.name] = accepted[:4]
-    return alternatives_of
-
-
-def _accepted(optimizer: Optimizer, name: str, value: Any) -> bool:
-    try:
-        replace(optimizer, **{name: value})  # type: ignore[type-var]
-    except Exception:  # a plug-in checks its parameters as it likes
-        return False
-    return True
 
 
 def ready() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from bench.check.conformance.problem_subject import ProblemSubject, make_problem_subject
 from bench.check.conformance.recording import LOST, explain_lost_process
-from bench.check.conformance.rules import APART, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
+from bench.check.conformance.rules import APART, ROTATION, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, make_subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.errors import BenchError
@@ -115,9 +115,10 @@ def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callabl
 
 def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
+    rules = [*RULES, *([APART] if apart else []), *([ROTATION] if bias else [])]
     with closing(Checker(subject, apart)) as checker:
         kept = set()
-        for verdict in filter(None, map(checker.verdict, (*RULES, APART) if apart else RULES)):
+        for verdict in filter(None, map(checker.verdict, rules)):
             yield verdict
             if verdict.passed:
                 kept.add(verdict.check)

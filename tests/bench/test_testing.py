@@ -148,7 +148,7 @@ def test_nothing_runs_and_no_name_is_loaded_while_tests_are_collected(author):
     refuse = "bench.check.checker.Process = bench.plugins.loading.load_optimizer = None"
     outcomes, printed = author("@parametrize_with_checks([Sound, 'gwp'])", "--collect-only", "-q", setup=refuse)
     assert list(outcomes) == []
-    assert "32 tests collected" in printed
+    assert "36 tests collected" in printed
 
 
 def test_a_check_names_its_optimizer_and_its_rule():

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from bench.check.conformance import apartness, isolation, parameters, problem_rules, robustness
+from bench.check.conformance import apartness, invariances, isolation, parameters, problem_rules, robustness
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import START_SECONDS, AnySubject
 from bench.check.verdict import Verdict
@@ -61,12 +61,17 @@ RULES = (
     Rule("anonymity", isolation.check_anonymity, "use nothing but what the objective offers", _REPEATED),
     Rule("silence", isolation.check_silence, "a run must not need a terminal"),
     Rule("leftovers", isolation.check_leftovers, "a run must not depend on the working folder"),
+    Rule("invariances", invariances.check_invariances, _ROBUST, _REPEATED),
+    Rule("idle parameters", invariances.check_parameters_in_use, "fix what raises with other parameters", _REPEATED),
 )
 """All rules, in the order in which they are checked."""
 
 APART = Rule("problem apart", apartness.check_apart, "get values from objective(x) alone", _REPEATED)
 """The rule that is checked only on request, as it takes processes that can be given sockets."""
 
+
+ROTATION = Rule("rotation", invariances.check_rotation, _ROBUST, _REPEATED)
+"""The rule that is checked with the biases, as it makes sixty runs."""
 
 _ANY_POINT = "fix what raises: any point of the box can occur, alone and in batches of any size"
 _PURE = ("declaration", "values", "batches")
@@ -100,7 +105,7 @@ TABLES = {"optimizer": RULES, "problem": PROBLEM_RULES}
 
 def find_rule(name: str, kind: str = "optimizer") -> Rule:
     """Return the rule of that name for an optimizer or a problem."""
-    return next(rule for rule in (*TABLES[kind], APART, SEARCH) if rule.name == name)
+    return next(rule for rule in (*TABLES[kind], APART, ROTATION, SEARCH) if rule.name == name)
 
 
 def judge(rule: Rule, subject: AnySubject) -> Verdict | None:

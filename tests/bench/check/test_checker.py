@@ -40,13 +40,15 @@ def test_a_failed_report_says_how_to_mend_it_and_what_could_not_be_checked():
     assert not checkup
     assert not checkup.passed
     assert checkup.label == "Clocked"
-    assert checkup.unchecked == ("processes", "no state", "pickling", "global states", "anonymity")
+    assert checkup.unchecked == (
+        "processes", "no state", "pickling", "global states", "anonymity", "invariances", "idle parameters",
+    )  # fmt: skip
     text = str(checkup)
     assert "  FAILED  repetition" in text
     assert "remedy: draw from rng alone" in text
     assert text.endswith(
         "Clocked fails the contract in: repetition; not checked until that is fixed: "
-        "processes, no state, pickling, global states, anonymity"
+        "processes, no state, pickling, global states, anonymity, invariances, idle parameters"
     )
 
 
@@ -78,7 +80,7 @@ def test_classes_of_a_script_and_of_a_function_can_be_checked(tmp_path):
 
             checkup = bench.check_optimizer(local(), bias=False)
             assert checkup, str(checkup)
-            assert len(checkup.verdicts) == 16, str(checkup)
+            assert len(checkup.verdicts) == 18, str(checkup)
             """
         )
     )
@@ -233,7 +235,7 @@ def test_a_rule_is_judged_once_and_after_those_that_it_needs():
     assert checker.verdict(find_rule("pickling")).passed
     assert checker.verdict(find_rule("pickling")).passed
     assert checker.asked == ["run", "repetition", "pickling"]
-    assert len([*filter(None, map(checker.verdict, RULES))]) == 16
+    assert len([*filter(None, map(checker.verdict, RULES))]) == 18
 
 
 @pytest.mark.parametrize(

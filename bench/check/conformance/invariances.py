@@ -1,0 +1,147 @@
+"""Rules of traits: which changes of a problem leave a run as it is, and which parameters change no point.
+
+A trait is no error. A method may declare in ``invariances`` which of ``INVARIANCES`` it keeps, and then breaks the rule
+where it does not; of others the finding is reported. What is exact is compared point by point in runs of one seed:
+
+- translation, scale: the box and the function moved, or 64 times as small;
+- monotone: the cube of the values, which leaves their order as it is;
+- budget: the first half of a run with twice the budget, which a schedule that falls with the budget changes.
+
+The order of the coordinates and a rotation about the centre of the box change what each random number does. Their runs
+are compared by their final values with a Kolmogorov-Smirnov test, and called different where p is at most ``LEVEL``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bench.analysis.kolmogorov_smirnov import ks_tests
+from bench.check.conformance.recording import ViolationError
+from bench.check.conformance.subject import Subject, ordinary_budget
+from bench.check.idle import alternatives
+from bench.check.problems import RecordingProblem
+from bench.errors import BenchError
+from bench.helpers.text import joined
+from bench.typing import Floats
+
+INVARIANCES = ("translation", "scale", "monotone", "budget", "order", "rotation")
+EXACT = INVARIANCES[:4]
+TOLERANCE = 1e-6  # of the box: rounding grows from generation to generation
+LEVEL = 0.01
+RUNS, DIMENSION = 20, 4
+
+Values = Callable[[Floats], Floats]
+
+
+def check_invariances(subject: Subject) -> str:
+    """A run keeps what the method declares, of what can be compared point by point; the rest is reported."""
+    return _report(subject, {name: _where(subject, name) for name in EXACT})
+
+
+def check_rotation(subject: Subject) -> str:
+    """Final values keep their law when coordinates change their order or are rotated, where the method declares it."""
+    plain = _finals(subject, None)
+    changed = {"order": np.eye(DIMENSION)[::-1], "rotation": _rotation()}
+    ps = {name: float(ks_tests(plain, _finals(subject, matrix))["ks_p"][0]) for name, matrix in changed.items()}
+    found = {name: f"p = {p:.1g}" if p <= LEVEL else "" for name, p in ps.items()}
+    return _report(subject, found)
+
+
+def _report(subject: Subject, found: dict[str, str]) -> str:
+    """Return what is kept and what is not, "" for the former; raises ViolationError for a declared one that is not."""
+    optimizer = subject.fresh()
+    declared = getattr(optimizer, "invariances", ())
+    for name in declared if isinstance(declared, Sequence) else [declared]:
+        if name not in INVARIANCES:
+            raise ViolationError(f"it declares the invariance {name!r}", f"declare some of {', '.join(INVARIANCES)}")
+        if found.get(name):
+            raise ViolationError(
+                f"it declares invariance to {name}, and its run changes ({found[name]})",
+                "take lengths from the box and compare values by their order alone; or do not declare it",
+            )
+    kept, lost = ([name for name in found if bool(found[name]) is broken] for broken in (False, True))
+    sentences = [f"the run is kept under {joined(kept)}"] if kept else []
+    sentences += [f"it changes under {joined([f'{name} ({found[name]})' for name in lost])}"] if lost else []
+    if found.get("budget") and not _says(optimizer, "budget"):
+        sentences.append("its documentation does not say that its course depends on the budget")
+    return "; ".join(sentences)
+
+
+def _says(optimizer: Any, word: str) -> bool:
+    texts = (getattr(type(optimizer), "__doc__", ""), getattr(type(optimizer).minimize, "__doc__", ""))
+    return any(word in (text or "") for text in texts)
+
+
+def _where(subject: Subject, name: str) -> str:
+    """Return from which evaluation on a change moves a point of the run, "" where it moves none."""
+    budget = 2 * ordinary_budget(subject.fresh())
+    plain, other = _problem(), _problem(name)
+    first = plain.share(subject.run(plain, budget=budget).points)
+    second = other.share(subject.run(other, budget=(2 if name == "budget" else 1) * budget).points)[: len(first)]
+    if len(second) < len(first):
+        return f"it ends after {len(second)} evaluations"
+    moved = (np.abs(first - second) > TOLERANCE).any(axis=1)
+    return f"from evaluation {int(moved.argmax()) + 1} on" if moved.any() else ""
+
+
+def _problem(change: str = "") -> RecordingProblem:
+    """Return a valley in an uneven box, moved, smaller or with other values; powers of two keep rounding small."""
+    lower, upper = np.array([-4.0, 8.0, -1024.0]), np.array([4.0, 9.0, 1024.0])
+    if change == "translation":
+        moved = np.array([16.0, -32.0, 8192.0])
+        lower, upper = lower + moved, upper + moved
+    elif change == "scale":
+        lower, upper = lower / 64, upper / 64
+
+    def evaluate(x: Floats) -> Floats:
+        u = (x - lower) / (upper - lower) - [0.3, 0.65, 0.8]
+        values = 1 + (u**2 * [1.0, 10.0, 100.0]).sum(axis=1)
+        return np.asarray(values**3 if change == "monotone" else values)
+
+    return RecordingProblem(evaluate, lower, upper, name="valley")
+
+
+def _finals(subject: Subject, matrix: Floats | None) -> Floats:
+    """Return the (1, runs) final values on an ellipsoid about the centre of a cube, in rotated coordinates."""
+    finals = []
+    budget = 10 * ordinary_budget(subject.fresh())
+    offset = np.linspace(-0.1, 0.1, DIMENSION)
+    for run in range(RUNS):
+        rows = np.eye(DIMENSION) if matrix is None else matrix
+
+        def evaluate(x: Floats, rows: Floats = rows) -> Floats:
+            z = (x[:, None, :] * rows).sum(axis=2) - offset
+            return np.asarray((z**2 * np.logspace(0, 6, DIMENSION)).sum(axis=1))
+
+        problem = RecordingProblem(evaluate, [-1.0] * DIMENSION, [1.0] * DIMENSION, name="ellipsoid")
+        points = subject.run(problem, budget=budget, seed=(0 if matrix is None else RUNS) + run).points
+        finals.append(evaluate(points).min())
+    return np.array([finals])
+
+
+def _rotation() -> Floats:
+    return np.asarray(np.linalg.qr(np.random.default_rng(3).standard_normal((DIMENSION, DIMENSION)))[0])
+
+
+def check_parameters_in_use(subject: Subject) -> str:
+    """Every parameter changes some point of a run, or is reported as one that does not."""
+    optimizer = subject.fresh()
+    course = subject.run(instance=optimizer).course()
+    idle = []
+    tried: dict[str, list[Any]] = alternatives(optimizer) if is_dataclass(optimizer) else {}
+    for name, others in tried.items():
+        if all(course == made for made in _courses(subject, optimizer, name, others)):
+            idle.append(f"{name} (tried {', '.join(map(repr, others))})")
+    return f"without effect on an ordinary run: {joined(idle)}" if idle else "every parameter that was tried has effect"
+
+
+def _courses(subject: Subject, optimizer: Any, name: str, others: Sequence[Any]) -> Iterator[list[int]]:
+    for other in others:
+        try:
+            yield subject.run(instance=replace(optimizer, **{name: other})).course()
+        except (BenchError, RuntimeError, ValueError):
+            continue

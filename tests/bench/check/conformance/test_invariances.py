@@ -1,0 +1,150 @@
+"""Traits of a method: what it declares is held, and what it keeps or loses is reported."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from bench.check.conformance.rules import find_rule, judge
+from bench.check.conformance.subject import make_subject
+from tests.bench.check import faulty
+
+
+@dataclass(frozen=True)
+class Ranked(faulty.Walker):
+    """Keeps the better of two points; a step is a share of the box."""
+
+    invariances: ClassVar[tuple[str, ...]] = ("translation", "scale", "monotone", "budget")
+    step: float = 0.1
+
+    def move(self, x, f, objective, rng):
+        best = x[f.argmin()]
+        span = objective.upper - objective.lower
+        return objective.repair(best + self.step * span * rng.standard_normal(x.shape))
+
+
+@dataclass(frozen=True)
+class Absolute(Ranked):
+    """Its step is the same in every box."""
+
+    def move(self, x, f, objective, rng):
+        return objective.repair(x[f.argmin()] + self.step * rng.standard_normal(x.shape))
+
+
+@dataclass(frozen=True)
+class Origin(Ranked):
+    """Walks towards the origin."""
+
+    def move(self, x, f, objective, rng):
+        return objective.repair(0.9 * super().move(x, f, objective, rng))
+
+
+@dataclass(frozen=True)
+class Weighing(Ranked):
+    """Moves to the mean of its points, weighed by their values."""
+
+    def move(self, x, f, objective, rng):
+        span = objective.upper - objective.lower
+        mean = (x / f[:, None]).sum(axis=0) / (1 / f).sum()
+        return objective.repair(mean + self.step * span * rng.standard_normal(x.shape))
+
+
+@dataclass(frozen=True)
+class Cooling(Ranked):
+    """Its step falls to the end of the run."""
+
+    def move(self, x, f, objective, rng):
+        span = objective.upper - objective.lower
+        share = objective.remaining / objective.budget
+        return objective.repair(x[f.argmin()] + self.step * share * span * rng.standard_normal(x.shape))
+
+
+@dataclass(frozen=True)
+class Coordinates(Ranked):
+    """Changes one coordinate at a time."""
+
+    invariances: ClassVar[tuple[str, ...]] = ("order", "rotation")
+
+    def minimize(self, objective, rng):
+        x = objective.initial(1)[0]
+        f, step = objective(x), self.step * (objective.upper - objective.lower)
+        while True:
+            for k in range(len(x)):
+                y = x.copy()
+                y[k] += step[k] * rng.standard_normal()
+                g = objective(objective.repair(y[None])[0])
+                if g < f:
+                    x, f, step[k] = objective.repair(y[None])[0], g, step[k] * 1.5
+                else:
+                    step[k] *= 0.85
+
+
+@dataclass(frozen=True)
+class Misspelt(Ranked):
+    invariances: ClassVar[tuple[str, ...]] = ("rotations",)
+
+
+@dataclass(frozen=True)
+class Idle(Ranked):
+    inertia: float = 0.7
+
+
+def verdict(optimizer, rule="invariances"):
+    return judge(find_rule(rule), make_subject(optimizer, {}, 0))
+
+
+def test_a_method_that_keeps_what_it_declares_passes():
+    assert verdict(Ranked).finding == "the run is kept under translation, scale, monotone and budget"
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "lost"),
+    [(Absolute, "scale"), (Origin, "translation"), (Weighing, "monotone"), (Cooling, "budget")],
+)
+def test_a_declared_invariance_that_does_not_hold_is_a_breach(optimizer, lost):
+    found = verdict(optimizer)
+    assert found.outcome == "FAILED"
+    assert f"invariance to {lost}, and its run changes (from evaluation" in found.finding
+    assert "by their order alone" in found.remedy
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "lost"),
+    [(Absolute, "scale"), (Origin, "translation"), (Weighing, "monotone"), (Cooling, "budget")],
+)
+def test_without_a_declaration_it_is_a_finding(optimizer, lost, monkeypatch):
+    monkeypatch.setattr(Ranked, "invariances", ())
+    found = verdict(optimizer)
+    assert found.passed
+    assert f"it changes under {lost} (from evaluation" in found.finding
+    silent = "its documentation does not say that its course depends on the budget"
+    assert (silent in found.finding) is (lost == "budget")
+
+
+def test_an_unknown_invariance_is_refused():
+    assert "declares the invariance 'rotations'" in verdict(Misspelt).finding
+
+
+def test_a_search_along_the_coordinates_loses_to_a_rotation_and_not_to_their_order():
+    found = verdict(Coordinates, "rotation")
+    assert found.outcome == "FAILED"
+    assert "invariance to rotation, and its run changes (p = " in found.finding
+
+
+def test_random_search_keeps_order_and_rotation():
+    assert verdict("random-search", "rotation").finding == "the run is kept under order and rotation"
+
+
+def test_a_parameter_that_changes_no_point_is_named_with_the_values_that_were_tried():
+    assert verdict(Idle, "idle parameters").finding == (
+        "without effect on an ordinary run: inertia (tried 1.4, 0.35, 1.7, -0.30000000000000004)"
+    )
+    assert verdict(Ranked, "idle parameters").finding == "every parameter that was tried has effect"
+
+
+def test_the_valley_of_a_rotated_run_is_the_same_function():
+    from bench.check.conformance.invariances import DIMENSION, _rotation
+
+    matrix = _rotation()
+    np.testing.assert_allclose(matrix @ matrix.T, np.eye(DIMENSION), atol=1e-12)
