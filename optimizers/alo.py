@@ -35,6 +35,8 @@ class ALO(Population):
     while their positions move on. The roulette weighs with 1/f and is sound for positive objective values only:
     otherwise it takes, like the code, the first entry of the running sum that exceeds its draw, or antlion 1.
 
+    Its schedule runs over the whole budget: with another budget, a seed gives another course from the first moves on.
+
     Attributes:
         agents: N, the number of ants and of antlions.
         handling: see :class:`~optimizers.common.base.Population`.

@@ -34,6 +34,8 @@ class DA(Population):
     that a later one sees its neighbours' new positions; that a dragonfly far from the food follows its neighbours with
     fresh random weights, and flies a Lévy flight, relative to the origin, only if it has fewer than two.
 
+    Its schedule runs over the whole budget: with another budget, a seed gives another course from the first moves on.
+
     Attributes:
         agents: N, the number of dragonflies; at least 3, so that one can have the two neighbours of a swarm.
         handling: see :class:`~optimizers.common.base.Population`. Each dragonfly is clipped as it moves; all are

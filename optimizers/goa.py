@@ -31,6 +31,8 @@ class GOA(Population):
     2 + D mod 2; with an odd number of variables a dummy one with bounds +-100 is appended, which moves with the others
     and is never evaluated. After the start population nothing is random.
 
+    Its schedule runs over the whole budget: with another budget, a seed gives another course from the first moves on.
+
     Attributes:
         agents: N, the number of grasshoppers; at least 2, as a single one feels no force.
         handling: see :class:`~optimizers.common.base.Population`.

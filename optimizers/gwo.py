@@ -25,6 +25,8 @@ class GWO(Population):
     the choice open, that code keeps alpha, beta and delta as historical leaders, which start at the origin with a
     score of +inf; a leader that is beaten is forgotten, not demoted; no wolf refuses a worse position.
 
+    Its schedule runs over the whole budget: with another budget, a seed gives another course from the first moves on.
+
     Attributes:
         agents: N, the number of wolves; at least 3, one for each leader.
         handling: see :class:`~optimizers.common.base.Population`.
