@@ -29,10 +29,11 @@ class Remark(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """What a check knows of a cell beside its numbers: the lowest possible value, and whether values are counts."""
+    """What a check knows of a cell beside its numbers: the lowest value, whose it is, whether values are counts."""
 
     lowest: float
     counts: bool
+    source: str = ""
 
 
 def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
@@ -41,14 +42,15 @@ def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
     unknown: dict[str, str] = {}
     known = 0
     for cell in table.cells:
-        lowest = table.lowest
+        lowest, source = table.lowest, ""
         try:
-            optimum = load_problem(table, cell).optimum
+            problem = load_problem(table, cell)
+            optimum, source = problem.optimum, problem.optimum_source
             known += optimum is not None
             lowest = lowest if table.errors or optimum is None else max(optimum, lowest)
         except BenchError as error:
             unknown.setdefault(str(error), cell.where)
-        facts = Facts(lowest, table.settings.get("counts") is True)
+        facts = Facts(lowest, table.settings.get("counts") is True, source)
         found = [Remark(cell.where, kind, text) for kind, check in CHECKS.items() for text in check(cell, facts)]
         below += any(remark.kind == "below the optimum" for remark in found)
         remarks += found
@@ -65,7 +67,8 @@ def _below(cell: PaperCell, facts: Facts) -> Iterator[str]:
     limit = facts.lowest - 1e-9 * max(1.0, abs(facts.lowest))
     for name in ("best", "median", "mean", "worst"):
         if name in cell.numbers and cell.numbers[name].high < limit:
-            what = f"the optimum, {facts.lowest:.10g}" if facts.lowest else "the lowest possible value, 0"
+            known = f" ({facts.source})" if facts.source else ""
+            what = f"the optimum, {facts.lowest:.10g}{known}" if facts.lowest else "the lowest possible value, 0"
             yield f"its {name} {cell.numbers[name].text} is below {what}"
             return
 

@@ -49,14 +49,9 @@ def problem_of(table: PaperTable, cell: PaperCell) -> str:
     return name
 
 
-def problem_options(table: PaperTable) -> dict[str, Any]:
-    """Return the options of all problems of a table."""
-    return dict(table.settings.get("problem", {}))
-
-
 def load_problem(table: PaperTable, cell: PaperCell) -> Problem:
     """Return the problem that a cell is about; raises BenchError where it cannot be loaded."""
-    return loading.load_problem(problem_of(table, cell), **problem_options(table))
+    return loading.load_problem(problem_of(table, cell), **table.settings.get("problem", {}))
 
 
 def optimizer_of(table: PaperTable, printed: str) -> dict[str, Any]:

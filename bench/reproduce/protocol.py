@@ -10,7 +10,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.helpers.text import slug
 from bench.plugins import loading
-from bench.reproduce.names import load_problem, optimizer_of, problem_of, problem_options
+from bench.reproduce.names import load_problem, optimizer_of, problem_of
 from bench.reproduce.table import PaperCell, PaperTable
 from bench.results.results import Results
 from bench.study import Study
@@ -80,7 +80,7 @@ def protocol_of(
                 "seed": seed,
                 "trials": trials or runs,
                 "budget": {str(dimension): spent for dimension, (spent, _) in budgets.items()},
-                "problems": [{"name": name, **problem_options(table)} for name in problems],
+                "problems": [{"name": name, **table.settings.get("problem", {})} for name in problems],
                 "optimizers": list({each["label"]: each for each in optimizers.values()}.values()),
                 **({"constraints": table.settings["constraints"]} if "constraints" in table.settings else {}),
             },

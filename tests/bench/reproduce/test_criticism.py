@@ -34,7 +34,10 @@ def kinds(*cells, **settings):
 def test_a_value_below_the_optimum_is_found():
     table = PaperTable("t", (cell("cec2022-f04-d10", mean="799.0", best="650.0"),))
     (remark,), _ = criticise(table)
-    assert remark.kind == "below the optimum"
+    assert (remark.kind, remark.sentence) == (
+        "below the optimum",
+        "its best 650.0 is below the optimum, 800 (the definition of the suite)",
+    )
     assert kinds(cell(mean="-0.3")) == ["below the optimum"]
 
 
@@ -154,3 +157,9 @@ def test_no_sample_contradicts_itself_however_it_is_printed(values, digits, cut,
 def test_the_example_tables(name, expected):
     remarks, _ = criticise(read(EXAMPLES / f"{name}.csv"))
     assert {kind: [r.kind for r in remarks].count(kind) for kind in {r.kind for r in remarks}} == expected
+
+
+def test_an_optimum_that_is_only_the_best_known_says_so():
+    table = PaperTable("t", (cell("signature-03", mean="0.0010"),))
+    (remark,), _ = criticise(table)
+    assert remark.sentence.endswith("(a reference fit, found by an exhaustive search)")
