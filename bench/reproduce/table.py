@@ -46,6 +46,9 @@ STATISTICS = ("mean", "sd", "best", "median", "worst", "rank", "success")
 CONSTANT = ("suite", "instance", "dimension", "budget", "runs", "optimizer")
 KEYS = (*CONSTANT, "source", "values", "zero", "lowest", "counts", "problem", "constraints", "functions", "optimizers")
 AVERAGES = frozenset(["average", "avg", "mean", "averagerank", "avgrank", "averank", "meanrank", "overall"])
+NEAR = 1e-10
+"""The relative size of what rounding makes of a number, in their code or ours."""
+
 MISSING = frozenset(["", "-", "--", "–", "—", "na", "n/a", "nan", "none"])
 
 
@@ -59,12 +62,12 @@ class Printed(NamedTuple):
     @property
     def low(self) -> float:
         """The smallest number that is printed so."""
-        return self.value - self.unit - 1e-12 * abs(self.value)
+        return self.value - self.unit - NEAR * abs(self.value)
 
     @property
     def high(self) -> float:
         """The largest number that is printed so."""
-        return self.value + self.unit + 1e-12 * abs(self.value)
+        return self.value + self.unit + NEAR * abs(self.value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,7 @@ from scipy import stats
 
 from bench.analysis import ALPHA, holm
 from bench.helpers.text import count, listed
-from bench.reproduce.table import PaperCell, PaperTable, Printed
+from bench.reproduce.table import NEAR, PaperCell, PaperTable, Printed
 from bench.typing import Floats
 
 REPRODUCED, DIFFERS, OPEN, UNJUDGED = "reproduced", "differs", "open", "not judged"
@@ -143,7 +143,8 @@ def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: f
             tests[name] = compare_order(numbers[name], runs, low, high, values)
     all_p = np.array(list(tests.values()))
     by = np.array(list(tests))[np.argmin(all_p, axis=0)]
-    return Comparison(np.minimum(1.0, len(tests) * all_p.min(axis=0)), near, by)
+    least = 2 / math.comb(runs + values.shape[-1], runs)  # the smallest p that so many values can have
+    return Comparison(np.minimum(1.0, len(tests) * np.maximum(all_p.min(axis=0), least)), near, by)
 
 
 def compare_means(
@@ -160,15 +161,15 @@ def compare_means(
     """
     trials = values.shape[-1]
     ours, our_sd = values.mean(axis=-1), values.std(axis=-1, ddof=1)
-    gap = np.maximum(np.abs(ours - mean.value) - mean.unit - 1e-12 * np.abs(mean.value), 0.0)
+    gap = np.maximum(np.abs(ours - mean.value) - mean.unit - NEAR * np.abs(mean.value), 0.0)
     printed = our_sd if sd is None else sd.value + sd.unit
     spread = np.maximum(printed, our_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         p = stats.ttest_ind_from_stats(gap, spread, runs, 0.0, spread, trials).pvalue
     p = np.where(gap == 0, 1.0, np.where(spread == 0, 0.0, p))
     half = stats.t.ppf(1 - ALPHA, runs + trials - 2) * spread * math.sqrt(1 / runs + 1 / trials)
-    margin = np.minimum(printed, mean.high - lowest)
-    return np.maximum(p, 2 / math.comb(runs + trials, runs)), gap + half <= margin
+    margin = np.minimum(printed, mean.high - lowest) + NEAR * np.abs(mean.value)
+    return p, gap + half <= margin
 
 
 def compare_order(printed: Printed, runs: int, low: int, high: int, values: Floats) -> Floats:

@@ -55,8 +55,15 @@ def test_the_test_of_means_is_student_s_with_the_larger_sd():
 
 
 def test_no_p_is_below_that_of_samples_that_do_not_overlap():
-    p, _ = compare_means(number(1e6), number(1e-3), 3, -math.inf, np.zeros(3))
-    assert p == pytest.approx(2 / 20)
+    found = compare({"mean": number(1e6), "sd": number(1e-3)}, 3, np.zeros(3))
+    assert found.p == pytest.approx(2 * 2 / 20)  # of two tests
+    assert compare({"worst": number(0.0)}, 51, np.ones(51)).p > 0
+
+
+def test_what_rounding_makes_of_a_number_is_no_difference():
+    printed = {"mean": number(2900.0, 0.1), "worst": number(2900.0000000000005, 1e-13)}
+    assert compare(printed, 51, np.full(51, 2900.000000004)).p == 1.0
+    assert compare({"mean": number(2900.0, 0.1), "sd": number(6e-14)}, 51, normal(2900.0, 1e-9, 51)).near
 
 
 def test_a_difference_within_the_last_digit_is_none():
