@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
     __version__: str
 
-    from bench.check import check_optimizer, check_problem
+    from bench.check import Checkup, Verdict, check_optimizer, check_problem
+    from bench.comparison import compare
     from bench.errors import BenchError
-    from bench.execution.runner import run
+    from bench.execution.runner import Outcome, run
     from bench.execution.solve import solve
+    from bench.execution.supervisor import WorkerDiedError
     from bench.families import Grid
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
@@ -34,18 +36,23 @@ __all__ = [
     "AskTell",
     "BenchError",
     "BudgetExhausted",
+    "Checkup",
     "FittedData",
     "FunctionProblem",
     "Grid",
     "Objective",
     "Optimizer",
+    "Outcome",
     "Problem",
     "Result",
     "Results",
     "Study",
     "Trace",
+    "Verdict",
+    "WorkerDiedError",
     "check_optimizer",
     "check_problem",
+    "compare",
     "load_optimizer",
     "load_problem",
     "load_results",
@@ -57,12 +64,14 @@ __all__ = [
 
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
-    "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
-    "FunctionProblem": "problem", "Grid": "families", "Objective": "objective", "Optimizer": "optimizer",
-    "Problem": "problem", "Result": "trial", "Results": "results.results", "Study": "study", "Trace": "objective",
-    "check_optimizer": "check", "check_problem": "check", "load_optimizer": "plugins.loading",
-    "load_problem": "plugins.loading", "load_results": "results.results", "parameter": "optimizer",
-    "run": "execution.runner", "solve": "execution.solve", "write_report": "topics",
+    "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "Checkup": "check",
+    "FittedData": "problem", "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
+    "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
+    "Results": "results.results", "Study": "study", "Trace": "objective", "Verdict": "check",
+    "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",
+    "compare": "comparison", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
+    "load_results": "results.results", "parameter": "optimizer", "run": "execution.runner", "solve": "execution.solve",
+    "write_report": "topics",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 import types
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -109,33 +108,39 @@ class Optimizer(ABC):
             )
 
 
+class Search(Protocol):
+    """The state of a trial that proposes points and learns from their values."""
+
+    def ask(self, n: int, /) -> ArrayLike:
+        """Return (n, d) points to evaluate; more or fewer than ``n``, its ``agents`` or 1, are evaluated, too."""
+
+    def tell(self, x: Floats, f: Floats, /) -> object:
+        """Learn the (n,) values ``f`` of the (n, d) points ``x`` that were asked last."""
+
+
 class AskTell(Optimizer):
     """A method that proposes points and learns from their values; its loop is given.
 
-    Each trial works on a copy, so that the methods may keep their state in ``self``: any attribute that is no
-    parameter. As for every optimizer, a subclass is a frozen dataclass.
+    The parameters are its own, as of every optimizer; the state of a trial is the object that :meth:`start` returns.
     """
 
-    def start(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Prepare a trial; ``objective`` has the box, ``initial`` and ``repair``."""
-
     @abstractmethod
-    def ask(self, n: int) -> ArrayLike:
-        """Return (n, d) points to evaluate; more or fewer than ``n``, its ``agents`` or 1, are evaluated, too."""
+    def start(self, objective: Objective, rng: np.random.Generator) -> Search:
+        """Return the state of a trial, any object with ``ask(n)`` and ``tell(x, f)`` (:class:`Search`).
 
-    @abstractmethod
-    def tell(self, x: Floats, f: Floats) -> None:
-        """Learn the (n,) values ``f`` of the (n, d) points ``x`` that were asked last."""
+        ``objective`` has the box, ``initial`` and ``repair``.
+        """
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Ask and tell until the budget is spent."""
-        copied = copy.copy(self)
-        # A frozen dataclass refuses to set attributes that are not its own in its very class alone.
-        object.__setattr__(copied, "__class__", type(type(self).__name__, (type(self),), {}))
-        copied.start(objective, rng)
-        while True:
-            x = np.array(copied.ask(self.minimum_budget), dtype=np.float64, ndmin=2)
-            copied.tell(x, objective(x))
+        ask_and_tell(self.start(objective, rng), objective, self.minimum_budget)
+
+
+def ask_and_tell(search: Search, objective: Objective, n: int) -> None:
+    """Ask for ``n`` points and tell their values until the budget is spent."""
+    while True:
+        x = np.array(search.ask(n), dtype=np.float64, ndmin=2)
+        search.tell(x, objective(x))
 
 
 def settings(optimizer: Optimizer) -> dict[str, Any]:

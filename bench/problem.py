@@ -146,14 +146,17 @@ class FunctionProblem(Problem):
     """A user's own function as a problem.
 
     Example:
-        >>> sphere = FunctionProblem(lambda x: (x**2).sum(axis=1), [-5] * 3, [5] * 3, name="sphere")
+        >>> sphere = FunctionProblem(lambda x: (x**2).sum(), [-5] * 3, [5] * 3, name="sphere")
 
     Args:
-        fun: maps (n, d) points to (n,) values, or one (d,) point to a float with ``vectorized=False``.
+        fun: maps one (d,) point to a number, or (n, d) points to (n,) or (n, 1) values.
         lower: (d,) lower bounds.
         upper: (d,) upper bounds, each above its lower bound.
         name: the name results are stored under.
-        vectorized: whether ``fun`` takes many points at once.
+        vectorized: whether ``fun`` takes many points at once; None: one more call finds out, before the first
+            evaluation (in a study, once a job). It has two points, or three of two variables, so that no axis can be
+            taken for the other. Where that gives a value for each, ``fun`` takes many; where it raises, or returns
+            anything else, it takes one.
         optimum: the best known value, if any.
         optimum_point: (d,) where it is reached, if that is known.
         variables: d different names of the search variables; by default x1, x2, …
@@ -170,19 +173,19 @@ class FunctionProblem(Problem):
 
     def __init__(
         self,
-        fun: Callable[..., Any],
+        fun: Callable[..., ArrayLike],
         lower: ArrayLike,
         upper: ArrayLike,
         *,
         name: str = "function",
-        vectorized: bool = True,
+        vectorized: bool | None = None,
         optimum: float | None = None,
         optimum_point: ArrayLike | None = None,
         variables: Sequence[str] | None = None,
         features: Mapping[str, str | int] = MappingProxyType({}),
-        violations: Callable[..., Any] | None = None,
+        violations: Callable[..., ArrayLike] | None = None,
         integer: ArrayLike | None = None,
-        noiseless: Callable[..., Any] | None = None,
+        noiseless: Callable[..., ArrayLike] | None = None,
     ) -> None:
         self.name, self.lower, self.upper = name, *own_box(name, lower, upper)
         self.optimum = optimum
@@ -193,8 +196,8 @@ class FunctionProblem(Problem):
         )
         if len(set(self.variables)) != self.dimension:
             raise BenchError(f"problem {name!r}: give {self.dimension} different variable names, not {self.variables}")
-        self._fun = fun
-        self._vectorized, self.by_point = vectorized, not vectorized
+        self._fun: Callable[..., Any] = fun
+        self._vectorized, self.by_point = vectorized, vectorized is False
         self.integer = None if integer is None else np.array(integer, dtype=bool)
         self.noisy = noiseless is not None
         self._violations = violations
@@ -208,17 +211,63 @@ class FunctionProblem(Problem):
         """Return the (n,) true values of the (n, d) points ``x``."""
         return self._computed(self._fun if self._noiseless is None else self._noiseless, x)
 
-    def _computed(self, function: Callable[..., Any], x: Floats, *arguments: Any) -> Floats:
-        if self._vectorized:
-            return np.asarray(function(x, *arguments), dtype=np.float64)
-        return np.array([float(function(row, *arguments)) for row in x], dtype=np.float64)
-
     def violations(self, x: Floats) -> Floats | None:
         """Return the (n, m) constraint violations of the (n, d) points ``x``, or None without constraints."""
         if self._violations is None:
             return None
-        violations = self._violations(x) if self._vectorized else [np.ravel(self._violations(row)) for row in x]
+        violate = self._violations
+        violations = violate(x) if self._takes_many(x) else [np.ravel(violate(row)) for row in x]
         return np.asarray(violations, dtype=np.float64)
+
+    def _computed(self, function: Callable[..., ArrayLike], x: Floats, *arguments: object) -> Floats:
+        if not self._takes_many(x):
+            return np.array([_number(function(row, *arguments)) for row in x], dtype=np.float64)
+        values = np.asarray(function(x, *arguments), dtype=np.float64)
+        return values.reshape(len(x)) if values.shape == (len(x), 1) else values
+
+    def find_out(self) -> None:
+        """Find out by a call whether the function takes many points at once, unless that is known."""
+        self._takes_many(self.lower[np.newaxis])
+
+    def _takes_many(self, x: Floats) -> bool:
+        """Return whether the function takes many points at once; try it in the box, and where it fails at ``x``."""
+        if self._vectorized is None:
+            function = self._fun if self._noiseless is None else self._noiseless
+            n = 2 if self.dimension != 2 else 3
+            inside = self.lower + (self.upper - self.lower) * np.linspace(0.4, 0.6, n)[:, np.newaxis]
+            inside = inside if self.integer is None else np.where(self.integer, np.rint(inside), inside)
+            try:
+                self._vectorized = _takes(function, inside)
+            except Exception:
+                self._vectorized = _takes(function, np.resize(x, (n, self.dimension)))
+            self.by_point = not self._vectorized
+        return self._vectorized
+
+
+def _takes(function: Callable[..., ArrayLike], points: Floats) -> bool:
+    """Return whether a function takes these points at once; raises an exception where it takes one alone neither."""
+    n = len(points)
+    try:
+        return np.asarray(function(points.copy()), dtype=np.float64).shape in ((n,), (n, 1))
+    except Exception as many:  # it may raise anything
+        try:
+            _number(function(points[0].copy()))
+        except Exception as one:
+            if repr(one) == repr(many):
+                raise
+            raise ValueError(
+                f"its function takes neither one point ({type(one).__name__}: {one}) nor {n} at once "
+                f"({type(many).__name__}: {many})"
+            ) from one
+        return False
+
+
+def _number(value: ArrayLike) -> float:
+    """Return the value of one point, which may be in an array of its own; raises TypeError for no single number."""
+    array = np.asarray(value)
+    if array.size != 1 or array.dtype == object:
+        raise TypeError(f"a function must return one number for a point, not {value!r:.100}")
+    return float(array.item())
 
 
 def own_box(name: str, lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:

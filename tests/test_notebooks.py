@@ -7,7 +7,7 @@ import pytest
 from nbclient import NotebookClient
 
 FOLDER = Path(__file__).resolve().parents[1] / "examples" / "notebooks"
-NAMES = ("first-comparison", "read-a-store")  # the second reads what the first one writes
+NAMES = ("first-comparison", "read-a-store", "from-a-function")  # the second reads what the first one writes
 
 
 def read(name):
@@ -49,3 +49,17 @@ def test_the_notebooks_show_tables_progress_and_figures(shown):
     page, pictures = shown["read-a-store"]
     assert "Results of study first" in page
     assert pictures == 2
+
+
+@pytest.mark.slow
+def test_two_cells_go_from_a_function_to_a_verdict(shown):
+    code = [cell for cell in read("from-a-function").cells if cell.cell_type == "code"]
+    assert "lambda x:" in code[0].source
+    assert not code[0].outputs
+    assert "bench.compare(" in code[1].source
+    first = code[1].outputs[-1]["data"]["text/html"]
+    page, pictures = shown["from-a-function"]
+    for part in ("cma-es ends lowest on", "mean rank", "Results of study comparison"):
+        assert part in first
+        assert part in page
+    assert pictures == 1

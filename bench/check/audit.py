@@ -112,7 +112,7 @@ def _examined(
         return [_reason("repetition", repetition["difference"])]
     with TemporaryDirectory(prefix="bench-audit-") as place:
         output = Path(place) / "audit"
-        run(study, output, n_jobs=n_jobs, timeout=timeout, untrusted=True, verify=False, progress=False)
+        run(study, output, jobs=n_jobs, timeout=timeout, untrusted=True, verify=False, progress=False)
         frame = load_results(output)
     record["comparison"] = comparison = _compared(frame, problems, baselines) | {"trials": trials, "budget": budget}
     mine = frame[frame["optimizer"] == CANDIDATE]

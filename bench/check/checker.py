@@ -15,6 +15,7 @@ from bench.errors import BenchError
 from bench.execution.job import MEMORY, sandbox
 from bench.execution.safe_runs import PRINTED
 from bench.helpers.text import printable
+from bench.numbers import taking_n_jobs
 from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.sandbox.bubblewrap import Sandbox
@@ -22,13 +23,14 @@ from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process, RemoteError
 
 
+@taking_n_jobs
 def check_optimizer(
     optimizer: str | type[Optimizer] | Optimizer,
     /,
     *,
     bias: bool = True,
     untrusted: bool = False,
-    n_jobs: int = -1,
+    jobs: int = -1,
     seed: int = 0,
     on_check: Callable[[Verdict], None] | None = None,
     **options: Any,
@@ -47,7 +49,7 @@ def check_optimizer(
         untrusted: whether to run the optimizer, given by name, in a sandbox of bubblewrap alone (Linux), and to compare
             a run with one whose problem is in another process, which finds an optimizer that spends more evaluations
             than it is given or gets values by another way than the objective.
-        n_jobs: processes that look for biases, -1 for one a core.
+        jobs: processes that look for biases, -1 for one a core.
         seed: of the runs; the same one gives the same verdicts.
         on_check: called with every verdict as soon as it is known.
         options: parameters, for a name or a class; give an instance for a parameter named like an argument above.
@@ -60,7 +62,7 @@ def check_optimizer(
     apart = sandbox([optimizer]) if untrusted and isinstance(optimizer, str) else None
     prepare = Subject if apart else make_subject  # which constructs it here
     subject = prepare(optimizer, options, seed)
-    return _checkup(subject, _verdicts(subject, bias, n_jobs, apart), on_check)
+    return _checkup(subject, _verdicts(subject, bias, jobs, apart), on_check)
 
 
 def check_problem(
@@ -113,7 +115,7 @@ def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callabl
     return Checkup(subject.label, tuple(made), left)
 
 
-def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
+def _verdicts(subject: Subject, bias: bool, jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
     rules = [*RULES, *([APART] if apart else []), *([ROTATION] if bias else [])]
     with closing(Checker(subject, apart)) as checker:
@@ -127,7 +129,7 @@ def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) 
     from bench.check.bias import diagnose  # not at the top: it imports scipy.stats and joblib
 
     try:
-        yield from diagnose(subject if apart else subject.fresh(), n_jobs=n_jobs, seed=subject.seed, sandbox=apart)
+        yield from diagnose(subject if apart else subject.fresh(), n_jobs=jobs, seed=subject.seed, sandbox=apart)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
         finding = f"it could not be examined: {describe_error(error)}"
         yield Verdict("bias", "bias", False, finding, "fix what raises on ordinary functions of seven variables")

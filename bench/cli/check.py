@@ -90,7 +90,7 @@ def command(
                 name,
                 bias=bias,
                 untrusted=untrusted,
-                n_jobs=jobs,
+                jobs=jobs,
                 on_check=lambda verdict: show_verdict(name, verdict, console),
                 **pairs(option),
             )

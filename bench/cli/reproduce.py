@@ -134,7 +134,7 @@ def _run(
     try:
         with Display(console) as display:
             outcome = run(
-                study, output, n_jobs=jobs, timeout=timeout, untrusted=untrusted,
+                study, output, jobs=jobs, timeout=timeout, untrusted=untrusted,
                 on_plan=display.plan, on_trial=display.trial,
             )  # fmt: skip
     except KeyboardInterrupt:

@@ -183,7 +183,7 @@ def command(
     try:
         with Display(console) as display, _folders(reuse or []) as others:
             outcome = run(
-                chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
+                chosen, output, jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
                 scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
                 verify=verify is None, reuse=others, on_plan=display.plan, on_trial=display.trial, on_look=display.look,
             )  # fmt: skip

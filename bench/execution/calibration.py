@@ -79,7 +79,7 @@ def _probed(study: Study, untrusted: bool) -> dict[str, float] | str:
     task = Task.of(study, untrusted)
     found: dict[str, float] = {}
     with root(task) as server:
-        server.call(trial_process.begin, study, task.files, {}, seconds=LOADING)
+        server.call(trial_process.begin, study, task.files, task.objects, {}, seconds=LOADING)
         for entry in study.problems:
             server.call(trial_process.load_problem, entry.label, seconds=LOADING)
             process = server.process()
@@ -101,7 +101,7 @@ def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> E
     study = plan.study
     short = replace(some, trials=2, budget=study.budget.shortened(SHARE, LEAST))
     with TemporaryDirectory() as place:
-        made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
+        made = run(short, Path(place) / "short", jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
         folder = Folder(made.folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:

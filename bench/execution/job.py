@@ -31,9 +31,10 @@ from bench.execution.answers import Box, RefusedError
 from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
 from bench.objective import OUT_OF_TIME
-from bench.plugins import from_file, loading, registry
+from bench.plugins import from_file, loading, objects, registry
 from bench.plugins.code import Code
 from bench.plugins.files import Files
+from bench.plugins.objects import Objects
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
@@ -62,6 +63,7 @@ class Task:
     kept: int = KEPT  # warmed-up optimizers of a job at most
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
     files: Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
+    objects: Objects = field(default_factory=dict)  # of a session, which every process takes
     data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
     code: dict[str, Code] = field(default_factory=dict)  # likewise what decides the optimizers' trials
 
@@ -73,7 +75,8 @@ class Task:
             BenchError: for a file that cannot be read.
         """
         optimizers, problems = ([entry.name for entry in every] for every in (study.with_controls, study.problems))
-        return cls(study, untrusted=untrusted, files=from_file.contents(optimizers, problems))
+        files, held = from_file.contents(optimizers, problems), objects.among(optimizers, problems)
+        return cls(study, untrusted=untrusted, files=files, objects=held)
 
     def __post_init__(self) -> None:
         if self.untrusted:
@@ -198,7 +201,7 @@ class Job:
         task = self._task
         if problem not in self._problems:
             for trusted in (self._root, self._alone):
-                trusted.ensure(trial_process.begin, task.study, task.files, task.data, **self._loading)
+                trusted.ensure(trial_process.begin, task.study, task.files, task.objects, task.data, **self._loading)
             server = self._root.branch()
             self._load_problem(problem, server)
             for label, family in self._families.items():

@@ -24,7 +24,7 @@ from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
 from bench.helpers.text import count
-from bench.numbers import require_jobs, require_positive
+from bench.numbers import require_jobs, require_positive, taking_n_jobs
 from bench.plugins import loading
 from bench.plugins.files import changed
 from bench.sandbox.signals import Interrupts, interrupts_deferred
@@ -65,11 +65,12 @@ class Outcome:
     spared: list[str]
 
 
+@taking_n_jobs
 def run(
     study: StudyLike,
     output: str | PathLike[str] | None = None,
     *,
-    n_jobs: int = -1,
+    jobs: int = -1,
     backend: str = "local",
     scheduler: str | None = None,
     timeout: float | None = None,
@@ -94,7 +95,7 @@ def run(
     Args:
         study: a study, a dict of what its file would hold, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
-        n_jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
+        jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
         backend: where trials are made, "local" (this machine) or "dask" (a cluster).
         scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
         timeout: wall seconds that a trial may take before it is stopped.
@@ -119,7 +120,7 @@ def run(
     """
     from bench.execution.progress import displayed  # not at the top: it imports rich
 
-    _check_limits(n_jobs, timeout, memory)
+    _check_limits(jobs, timeout, memory)
     study, folder, part = _resolved(study, output, shard)
     others = [Folder(path) for path in reuse]
     with interrupts_deferred() as interrupts, ExitStack() as held:
@@ -127,7 +128,7 @@ def run(
             checked = prepare(study, folder, untrusted)
             _, selection = folder.select(study, checked.fingerprints)  # raises before the folder is begun
             reused = _reusable(folder, selection, others)
-            pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
+            pool = held.enter_context(open_pool(backend, jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
         repaired = repair(folder, study.trials)  # before anything else reads the store
@@ -341,8 +342,8 @@ def at_a_time(study: Study, jobs: int, backend: str = "local") -> str:
     )
 
 
-def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:
-    require_jobs("the number of jobs", n_jobs)
+def _check_limits(jobs: object, timeout: object, memory: object) -> None:
+    require_jobs("the number of jobs", jobs)
     for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
         if value is not None:
             require_positive(f"the {name} of a trial", value, unit=unit)

@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from bench.columns import Row
-from bench.errors import BenchError
 from bench.execution.job import Task
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
 from bench.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
-from bench.optimizer import Optimizer
-from bench.plugins import loading
+from bench.plugins import loading, objects
+from bench.plugins.objects import OptimizerLike
 from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.study import Study
+from bench.study.budget import Budget
 from bench.trial import Result, Trial, numbers, search
 
 
 def solve(
-    problem: str | Problem,
-    optimizer: str | Optimizer,
+    problem: str | Problem | Callable[..., ArrayLike],
+    optimizer: OptimizerLike,
     *,
-    budget: int,
+    budget: int | str,
+    bounds: Sequence[tuple[float, float]] | None = None,
     seed: int = 0,
     constraints: str = handlings.DEFAULT,
     on_error: str = "fail",
@@ -43,11 +46,15 @@ def solve(
 
     Example:
         >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
+        >>> bench.solve(lambda x: (x**2).sum(), "cma-es", bounds=[(-5, 5)] * 3, budget="100 * d").x
 
     Args:
-        problem: a problem or the name of one.
-        optimizer: an optimizer or the name of one.
-        budget: evaluations it may spend; it may be less than one generation.
+        problem: a problem, the name of one, or a function with bounds (:class:`bench.FunctionProblem`).
+        optimizer: the name of one, an optimizer or a class of them, a function ``(objective, rng)``, or a class with
+            ``ask`` and ``tell``.
+        budget: evaluations it may spend, or a multiple of the dimension such as ``"100 * d"``; it may be less than one
+            generation.
+        bounds: of a function, a pair (lower, upper) for each variable.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
         constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.scoring.constraints`).
         on_error: "fail", or "worst" to go on with +inf as the value of a point whose evaluation fails.
@@ -57,28 +64,28 @@ def solve(
             same.
 
     Raises:
-        BenchError: for an unknown name, a budget below 1, a handling or a limit that cannot be, and for a noisy problem
-            where its points are to be evaluated by other processes.
+        BenchError: for an unknown name, what is no problem or no optimizer, bounds that are no box, a budget below 1, a
+            handling or a limit that cannot be, and for a noisy problem where its points are to be evaluated by other
+            processes.
         ProblemError: where the problem raises; its ``raised`` is what the problem raised.
     """
-    problem = loading.load_problem(problem) if isinstance(problem, str) else problem
-    optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
-    if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
-        raise BenchError("solve needs a problem and an optimizer, or their names")
+    loaded = objects.as_problem(loading.load_problem(problem) if isinstance(problem, str) else problem, bounds)
+    chosen = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else objects.as_optimizer(optimizer)
     require_seed("the seed", seed)
     require_whole("parallel", parallel, 1, MOST_PARALLEL)
     limits = [
         None if limit is None else seconds(limit, name)
         for name, limit in (("evaluation_timeout", evaluation_timeout), ("time", time))
     ]
-    problem = scored(problem, handlings.read_handling(constraints), on_error)
+    spent = Budget.read(budget).evaluations(loaded.dimension)
+    minimized = scored(loaded, handlings.read_handling(constraints), on_error)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        with evaluated(problem, parallel, limits[0]) as minimized:
-            found = search(minimized, optimizer, budget, seed, end_if_stuck, limits[1])
+        with evaluated(minimized, parallel, limits[0]) as answering:
+            found = search(answering, chosen, spent, seed, end_if_stuck, limits[1])
         try:
-            metrics = numbers(problem.describe(found.x.copy()))
+            metrics = numbers(minimized.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it
-            warnings.warn(f"{problem.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
+            warnings.warn(f"{loaded.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
             metrics = {}
     return replace(found, metrics=metrics)
 

@@ -15,7 +15,7 @@ from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
 from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
-from bench.plugins import from_file
+from bench.plugins import from_file, objects
 from bench.plugins.code import Code, versions
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
@@ -107,7 +107,7 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     study = task.study
-    problems.call(trial_process.begin, study, task.files, {}, seconds=LOADING)
+    problems.call(trial_process.begin, study, task.files, task.objects, {}, seconds=LOADING)
     answer = ask(problems, trial_process.check_problems)
     data = {entry.label: str(answer["hashes"][entry.label]) for entry in study.problems}
     dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}
@@ -130,7 +130,7 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
         return described
 
     for entry in study.with_controls:
-        if from_file.split(entry.name):  # whose own process names packages alone
+        if from_file.split(entry.name) or objects.is_object(entry.name):  # whose own process names packages alone
             code[entry.label] = versions(code[entry.label])
         code[entry.label] |= from_file.fingerprint(entry.name, task.files)
     fingerprints = Fingerprints(data, code, dimensions)

@@ -24,8 +24,10 @@ from bench.execution.answers import Box
 from bench.execution.side_by_side import evaluated, require_possible
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
+from bench.plugins import objects
 from bench.plugins.code import defining
 from bench.plugins.files import Files, take
+from bench.plugins.objects import Objects
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
@@ -37,11 +39,19 @@ from bench.trial import Result, Trial, doubt, measured, numbers, result, search
 from bench.typing import Floats
 
 
-def begin(study: Study, files: Files, data: dict[str, str]) -> None:
-    """Set the study of all other calls in this process and its copies, its plug-ins' files and its data's hashes."""
+def begin(study: Study, files: Files, held: Objects, data: dict[str, str]) -> None:
+    """Set the study of all other calls in this process and its copies, its plug-ins and its data's hashes.
+
+    Args:
+        study: the study.
+        files: of its plug-ins.
+        held: its plug-ins that are objects of a session.
+        data: hashes of its problems' data, by label.
+    """
     global _begun
     _begun = study
     take(files)
+    objects.take(held)
     _data.update(data)
 
 
@@ -77,7 +87,8 @@ def load_problem(label: str) -> dict[str, Any] | str:
     """Load a problem; return its variables, bounds and integer flags, or the error of loading it.
 
     One point of each kind of problem that compiles code is evaluated, so that no copy waits for a compiler or holds
-    compiled code alone; no other problem is evaluated, as that may take long.
+    compiled code alone; no other problem is evaluated, as that may take long, but for the call by which a function is
+    found to take one point or many.
     """
     try:
         problem = _problem(label)
@@ -92,6 +103,8 @@ def load_problem(label: str) -> dict[str, Any] | str:
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
         scanner(_study().evaluations(problem.dimension), problem.dimension)
+        if isinstance(problem.unscored, FunctionProblem):
+            problem.unscored.find_out()
         if compiles and (kind := type(problem.unscored)) not in _warm:
             _warm.add(kind)
             counted = scoring.objective(problem, 1, np.random.default_rng(0))
@@ -131,7 +144,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
         _warm.add(optimizer)
         if not is_warm:
             chosen = _study().optimizer(optimizer)
-            problem = FunctionProblem(_sphere, box.lower, box.upper, integer=box.integer)
+            problem = FunctionProblem(_sphere, box.lower, box.upper, vectorized=True, integer=box.integer)
             search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
         scanner(budget, len(box.lower))  # the optimizer may have imported numba
         if is_warm:

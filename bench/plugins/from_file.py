@@ -8,23 +8,20 @@ import inspect
 import json
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import cache, partial
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar
-
-import numpy as np
+from typing import Any
 
 from bench.errors import BenchError, nearest
 from bench.families import derive
 from bench.helpers.text import listed
-from bench.objective import Objective
-from bench.optimizer import Optimizer, build, is_frozen, settings
-from bench.plugins import code, registry
+from bench.optimizer import Optimizer, build, is_frozen
+from bench.plugins import code, objects, registry
 from bench.plugins.code import Module
 from bench.plugins.files import ContentLoader, Files, taken
+from bench.plugins.functions import asks_and_tells, optimizer_of
 from bench.problem import Problem
 
 
@@ -132,13 +129,15 @@ def contents(optimizers: Iterable[str], problems: Iterable[str] = ()) -> Files:
         return once(path.resolve())
 
     files: Files = {}
-    for name, kind in (dict.fromkeys(optimizers, "optimizer") | dict.fromkeys(problems, "problem")).items():
+    for name, kind in [(name, "optimizers") for name in optimizers] + [(name, "problems") for name in problems]:
         if parts := split(name):
-            files[_key(name)] = _modules(parts[0], kind, read)
-        elif kind == "optimizer" and (module := _key(name)) not in {"", *files}:
+            files[str(parts[0])] = _modules(parts[0], kind[:-1], read)
+            continue
+        modules = objects.modules(kind, name) or ([_module(name)] if kind == "optimizers" else [])
+        for module in {*modules} - {"", *files}:
             files |= {module: linked} if (linked := code.linked(module, read)) else {}
-    for name in filter(split, problems):  # whose files are loaded in the processes of all optimizers, too
-        _refuse_namesakes(_key(name), files)
+    for parts in filter(None, map(split, problems)):  # whose files are loaded in the processes of all optimizers, too
+        _refuse_namesakes(str(parts[0]), files)
     return files
 
 
@@ -154,15 +153,16 @@ def _refuse_namesakes(problem: str, files: Files) -> None:
 
 
 def fingerprint(name: str, files: Files) -> code.Code:
-    """Return the hashes of the files that :func:`contents` has read for such a name; none for an installed one."""
-    return code.hashes(files.get(_key(name), {}))
+    """Return the hashes of an optimizer's code that :func:`contents` has read; none for an installed one."""
+    if objects.is_object(name):
+        return objects.identity("optimizers", name, files)
+    parts = split(name)
+    return code.hashes(files.get(str(parts[0]) if parts else _module(name), {}))
 
 
-def _key(name: str) -> str:
-    """Return the path of the file that a name names, or the module of an installed optimizer; "" for neither."""
-    if parts := split(name):
-        return str(parts[0])
-    entry = registry.entry("optimizers", name)
+def _module(optimizer: str) -> str:
+    """Return the module of an installed optimizer, "" where there is none."""
+    entry = registry.entry("optimizers", optimizer)
     return entry.module if entry else ""
 
 
@@ -191,10 +191,13 @@ def _optimizer(name: str, attribute: str, found: tuple[tuple[str, Module], ...])
         if not is_frozen(plugin):
             return plugin  # build() refuses it
         return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__, fingerprint=fingerprint)
-    if inspect.isfunction(plugin):
-        return _of_function(plugin, name, fingerprint)
+    if inspect.isfunction(plugin) or (isinstance(plugin, type) and asks_and_tells(plugin)):
+        return optimizer_of(plugin, name, load_optimizer, fingerprint=fingerprint)
     if attribute in vars(module):
-        raise BenchError(f"{attribute!r} of {file.path} is neither an Optimizer subclass nor a function")
+        raise BenchError(
+            f"{attribute!r} of {file.path} is neither an Optimizer subclass nor a function, nor a class with ask and "
+            "tell"
+        )
     names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
     raise BenchError(f"{file.path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
 
@@ -222,33 +225,3 @@ def _imported(file: Module, kind: str = "optimizer") -> ModuleType:
 def _is_own_optimizer(module: ModuleType, value: object) -> bool:
     is_own = getattr(value, "__module__", None) == module.__name__
     return is_own and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))
-
-
-@dataclass(frozen=True)
-class _FunctionOptimizer(Optimizer):
-    """A plain function ``minimize(objective, rng, …)`` as an optimizer."""
-
-    function: ClassVar[Callable[..., None]]
-
-    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Call the function with the parameters as keywords."""
-        type(self).function(objective, rng, **settings(self))
-
-
-def _of_function(function: Callable[..., Any], name: str, fingerprint: code.Code) -> type[Optimizer]:
-    """Return the optimizer class of a function; its arguments after ``objective`` and ``rng`` become parameters."""
-    try:
-        taken = list(inspect.signature(function).parameters.values())
-    except (TypeError, ValueError):  # a decorator may leave a signature that cannot be read
-        taken = []
-    keywords, plain = taken[2:], (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    if len(taken) < 2 or any(argument.kind not in plain for argument in taken[:2]):
-        raise BenchError(f"{name!r} must take (objective, rng) first, as in def minimize(objective, rng, step=0.1)")
-    for argument in keywords:
-        if argument.default is argument.empty or argument.kind is inspect.Parameter.POSITIONAL_ONLY:
-            raise BenchError(f"parameter {argument.name!r} of {name!r} must be a keyword with a default")
-    kinds = {bool: bool, int: int, float: float, str: str}
-    parameters = {argument.name: (kinds.get(type(argument.default), Any), argument.default) for argument in keywords}
-    doc = inspect.getdoc(function) or f"The function {name}."
-    attributes = {"function": staticmethod(function), "__doc__": doc, "fingerprint": fingerprint}
-    return derive(_FunctionOptimizer, name, parameters, load_optimizer, **attributes)

@@ -9,7 +9,7 @@ from typing import Any
 
 from bench.errors import BenchError, near, nearest
 from bench.optimizer import Optimizer, build
-from bench.plugins import from_file, registry
+from bench.plugins import from_file, objects, registry
 from bench.problem import Problem, with_own_box
 
 IMPORTED = "imported"
@@ -27,9 +27,9 @@ def brings_code(name: str) -> bool:
 
 
 def default_label(name: str) -> str:
-    """Return the default label of a plug-in name: the class's name for an optimizer in a file, else the name."""
+    """Return the default label of a plug-in name: the class's for one of a file or of a session, else the name."""
     parts = from_file.split(name)
-    return parts[1] if parts and parts[1] else name
+    return parts[1] if parts and parts[1] else name.removeprefix(objects.PREFIX)
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
@@ -47,6 +47,8 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         raise BenchError(f"{name!r} stands for imported results, whose optimizer is not here; it cannot be run")
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
+    if objects.is_object(name):
+        return objects.load_optimizer(name, **options)
     family, colon, _ = name.partition(":")
     installed = registry.entries("optimizers")
     entry = name if name in installed else family
@@ -80,6 +82,8 @@ def load_problem(name: str, /, **options: Any) -> Problem:
         raise BenchError(f"{name!r} is known from imported results only: no installed family has it")
     if from_file.split(name):
         return _problem(from_file.load_problem(name, **options), name)
+    if objects.is_object(name):
+        return objects.load_problem(name, **options)
     prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
     if colon and prefix in families:
@@ -123,9 +127,11 @@ def is_problem(name: str) -> bool:
 
 
 def package(optimizer: str) -> str:
-    """Return the file, the family or the installed package that an optimizer's name points to, without loading it."""
+    """Return the file, object, family or installed package that an optimizer's name points to, without loading it."""
     if parts := from_file.split(optimizer):
         return str(parts[0])
+    if objects.is_object(optimizer):
+        return optimizer
     prefix, colon, _ = optimizer.partition(":")
     installed = registry.package("optimizers", optimizer)
     return prefix if colon or not installed else installed

@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 import math
 import warnings
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, cached_property
+from importlib import import_module
 from itertools import compress
 from os import PathLike
 from pathlib import Path
@@ -19,12 +19,12 @@ import pandas as pd
 from bench.columns import FEATURES, PRECISION
 from bench.errors import BenchError
 from bench.families import dimension_in
-from bench.helpers.text import html_table
 from bench.numbers import is_whole
 from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
+from bench.results import shown
 from bench.results.compared import Compared
 from bench.results.sources import Source, by_label, sources
 from bench.results.tidy import Tidy
@@ -160,17 +160,50 @@ class Results:
     def __repr__(self) -> str:
         return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
 
+    def __str__(self) -> str:
+        """Return the verdict, as a report begins with it, and its table."""
+        return shown.as_text(self._answer)
+
     def _repr_html_(self) -> str:
-        """Return the numbers of trials as a table, for a notebook; damaged trials are counted as they are stored."""
-        counts: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.with_controls}
-        for source in self._sources:
-            for cell in source.folder.store.cells():
-                label = source.shown.get(cell.optimizer, cell.optimizer)
-                if cell.problem in self._labels[0] and label in counts:
-                    counts[label].update(cell.status)
-        rows = [(label, f"{count['ok']:,}", f"{count.total() - count['ok']:,}") for label, count in counts.items()]
-        about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
-        return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
+        """Return the verdict with its table, and the numbers of trials, for a notebook."""
+        return shown.as_html(self._answer) + shown.counts(self.study, self._sources)
+
+    @cached_property
+    def _answer(self) -> dict[str, Any]:
+        return shown.answer(self)
+
+    @property
+    def plot(self) -> shown.Plots:
+        """What draws the results, such as ``results.plot.ranks()`` (:class:`bench.results.shown.Plots`)."""
+        return shown.Plots(self.study, lambda: self.frame, lambda: self.traces, self.pooled)
+
+    def report(self, output: AnyPath | None = None, **settings: Any) -> Path:
+        """Write the report and return the path of its page.
+
+        Args:
+            output: the folder to write into; by default the study's own. A selection needs one.
+            settings: further arguments of :func:`bench.write_report`.
+
+        Raises:
+            BenchError: as :func:`bench.write_report`.
+        """
+        if self.study is not self.whole:
+            chosen = {"optimizers": self.study.optimizers, "problems": self.study.problems}
+            settings = {key: [entry.label for entry in entries] for key, entries in chosen.items()} | settings
+        page: Path = import_module("bench").write_report(*self.paths, output=output, **settings)
+        return page
+
+    def save(self, path: AnyPath) -> Path:
+        """Copy the folder, such as that of a comparison without an output, and return the new one.
+
+        ``bench.compare(…, output=path)`` with the same objects continues it, and ``bench report`` reads it without any.
+
+        Raises:
+            BenchError: for results of several folders, and for a new folder that cannot be written or is not empty.
+        """
+        if len(self._sources) > 1:
+            raise BenchError(f"these are the results of {len(self._sources)} folders; save each of its own")
+        return self._sources[0].folder.save(Path(path))
 
     @property
     def paths(self) -> list[Path]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import datetime
@@ -18,7 +19,7 @@ from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
-from bench.storage import provenance, under_way
+from bench.storage import committed, provenance, under_way
 from bench.storage.cells import Cells
 from bench.storage.migrations import LOCK
 from bench.storage.reading import StoreCheck
@@ -164,6 +165,22 @@ class Folder:
                 chosen = selection or Selection(study.cells(Fingerprints({}, {}, {})))
                 writer.complete(chosen.completed)
                 writer.select(study.identity(), study.looks, chosen.cells)
+
+    def save(self, path: Path) -> Path:
+        """Copy the folder, with its store as it is at one moment, to a new or empty one, and return that.
+
+        Raises:
+            BenchError: where the new one cannot be written, or is not empty.
+        """
+        left_out = shutil.ignore_patterns(f"{self.store.path.name}*", committed.FILE, LOCK, under_way.FILE)
+        try:
+            if path.exists() and any(path.iterdir()):
+                raise BenchError(f"{path} is not empty; give a new folder")
+            shutil.copytree(self.path, path, ignore=left_out, dirs_exist_ok=True)
+        except OSError as error:
+            raise BenchError(f"the results cannot be saved in {path}: {error.strerror or error}") from error
+        self.store.copy(path / self.store.path.name)
+        return path
 
     def data(self) -> dict[str, str]:
         """Return the hash of each problem's data that trials were made with, by the label shown; "" for none."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.helpers.text import is_formula
-from bench.plugins import loading, selection
+from bench.plugins import loading, objects, selection
 from bench.study.sweep import expanded
 
 LONGEST_LABEL = 200
@@ -38,15 +38,16 @@ class Entry:
 def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list, in which a text is a table with that name.
 
+    In place of a name a dict from Python may have a problem or an optimizer itself (:mod:`bench.plugins.objects`).
     ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
     problem that is selected from the suite; ``{name}`` in a label stands for the entry's name. Lists in the table
     ``options`` of optimizers give one entry for each combination of their values; everywhere else a list is a value.
     """
-    if not isinstance(items, list) or not items or not all(isinstance(item, dict | str) for item in items):
+    if not isinstance(items, list) or not items or not all(map(_is_entry, items)):
         raise BenchError(f"study {where} needs at least one [[{key}]] table with a name, or a list of names as {key}")
     entries: list[Entry] = []
     for item in items:
-        options = {"name": item} if isinstance(item, str) else dict(item)
+        options = dict(item) if isinstance(item, dict) else {"name": item}
         if len({"name", "names", "suite", "problem"} & options.keys()) > 1:
             raise BenchError(f"study {where}: a [[{key}]] table has one of name, names, suite and problem")
         if key == "problems" and "problem" in options:
@@ -57,6 +58,11 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         label = options.pop("label", None)
         if key == "optimizers" and names == ["command"]:
             names = [_command("command", options.pop("command", None), where)]
+        if isinstance(names, list) and len(names) == 1 and objects.is_plugin(names[0]):
+            kind = "problems" if key == "problems" else "optimizers"
+            held = [entry.name for entry in entries if objects.is_object(entry.name)]
+            name, label, chosen = objects.hold(kind, names[0], label, held)
+            names, options = [name], chosen | options
         swept = {} if key == "problems" else _swept(options, where)
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
@@ -68,6 +74,10 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
             entries += [Entry(name, *combination) for combination in combinations]
     check_labels(entries, key, where)
     return tuple(entries)
+
+
+def _is_entry(item: Any) -> bool:
+    return isinstance(item, dict | str) or objects.is_plugin(item)
 
 
 def check_labels(entries: Iterable[Entry], key: str, where: str) -> None:

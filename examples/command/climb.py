@@ -1,18 +1,12 @@
 """The search of the programs here as a plug-in in Python: its trials are equal to theirs to the last bit."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from bench import AskTell
 
-
-@dataclass(frozen=True)
-class Climb(AskTell):
+class Climb:
     """A (1+1) search with the one-fifth rule."""
 
-    def start(self, objective, rng):
-        """Take the box, a seed and a first point."""
+    def __init__(self, objective, rng):
         self.box, self.x, self.f, self.step = objective, objective.initial(1), np.inf, 0.2
         self.seed = float(rng.integers(1, 2**31 - 1))
 

@@ -17,6 +17,93 @@ def test_a_function_of_one_point_can_be_a_problem():
     assert problem.evaluate(np.array([[0.5], [1.0]])).tolist() == [0.25, 1.0]
 
 
+A = np.diag([1.0, 2.0, 3.0, 4.0])
+
+
+def value(x):
+    """What every function below is worth at the (n, 2 to 4) points."""
+    return (x**2 @ np.arange(1, x.shape[1] + 1)).tolist()
+
+
+def one_by_one(x):
+    return [sum((j + 1) * float(row[j]) ** 2 for j in range(len(row))) for row in x]
+
+
+def unpacked(x):
+    a, b, *others = (float(each) ** 2 for each in x)
+    return a + 2 * b + sum((j + 3) * each for j, each in enumerate(others))
+
+
+@pytest.mark.parametrize(
+    ("fun", "takes_many"),
+    [
+        (lambda x: x**2 @ np.arange(1, x.shape[-1] + 1), True),  # both, and they mean the same
+        (lambda x: (x[:, :] ** 2 * np.arange(1, x.shape[1] + 1)).sum(axis=1), True),
+        (lambda x: (x**2 * np.arange(1, x.shape[1] + 1)).sum(axis=1, keepdims=True), True),  # (n, 1)
+        (one_by_one, True),  # a list
+        (lambda x: (x**2 * np.arange(1, len(x) + 1)).sum(), False),
+        (lambda x: x @ A[: len(x), : len(x)] @ x, False),  # of n = d points it would take a matrix
+        (lambda x: sum((j + 1) * x[j] ** 2 for j in range(len(x))), False),  # of n points it gives d values
+        (lambda x: np.array([(x**2 * np.arange(1, len(x) + 1)).sum()]), False),  # its value in an array
+        (unpacked, False),
+    ],
+)
+@pytest.mark.parametrize("d", [2, 3, 4])
+def test_one_call_finds_out_whether_a_function_takes_one_point_or_many(fun, takes_many, d):
+    for n in (1, 2, 3, d, 5):
+        points = np.random.default_rng(n).random((n, d))
+        problem = FunctionProblem(fun, [0.0] * d, [1.0] * d)
+        assert problem.evaluate(points) == pytest.approx(value(points))
+        assert problem.evaluate(points).shape == (n,)
+        assert problem._takes_many(points) == takes_many
+
+
+def test_the_call_that_finds_out_is_made_once_and_has_points_of_the_box_that_are_no_square():
+    shapes, points = [], np.full((2, 2), 0.25)
+    problem = FunctionProblem(lambda x: shapes.append(x.shape) or x.sum(axis=1), [0.0] * 2, [1.0] * 2)
+    assert shapes == []  # nothing is evaluated that nobody asked for
+    problem.evaluate(points)
+    problem.evaluate(points)
+    assert shapes == [(3, 2), (2, 2), (2, 2)]
+
+
+def test_a_function_that_fails_both_ways_says_both_and_is_asked_again():
+    def undefined(x):
+        return x[:, 0] + nothing  # noqa: F821
+
+    with pytest.raises(
+        ValueError, match=r"takes neither one point \(IndexError.*\) nor 3 at once \(NameError: name 'no"
+    ):
+        plane_of(undefined).evaluate(np.zeros((1, 2)))
+    with pytest.raises(ZeroDivisionError, match=r"^division by zero$"):
+        plane_of(lambda x: 1 / 0).evaluate(np.zeros((1, 2)))
+    there = plane_of(lambda x: 1.0 if (x == 0).all() else 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        there.evaluate(np.ones((1, 2)))
+    assert there.evaluate(np.zeros((4, 2))).tolist() == [1.0] * 4
+
+
+@pytest.mark.parametrize("returned", [None, [1.0, 2.0], {}, "text"])
+def test_what_is_no_number_is_named(returned):
+    with pytest.raises((TypeError, ValueError), match=r"must return one number for a point, not|could not convert"):
+        plane_of(lambda x: returned).evaluate(np.zeros((1, 2)))
+
+
+def plane_of(fun):
+    return FunctionProblem(fun, [-1.0] * 2, [1.0] * 2)
+
+
+def test_the_stream_of_noise_is_not_touched_by_finding_out():
+    noisy = FunctionProblem(lambda x, rng: rng.random(), [0], [1], noiseless=lambda x: 0.0)
+    first = np.random.default_rng(1).random()
+    assert noisy.evaluate(np.zeros((1, 1)), np.random.default_rng(1)).tolist() == [first]
+
+
+def test_violations_of_one_point_belong_to_a_function_of_one_point():
+    problem = FunctionProblem(lambda x: x.sum(), [0] * 3, [1] * 3, violations=lambda x: [x[0] - 0.5, -x[1]])
+    assert problem.violations(np.full((2, 3), 0.25)).tolist() == [[-0.25, -0.25]] * 2
+
+
 @pytest.mark.parametrize(
     ("lower", "upper", "sentence"),
     [

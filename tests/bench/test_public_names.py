@@ -8,9 +8,10 @@ import pytest
 import bench
 
 NAMES = [
-    "AskTell", "BenchError", "BudgetExhausted", "FittedData", "FunctionProblem", "Grid", "Objective", "Optimizer",
-    "Problem", "Result", "Results", "Study", "Trace", "check_optimizer", "check_problem", "load_optimizer",
-    "load_problem", "load_results", "parameter", "run", "solve", "write_report",
+    "AskTell", "BenchError", "BudgetExhausted", "Checkup", "FittedData", "FunctionProblem", "Grid", "Objective",
+    "Optimizer", "Outcome", "Problem", "Result", "Results", "Study", "Trace", "Verdict", "WorkerDiedError",
+    "check_optimizer", "check_problem", "compare", "load_optimizer", "load_problem", "load_results", "parameter", "run",
+    "solve", "write_report",
 ]  # fmt: skip
 
 

@@ -5,12 +5,11 @@ import shutil
 import subprocess
 import sys
 from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
 
-from bench import AskTell, BenchError, FunctionProblem, Study, load_optimizer, solve
+from bench import BenchError, FunctionProblem, Study, load_optimizer, solve
 
 CLIENTS = Path(__file__).parents[2] / "examples" / "command"
 INTERPRETERS = {"climb.js": "node", "climb.R": "Rscript", "climb.m": "octave-cli --quiet", "climb.jl": "julia"}
@@ -97,7 +96,7 @@ class TestProtocol:
 
     def test_numbers_travel_without_loss_both_ways(self, program):
         seen = []
-        problem = FunctionProblem(lambda x: seen.append(x.copy()) or x[:, 0] / 3, [0.0], [1.0])
+        problem = FunctionProblem(lambda x: seen.append(x.copy()) or x[:, 0] / 3, [0.0], [1.0], vectorized=True)
         text = "f = ask(x=[[0.1], [1 / 3]])['f']; ask(x=[[f[1]]])"
         solve(problem, program(text), budget=5)
         assert [each[0] for x in seen for each in x.tolist()] == [0.1, 1 / 3, 1 / 9]
@@ -196,90 +195,6 @@ class TestStudy:
     def test_wrong_words_are_one_sentence(self, words):
         with pytest.raises(BenchError, match="needs the words of its command"):
             self.study(**({} if words is None else {"command": words}))
-
-
-@dataclass(frozen=True)
-class Recorder(AskTell):
-    agents: int = 4
-    seen: list = field(default_factory=list)
-
-    def start(self, objective, rng):
-        self.rng, self.dimension = rng, objective.dimension
-
-    def ask(self, n):
-        return self.rng.random((n, self.dimension))
-
-    def tell(self, x, f):
-        self.seen.append((x.shape, f.shape))
-        self.told = f
-
-
-class TestAskTell:
-    def test_it_is_asked_for_its_agents_until_the_budget_ends_and_keeps_no_state(self, sphere):
-        optimizer = Recorder()
-        solve(sphere, optimizer, budget=10)
-        assert optimizer.seen == [((4, 3), (4,))] * 2
-        assert not hasattr(optimizer, "told")
-        assert solve(sphere, optimizer, budget=10).fun == solve(sphere, Recorder(), budget=10).fun
-
-    def test_cma_is_an_optimizer_in_ten_lines(self, sphere):
-        @dataclass(frozen=True)
-        class PyCMA(AskTell):
-            agents: int = 8
-
-            def start(self, objective, rng):
-                import cma
-
-                box = [objective.lower, objective.upper]
-                options = {"bounds": box, "popsize": self.agents, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
-                self.search = cma.CMAEvolutionStrategy(objective.initial(1)[0], 0.5, options)
-
-            def ask(self, n):
-                return self.search.ask(n)
-
-            def tell(self, x, f):
-                self.search.tell(list(x), list(f))
-
-        assert solve(sphere, PyCMA(), budget=400).fun == pytest.approx(0.1, abs=1e-3)
-
-    def test_optuna_is_one(self, sphere):
-        optuna = pytest.importorskip("optuna")
-        optuna.logging.set_verbosity(optuna.logging.ERROR)
-
-        @dataclass(frozen=True)
-        class TPE(AskTell):
-            def start(self, objective, rng):
-                box = zip(objective.lower, objective.upper, strict=True)
-                self.space = {f"x{j}": optuna.distributions.FloatDistribution(*ends) for j, ends in enumerate(box)}
-                self.study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=int(rng.integers(2**31))))
-
-            def ask(self, n):
-                self.trial = self.study.ask(self.space)
-                return list(self.trial.params.values())
-
-            def tell(self, x, f):
-                self.study.tell(self.trial, f[0])
-
-        assert solve(sphere, TPE(), budget=30).nfev == 30
-
-    def test_nevergrad_is_one(self, sphere):
-        nevergrad = pytest.importorskip("nevergrad")
-
-        @dataclass(frozen=True)
-        class OnePlusOne(AskTell):
-            def start(self, objective, rng):
-                box = nevergrad.p.Array(init=objective.initial(1)[0], lower=objective.lower, upper=objective.upper)
-                box.random_state.seed(int(rng.integers(2**31)))
-                self.search = nevergrad.optimizers.OnePlusOne(parametrization=box, budget=objective.budget)
-
-            def ask(self, n):
-                self.asked = self.search.ask()
-                return self.asked.value
-
-            def tell(self, x, f):
-                self.search.tell(self.asked, f[0])
-
-        assert solve(sphere, OnePlusOne(), budget=30).nfev == 30
 
 
 @pytest.mark.slow

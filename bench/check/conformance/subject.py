@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import pickle
-import sys
-from contextlib import ExitStack
 from functools import lru_cache
-from itertools import accumulate
-from typing import Any, ClassVar, Protocol, get_type_hints
+from typing import Any, ClassVar, Protocol
 
 import cloudpickle
 from threadpoolctl import threadpool_limits
@@ -19,6 +15,7 @@ from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
 from bench.numbers import require_seed
 from bench.optimizer import Optimizer, build, settings
+from bench.plugins import values
 from bench.plugins.loading import load_optimizer
 from bench.sandbox.server import end_if_stuck
 from bench.trial import search
@@ -176,45 +173,13 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 
 def pack(subject: AnySubject) -> bytes:
     """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
-    cls = subject.source if isinstance(subject.source, type) else type(subject.source)
-    local = [base for base in cls.__mro__ if not _importable(base)]
-    plain = dataclasses.replace(subject, packed=None)  # type: ignore[type-var]
-    with ExitStack() as stack:
-        for name in {base.__module__ for base in local} & sys.modules.keys() - {"__main__"}:
-            cloudpickle.register_pickle_by_value(sys.modules[name])
-            stack.callback(cloudpickle.unregister_pickle_by_value, sys.modules[name])
-        return bytes(cloudpickle.dumps((plain, [(base, _annotations(base)) for base in local])))
+    try:
+        return values.pack(dataclasses.replace(subject, packed=None)).content  # type: ignore[type-var]
+    except BenchError as error:
+        raise error.__cause__ or error from None
 
 
 @lru_cache(maxsize=1)
 def unpack(packed: bytes) -> Any:
     """Return the subject of :func:`pack`."""
-    subject, annotations = pickle.loads(packed)
-    for cls, types in annotations:
-        # annotations in the form of strings are looked up in the class's module, which this process does not have
-        cls.__annotations__ = types
-    return dataclasses.replace(subject, packed=packed)
-
-
-def _annotations(cls: type) -> dict[str, Any]:
-    """Return the class's own annotations as types; unchanged where one of them cannot be evaluated."""
-    annotations = inspect.get_annotations(cls)
-    try:
-        hints = get_type_hints(cls)
-    except Exception:  # the rule of the parameters reports it
-        return annotations
-    return {name: hints[name] for name in annotations if "ClassVar" not in str(annotations[name])}
-
-
-def _importable(cls: type) -> bool:
-    """Return whether a new process finds the class where this one did; ``__main__`` is another module there."""
-    module = sys.modules.get(cls.__module__)
-    if module is None or module.__name__ == "__main__" or "<locals>" in cls.__qualname__:
-        return False
-    spec, path = None, None
-    for name in accumulate(cls.__module__.split("."), "{}.{}".format):
-        spec = next(filter(None, (finder.find_spec(name, path) for finder in sys.meta_path)), None)
-        if spec is None:
-            return False
-        path = spec.submodule_search_locations
-    return spec is not None and spec.origin in ("built-in", "frozen", getattr(module, "__file__", None))
+    return dataclasses.replace(values.unpack(packed), packed=packed)

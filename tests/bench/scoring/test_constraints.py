@@ -136,7 +136,7 @@ def test_values_and_violations_that_cannot_be_are_refused():
     with pytest.raises(ValueError, match="returned -inf"):
         began("penalty", quadrant(fun=lambda x: np.full(len(x), -np.inf)))([-1.0, 0.0])
     with pytest.raises(ValueError, match=r"returned shape \(1,\) for 2 points"):
-        began("death", quadrant(fun=lambda x: np.zeros(1)))(POINTS[:2])
+        began("death", quadrant(fun=lambda x: np.zeros(1), vectorized=True))(POINTS[:2])
     with pytest.raises(ValueError, match=r"violations of shape \(1, 2\) for 2 points"):
         began("death", quadrant(violations=lambda x: -x[:1]))(POINTS[:2])
     with pytest.raises(ValueError, match=r"expected points of shape"):

@@ -1,0 +1,246 @@
+"""Take objects of a Python session as plug-ins: functions, classes and instances, by names such as ``python:MyDE``.
+
+Whoever gives an object holds it here under its name, packed as it then was, and every process of a run is sent what the
+study names. No file holds it, so that in another session the same object has to be given again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from copy import copy
+from functools import partial
+from typing import Any, NamedTuple
+
+from bench.errors import BenchError
+from bench.helpers.text import free, option
+from bench.numbers import is_finite
+from bench.optimizer import Optimizer, build, defaults, is_frozen, settings
+from bench.plugins import code, registry, values
+from bench.plugins.code import Code
+from bench.plugins.files import Files
+from bench.plugins.files import taken as files_taken
+from bench.plugins.functions import asks_and_tells, optimizer_of
+from bench.plugins.values import Packed
+from bench.problem import FunctionProblem, Problem, with_own_box
+
+PREFIX = "python:"
+NAMELESS = ("function", "lambda")
+"""What all functions without a name of their own are called, so that they are numbered."""
+
+OptimizerLike = str | Optimizer | type | Callable[..., object]
+"""What may stand for an optimizer: a name, or what :func:`as_optimizer` takes."""
+
+ProblemLike = str | Problem | type[Problem]
+"""What may stand for a problem of a study."""
+
+Objects = dict[str, Packed]
+"""Objects by kind and name, such as ``"optimizers python:MyDE"``."""
+
+held: Objects = {}
+"""The objects that this process can load."""
+
+_own: dict[str, Any] = {}  # those that were given in this process: to load a copy would write to their classes
+
+
+def take(objects: Objects) -> None:
+    """Have this process load these objects."""
+    held.update(objects)
+
+
+def is_object(name: str) -> bool:
+    """Return whether a name stands for an object of a session."""
+    return name.startswith(PREFIX)
+
+
+def is_plugin(thing: object) -> bool:
+    """Return whether something in the place of a name may be a problem or an optimizer itself."""
+    return callable(thing) or isinstance(thing, (Problem, Optimizer))
+
+
+def among(optimizers: Iterable[str], problems: Iterable[str]) -> Objects:
+    """Return the objects that these names stand for, as far as they are held here."""
+    keys = [*map("optimizers {}".format, optimizers), *map("problems {}".format, problems)]
+    return {key: held[key] for key in keys if key in held}
+
+
+class Named(NamedTuple):
+    """An object by name: what loads it, what it is called, and the options that go with it."""
+
+    name: str
+    label: str
+    options: dict[str, Any]
+
+
+def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str] = ()) -> Named:
+    """Hold an object as a plug-in; return how a study names it.
+
+    An installed optimizer is named as such and not held. Where a study's file can hold what was chosen of an optimizer,
+    that goes into the options and, in brackets, into the label.
+
+    Args:
+        kind: "optimizers" or "problems".
+        thing: what :func:`as_optimizer` or :func:`as_problem` takes.
+        label: what it is to be called; by default the name of its class or function, or the problem's.
+        taken: the names of the objects held before that must stay; another one's is numbered.
+
+    Raises:
+        BenchError: for anything else, and for what cannot be sent to other processes.
+    """
+    own, installed, chosen = label or title(thing), "", dict[str, Any]()
+    if kind == "problems":
+        as_problem(thing)
+    else:
+        made = as_optimizer(thing, own)
+        if own_class := isinstance(thing, Optimizer) or (isinstance(thing, type) and issubclass(thing, Optimizer)):
+            usual = defaults(made)
+            chosen = {key: value for key, value in settings(made).items() if key not in usual or value != usual[key]}
+            installed = _installed(type(made))
+        if own_class and all(map(_is_plain, chosen.values())):
+            thing, shown = type(made), ",".join(f"{key}={option(value)}" for key, value in chosen.items())
+            own = label or (installed or own) + (f"[{shown}]" if shown else "")
+        else:
+            installed, chosen = "", {}
+    if installed:
+        return Named(installed, own, chosen)
+    packed, base = values.pack(thing), PREFIX + (label or title(thing))
+    others = {name for name in taken if held[f"{kind} {name}"].digest != packed.digest}
+    name = free(base, others)
+    held[f"{kind} {name}"], _own[f"{kind} {name}"] = packed, thing
+    return Named(name, own + name.removeprefix(base) if own in NAMELESS else own, chosen)
+
+
+def modules(kind: str, name: str) -> Sequence[str]:
+    """Return the modules that an object imports by name; none of one that is not held here."""
+    packed = held.get(f"{kind} {name}")
+    return packed.modules if packed else ()
+
+
+def identity(kind: str, name: str, files: Files = files_taken) -> Code:
+    """Return the hashes of an object's own code and data, and of the files that it imports from.
+
+    Those of the files are taken from ``files`` where these have them. Nothing is known of an object that is not held
+    here.
+    """
+    if (packed := held.get(f"{kind} {name}")) is None:
+        return {}
+    found = [files.get(module) or code.linked(module) for module in packed.modules]
+    return {name: packed.digest} | {file: each for modules in found for file, each in code.hashes(modules).items()}
+
+
+def _load(kind: str, name: str) -> Any:
+    """Return the object of that name; an instance is a copy of its own.
+
+    Raises:
+        BenchError: where this session holds none, or none that can be loaded in this process.
+    """
+    if (packed := held.get(f"{kind} {name}")) is None:
+        raise BenchError(
+            f"{name!r} stands for an object of a Python session, and no file holds it: give the same object again, as "
+            "to bench.compare with the folder as its output"
+        )
+    if (own := _own.get(f"{kind} {name}")) is not None:
+        return copy(own) if isinstance(own, (Problem, Optimizer)) else own
+    try:
+        return values.unpack(packed.content)
+    except Exception as error:  # it may miss a module here
+        raise BenchError(f"{name!r} cannot be loaded here: {type(error).__name__}: {error}") from error
+
+
+def load_optimizer(name: str, /, **options: Any) -> Optimizer:
+    """Return the optimizer of that name with these parameters; raises BenchError where that is not held."""
+    return as_optimizer(_load("optimizers", name), name, options)
+
+
+def load_problem(name: str, /, **options: Any) -> Problem:
+    """Return the problem of that name, whose fingerprint is a hash of its code and data; raises BenchError likewise."""
+    problem = as_problem(_load("problems", name), options=options)
+    digest = hashlib.sha256(json.dumps(identity("problems", name)).encode()).hexdigest()[:16]
+    object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
+    return problem
+
+
+def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None = None) -> Optimizer:
+    """Return the optimizer that an object is, or that a class or a function makes.
+
+    Args:
+        thing: an optimizer; a class of optimizers; a function ``(objective, rng, …)``; or a class ``(objective, rng,
+            …)`` whose instances ask and tell. What these take further, with defaults, are parameters.
+        name: in messages, and the name that loads it in another process; by default what it is called.
+        options: parameters; of an optimizer, other ones than its own.
+
+    Raises:
+        BenchError: for anything else, and for parameters that it does not have.
+    """
+    name, chosen = name or title(thing), dict(options or {})
+    if isinstance(thing, Optimizer):
+        if not is_frozen(type(thing)):
+            raise BenchError(
+                f"the class of {name!r} must be a frozen dataclass: write @dataclass(frozen=True) above it, and each "
+                "parameter as a field"
+            )
+        return build(type(thing), name, settings(thing) | chosen) if chosen else thing
+    if isinstance(thing, type) and issubclass(thing, Optimizer):
+        return build(thing, name, chosen)
+    if asks_and_tells(thing) or (callable(thing) and not isinstance(thing, (type, Problem))):
+        return build(optimizer_of(thing, name, load_optimizer), name, chosen)
+    raise BenchError(
+        f"{name!r} is no optimizer: give a name, a subclass of bench.Optimizer or an instance of one, a function "
+        "(objective, rng), or a class with ask and tell"
+    )
+
+
+def as_problem(
+    thing: Any, bounds: Sequence[tuple[float, float]] | None = None, options: Mapping[str, Any] | None = None
+) -> Problem:
+    """Return the problem that an object is, that a class makes, or that a function with bounds is.
+
+    Raises:
+        BenchError: for anything else, for bounds that are no box, and for options that a class does not take.
+    """
+    if isinstance(thing, Problem):
+        if bounds is not None or options:
+            raise BenchError(f"the problem {thing.name!r} is made already; leave out its bounds and options")
+        return with_own_box(thing)
+    if isinstance(thing, type) and issubclass(thing, Problem):
+        try:
+            return as_problem(thing(**options or {}), bounds)
+        except BenchError:
+            raise
+        except Exception as error:  # its code may raise anything
+            raise BenchError(f"{title(thing)!r} cannot be made: {type(error).__name__}: {error}") from error
+    if not callable(thing) or isinstance(thing, type):
+        raise BenchError(f"{title(thing)!r} is no problem: give a name, a bench.Problem, or a function with bounds")
+    if bounds is None:
+        raise BenchError(
+            f"the function {title(thing)!r} needs bounds to be a problem: bench.FunctionProblem({title(thing)}, lower, "
+            "upper), or bounds=[(lower, upper), …] in bench.solve"
+        )
+    try:
+        lower, upper = zip(*bounds, strict=True)
+    except (TypeError, ValueError) as error:
+        raise BenchError(f"bounds must be a pair (lower, upper) for each variable, not {bounds!r}") from error
+    return FunctionProblem(thing, lower, upper, name=title(thing))
+
+
+def title(thing: Any) -> str:
+    """Return what an object is called: a problem by its name, all else by that of its class or function."""
+    if isinstance(thing, Problem):
+        return str(thing.name)
+    function = getattr(thing, "func", thing)  # of a functools.partial
+    name = str(getattr(function, "__name__", type(function).__name__))
+    return "lambda" if name == "<lambda>" else name
+
+
+def _installed(kind: type[Optimizer]) -> str:
+    """Return the name that loads a class of optimizers anywhere, "" where there is none."""
+    if name := str(vars(kind).get("plugin", "")):  # of a class that is made when it is loaded
+        return name
+    where = f"{kind.__module__}:{kind.__qualname__}"
+    return next((name for name, entry in registry.entries("optimizers").items() if entry.value == where), "")
+
+
+def _is_plain(value: object) -> bool:
+    """Return whether a study's file can hold a value."""
+    return isinstance(value, (bool, str)) or is_finite(value)

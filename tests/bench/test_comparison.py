@@ -1,0 +1,223 @@
+"""Comparisons from Python alone: what is run, where it is kept, what continues it, and what is said of mistakes."""
+
+import subprocess
+import sys
+from dataclasses import dataclass
+
+import pytest
+
+import bench
+from bench import BenchError, FunctionProblem, Optimizer, Results, compare
+from bench.execution.runner import plan
+from bench.execution.verify import verify
+from bench.plugins import objects
+from bench.storage.folder import Folder
+
+
+@dataclass(frozen=True)
+class Halving(Optimizer):
+    """Moves half the way to a random point where that is better."""
+
+    share: float = 0.5
+
+    def minimize(self, objective, rng):
+        x = objective.initial(1)
+        f = objective(x)
+        while True:
+            y = x + self.share * (objective.initial(1) - x)
+            g = objective(y)
+            x, f = (y, g) if g < f else (x, f)
+
+
+def draw(objective, rng):
+    while True:
+        objective(objective.initial(1))
+
+
+def valley(scale=1.0, name="valley"):
+    return FunctionProblem(lambda x: scale * ((x - 0.25) ** 2).sum(), [-1.0] * 2, [1.0] * 2, name=name)
+
+
+def stored(results):
+    return results.frame.set_index(["problem", "optimizer", "trial"])["fun"]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    return tmp_path_factory.mktemp("comparison") / "kept"
+
+
+@pytest.fixture(scope="module")
+def results(place):
+    return compare([valley()], [Halving, draw], trials=2, budget="5 * d", output=place, jobs=1)
+
+
+def test_functions_and_classes_are_compared_in_one_call(results):
+    assert isinstance(results, Results)
+    assert results.frame.groupby("optimizer")["status"].apply(list).to_dict() == {
+        "Halving": ["ok", "ok"], "draw": ["ok", "ok"]
+    }  # fmt: skip
+    assert set(results.frame["nfev"]) == {10}
+    assert [entry.name for entry in results.study.optimizers] == ["python:Halving", "python:draw"]
+    again = bench.solve(valley(), Halving, budget=10, seed=int(results.frame["seed"][0]))
+    assert again.fun == results.frame["fun"][0]
+
+
+def test_the_cells_have_the_hashes_of_code_and_data(results, place):
+    cells = Folder(place).store.held().all.values()
+    assert all(f'"python:{label}": "' in cell.optimizer for label, cell in zip(("Halving", "draw"), cells, strict=True))
+    assert all('"data": "' in cell.problem and '"data": ""' not in cell.problem for cell in cells)
+
+
+def test_the_same_call_makes_only_what_is_missing(results, place):
+    before = stored(results)
+    made = []
+    more = compare(
+        [valley()], [Halving, draw], trials=3, budget="5 * d", output=place, jobs=1, verify=False,
+        on_trial=lambda trial, row: made.append(trial.number),
+    )  # fmt: skip
+    assert made == [2, 2]
+    assert stored(more)[before.index].equals(before)
+
+
+def test_changed_code_or_data_is_made_anew(results, place):
+    def missing(problem, optimizer):
+        study = {"name": "comparison", "trials": 2, "budget": "5 * d", "problems": [problem], "optimizers": [optimizer]}
+        return next(plan(study, place).missing(), None) is not None
+
+    def changed(objective, rng):
+        while True:
+            objective(objective.initial(2))
+
+    pairs = (valley(), draw), (valley(), {"name": changed, "label": "draw"}), (valley(2.0), draw)
+    assert [missing(*pair) for pair in pairs] == [False, True, True]
+
+
+def test_a_session_that_has_the_objects_can_verify_and_one_that_has_not_says_what_it_needs(results, place, monkeypatch):
+    bench.Study.from_dict({"name": "again", "problems": [valley()], "optimizers": [Halving, draw]})
+    assert verify(place, trials=1, n_jobs=1).different == {}
+    monkeypatch.setattr(objects, "held", {})
+    monkeypatch.setattr(objects, "_own", {})
+    with pytest.raises(BenchError) as caught:
+        verify(place)
+    assert str(caught.value) == (
+        "'python:valley' stands for an object of a Python session, and no file holds it: give the same object again, "
+        "as to bench.compare with the folder as its output"
+    )
+    read = Results(place)
+    assert stored(read)[stored(results).index].equals(stored(results))
+    assert read.report(place.parent / "page").name == "report.html"  # without any object
+
+
+def test_without_an_output_the_folder_is_kept_for_the_session_and_by_saving_it(tmp_path):
+    first = compare(valley(), draw, trials=1, budget=4, jobs=1, verify=False)
+    made = []
+    again = compare(
+        valley(), draw, trials=2, budget=4, jobs=1, verify=False, on_trial=lambda trial, row: made.append(trial.number)
+    )
+    assert first.paths == again.paths
+    assert made == [1]
+    kept = again.save(tmp_path / "kept")
+    assert stored(Results(kept)).equals(stored(again))
+    with pytest.raises(BenchError, match="is not empty; give a new folder"):
+        again.save(tmp_path / "kept")
+
+
+def test_results_show_the_verdict_and_draw_themselves(results):
+    page, text = results._repr_html_(), str(results)
+    for label in ("Halving", "draw", "mean rank"):
+        assert label in page
+        assert label in text
+    assert text.splitlines()[0] in page
+    assert results.plot.ranks().texts
+    assert results.plot.values().get_yticklabels()
+    assert results.plot.convergence("valley").lines
+
+
+def fails(objective, rng):
+    objective(objective.initial(1))
+    raise RuntimeError("no luck")
+
+
+@pytest.mark.parametrize(
+    ("problems", "optimizers", "settings", "sentence"),
+    [
+        ([valley()], [draw], {"budget": 0}, "study to compare: 'budget' must be a whole number from 1 to 1e+15"),
+        ([valley()], [draw], {"trials": 0}, "study to compare: 'trials' must be a whole number from 1"),
+        ([valley()], [draw], {"jobs": 0}, "the number of jobs must be a whole number from 1 to 1000, or -1"),
+        ([valley()], [draw], {"trails": 3}, "unknown key 'trails'; did you mean 'trials'?"),
+        ([valley(), valley()], [draw], {}, "'valley' occurs twice among the problems; give one of them another label"),
+        ([valley()], [draw, draw], {}, "'draw' occurs twice among the optimizers; give one of them another label"),
+        ([lambda x: x.sum()], [draw], {}, "the function 'lambda' needs bounds to be a problem"),
+        ([valley()], ["gwoo"], {}, "unknown optimizer 'gwoo'; did you mean 'gwo'?"),
+        ([], [draw], {}, "needs at least one [[problems]] table with a name, or a list of names as problems"),
+        ([valley()], [3], {}, "needs at least one [[optimizers]] table with a name, or a list of names as optimizers"),
+        (3, draw, {}, "needs at least one [[problems]] table"),
+        (
+            [FunctionProblem(lambda x: 1 / 0, [0], [1])],
+            [draw],
+            {},
+            "every trial failed, the first one draw on function,",
+        ),
+        (
+            [FunctionProblem(lambda x: None, [0], [1])],
+            [draw],
+            {},
+            "a function must return one number for a point, not N",
+        ),
+        ([valley()], [fails], {}, "every trial failed, the first one fails on valley, trial 0: RuntimeError: no luck"),
+    ],
+)
+def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence):
+    with pytest.raises(BenchError) as caught:
+        compare(problems, optimizers, **{"trials": 1, "budget": 3, "jobs": 1, "verify": False} | settings)
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_part_that_fails_is_a_warning_and_a_mapping_gives_labels(tmp_path):
+    optimizers = {"mine": draw, "swarm": {"name": "gwo", "agents": 3}, "bad": fails}
+    with pytest.warns(UserWarning, match="1 trial of 3 failed, such as bad on a, trial 0: RuntimeError: no luck"):
+        made = compare(
+            {"a": valley()}, optimizers, trials=1, budget=3, output=tmp_path / "c", jobs=1, verify=False, name="named"
+        )
+    assert dict(zip(made.frame["optimizer"], made.frame["status"], strict=True)) == {
+        "mine": "ok", "swarm": "ok", "bad": "failed"
+    }  # fmt: skip
+    assert (made.study.name, [entry.label for entry in made.study.problems]) == ("named", ["a"])
+
+
+SCRIPT = """
+import numpy as np
+import bench
+
+goal = np.array([0.5, 0.25])
+
+class Random:
+    def __init__(self, objective, rng):
+        self.objective = objective
+
+    def ask(self, n):
+        return self.objective.initial(n)
+
+    def tell(self, x, f):
+        pass
+
+distance = bench.FunctionProblem(lambda x: np.abs(x - goal).sum(), [0, 0], [1, 1], name="distance")
+results = bench.compare(distance, [Random, "cma-es"], trials=2, budget=6, jobs=1, output="kept")
+print(results.frame["fun"].tolist())
+"""
+
+
+@pytest.mark.slow
+def test_a_plain_script_needs_no_guard_and_continues_its_folder(tmp_path):
+    outputs = []
+    for text in (SCRIPT, f"# another line\n{SCRIPT}"):
+        (tmp_path / "script.py").write_text(text, encoding="utf-8")
+        done = subprocess.run(
+            [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True
+        )
+        outputs.append(done.stdout)
+        assert done.stderr == ""
+    assert outputs[0] == outputs[1]
+    assert len(Folder(tmp_path / "kept").environments()) == 1  # nothing was made again
