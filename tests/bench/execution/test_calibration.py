@@ -53,7 +53,7 @@ def fun(x):
         file.write("x" * len(x))
     time.sleep(PAUSE)
     return (x**2).sum(axis=1)
-mine = bench.FunctionProblem(fun, [-1.0] * 2, [1.0] * 2, name="mine")
+mine = bench.FunctionProblem(fun, [-1.0] * 2, [1.0] * 2, name="mine", vectorized=True)
 """
 
 
