@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from bench.families import Grid
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
-    from bench.plugins.loading import load_optimizer, load_problem
+    from bench.plugins.loading import list_optimizers, load_optimizer, load_problem
+    from bench.plugins.selection import list_problems
     from bench.problem import FittedData, FunctionProblem, Problem
     from bench.results.results import Results, load_results
     from bench.study import Study
@@ -53,6 +54,8 @@ __all__ = [
     "check_optimizer",
     "check_problem",
     "compare",
+    "list_optimizers",
+    "list_problems",
     "load_optimizer",
     "load_problem",
     "load_results",
@@ -69,7 +72,8 @@ _HOMES = {
     "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
     "Results": "results.results", "Study": "study", "Trace": "objective", "Verdict": "check",
     "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",
-    "compare": "comparison", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
+    "compare": "comparison", "list_optimizers": "plugins.loading",
+    "list_problems": "plugins.selection", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
     "load_results": "results.results", "parameter": "optimizer", "run": "execution.runner", "solve": "execution.solve",
     "write_report": "topics",
 }  # fmt: skip

@@ -133,6 +133,7 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
         if from_file.split(entry.name) or objects.is_object(entry.name):  # whose own process names packages alone
             code[entry.label] = versions(code[entry.label])
         code[entry.label] |= from_file.fingerprint(entry.name, task.files)
+        code[entry.label] |= objects.identity("optimizers", entry.name, task.files, task.objects)
     fingerprints = Fingerprints(data, code, dimensions)
     return Loaded(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data, code=code))
 

@@ -154,8 +154,6 @@ def _refuse_namesakes(problem: str, files: Files) -> None:
 
 def fingerprint(name: str, files: Files) -> code.Code:
     """Return the hashes of an optimizer's code that :func:`contents` has read; none for an installed one."""
-    if objects.is_object(name):
-        return objects.identity("optimizers", name, files)
     parts = split(name)
     return code.hashes(files.get(str(parts[0]) if parts else _module(name), {}))
 

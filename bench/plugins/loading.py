@@ -69,6 +69,19 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     raise BenchError(f"the plug-in behind {name!r} is no Optimizer subclass, nor a family named as '{family}:<name>'")
 
 
+def list_optimizers(pattern: str = "*") -> list[str]:
+    """Return the names of the optimizers that match a pattern such as ``"mealpy:*GWO"``; by default all.
+
+    Members of families are among them where their libraries are installed.
+    """
+    names: list[str] = []
+    for entry in sorted(registry.entries("optimizers")):
+        with suppress(Exception, SystemExit):  # a library that is missing or broken must not hide the others
+            plugin = registry.load("optimizers", entry)
+            names += plugin.names() if registry.is_family(plugin) else [entry]
+    return fnmatch.filter(names, pattern)
+
+
 def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 

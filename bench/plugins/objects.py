@@ -117,13 +117,16 @@ def modules(kind: str, name: str) -> Sequence[str]:
     return packed.modules if packed else ()
 
 
-def identity(kind: str, name: str, files: Files = files_taken) -> Code:
+def identity(kind: str, name: str, files: Files = files_taken, among: Objects = held) -> Code:
     """Return the hashes of an object's own code and data, and of the files that it imports from.
 
-    Those of the files are taken from ``files`` where these have them. Nothing is known of an object that is not held
-    here.
+    Args:
+        kind: "optimizers" or "problems".
+        name: of the object; nothing is known of one that is not ``among`` these.
+        files: what was read of the files, as far as it was.
+        among: objects; by default those that are held here.
     """
-    if (packed := held.get(f"{kind} {name}")) is None:
+    if (packed := among.get(f"{kind} {name}")) is None:
         return {}
     found = [files.get(module) or code.linked(module) for module in packed.modules]
     return {name: packed.digest} | {file: each for modules in found for file, each in code.hashes(modules).items()}

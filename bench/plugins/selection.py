@@ -88,6 +88,15 @@ def is_of_suite(problem: str) -> bool:
     return False
 
 
+def list_problems(pattern: str = "*") -> list[str]:
+    """Return the names of the problems that match a pattern such as ``"bbob-f*-d5-i1"``; by default all.
+
+    Of a suite these are all functions and dimensions with the first instances. Families that take any file or text,
+    such as ``recording:<path>``, list none.
+    """
+    return list(filter(re.compile(translate(pattern)).fullmatch, _all_names()))
+
+
 def _all_names() -> Iterator[str]:
     """Yield the names of every problem that can be listed, and of all that are on a grid."""
     for family in registry.entries("problems"):

@@ -4,13 +4,17 @@ import subprocess
 import sys
 import threading
 from contextlib import contextmanager
+from functools import partial
 from random import Random
 
 import numpy as np
 import pytest
 
-from bench import BenchError, BudgetExhausted, FunctionProblem, Objective, Trace
+import bench
+from bench import BenchError, BudgetExhausted, Objective, Trace
 from tests.bench.objectives import objective
+
+FunctionProblem = partial(bench.FunctionProblem, vectorized=True)  # whose calls are counted
 
 pytestmark = pytest.mark.usefixtures("scanner")  # compiled and interpreted
 

@@ -10,7 +10,8 @@ import bench
 NAMES = [
     "AskTell", "BenchError", "BudgetExhausted", "Checkup", "FittedData", "FunctionProblem", "Grid", "Objective",
     "Optimizer", "Outcome", "Problem", "Result", "Results", "Study", "Trace", "Verdict", "WorkerDiedError",
-    "check_optimizer", "check_problem", "compare", "load_optimizer", "load_problem", "load_results", "parameter", "run",
+    "check_optimizer", "check_problem", "compare", "list_optimizers", "list_problems", "load_optimizer",
+    "load_problem", "load_results", "parameter", "run",
     "solve", "write_report",
 ]  # fmt: skip
 

@@ -26,7 +26,7 @@ def problem(function=rastrigin, seen=None):
             seen.append(x.copy())
         return function(x)
 
-    return FunctionProblem(watched, [-5.12] * D, [5.12] * D)
+    return FunctionProblem(watched, [-5.12] * D, [5.12] * D, vectorized=True)
 
 
 def test_the_regime_that_has_spent_less_is_next_and_large_populations_double():

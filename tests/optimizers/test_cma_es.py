@@ -166,7 +166,7 @@ def test_start_is_the_midpoint_or_a_random_feasible_point():
 
     def centre(start):
         seen = []
-        watched = FunctionProblem(lambda x: seen.append(x) or (x**2).sum(axis=1), [0, 0], [1, 1])
+        watched = FunctionProblem(lambda x: seen.append(x) or (x**2).sum(axis=1), [0, 0], [1, 1], vectorized=True)
         objective = Objective(watched, 500, np.random.default_rng(0))
         with pytest.raises(BudgetExhausted):
             CMAES(agents=500, start=start, sigma=0.01).minimize(objective, np.random.default_rng(1))

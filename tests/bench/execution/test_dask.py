@@ -14,7 +14,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from bench import BenchError, Results, Study, load_results, run
+from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution import dask as cluster
 from bench.execution import dask_worker
 from bench.execution.supervisor import KilledError, Task, WorkerDiedError, check
@@ -143,6 +143,24 @@ def test_a_worker_s_processes_import_nothing_of_its_working_folder(machines, tmp
     study = study_of("draw", tmp_path, code, 2)
     assert machines.run(study, tmp_path / "dask").made == 2
     assert not [*shadows.glob("*.imported")]
+
+
+@pytest.mark.slow
+def test_functions_and_classes_travel_to_the_workers_by_value(machines, tmp_path):
+    machines.worker("one")
+    goal = 0.25
+
+    def draw(objective, rng):
+        while True:
+            objective(objective.initial(1))
+
+    def study(trials):
+        problem = FunctionProblem(lambda x: ((x - goal) ** 2).sum(), [0, 0], [1, 1], name="distance")
+        return {"name": "s", "trials": trials, "budget": 30, "problems": [problem], "optimizers": [draw]}
+
+    assert machines.run(study(2), tmp_path / "dask").made == 2
+    assert run(study(3), tmp_path / "dask", jobs=1).made == 1  # the cells are the same here and there
+    assert load_results(tmp_path / "dask")["status"].eq("ok").all()
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ X = np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 0.0]])
 
 
 def problem(fun=lambda x: (x**2).sum(axis=1) / 3):
-    return FunctionProblem(fun, [-5.0] * 2, [5.0] * 2)
+    return FunctionProblem(fun, [-5.0] * 2, [5.0] * 2, vectorized=True)
 
 
 def outcome(result):
