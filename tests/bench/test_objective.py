@@ -98,13 +98,13 @@ def test_clocks_the_problem_alone(monkeypatch):
         take(2.0)
         return (x**2).sum(axis=1)
 
-    class Slow(FunctionProblem):
+    class Slow(bench.FunctionProblem):
         def repair(self, x):
             take(8.0)
             return x
 
     monkeypatch.setattr("bench.objective.perf_counter", lambda: now)
-    f = objective(Slow(sphere, [0], [1]))
+    f = objective(Slow(sphere, [0], [1], vectorized=True))
     f([0.5])
     take(16.0)  # the optimizer's own work
     f(f.initial(3))
@@ -113,7 +113,7 @@ def test_clocks_the_problem_alone(monkeypatch):
 
 
 def test_initial_points_are_uniform_and_repaired():
-    class HalfPlane(FunctionProblem):
+    class HalfPlane(bench.FunctionProblem):
         def repair(self, x):
             return np.maximum(np.clip(x, self.lower, self.upper), [[0.0, -5.0]])
 
