@@ -171,7 +171,7 @@ def beside_the_best_of_2009(make, folder):
          "optimizers": [{"name": "random-search"}, {"name": "gwo"}]}
     )  # fmt: skip
     store(folder, study, ends_at({"gwo": 1e-3, "random-search": 0.5}), record=RECORD)
-    return Findings(Results(folder), beside_best=True, reference="gwo")
+    return Findings(Results(folder), beside_best=True, asked_subject="gwo")
 
 
 @page
