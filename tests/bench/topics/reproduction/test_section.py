@@ -54,6 +54,19 @@ def test_every_value_that_it_makes_is_that_of_the_report(folder, reproduce):
         assert f"{name}.csv: " in printed.partition("not made")[0]
 
 
+@pytest.mark.slow
+def test_with_a_subject_it_tests_the_same_pairs(tmp_path, reproduce):
+    problems = [{"name": f"classical-{name}-d2-i1"} for name in ("sphere", "rastrigin")]
+    study = {"name": "s", "subject": "gwo", "trials": 12, "budget": 60, "problems": problems, "optimizers": OPTIMIZERS}
+    folder = run(Study.from_dict(study), tmp_path / "s", n_jobs=1).folder
+    write_report(folder, n_jobs=1)
+    tests = pd.read_csv(folder / "tables" / "tests.csv")
+    assert tests["p_holm"].notna().sum() == 4
+    code, printed = reproduce(folder)
+    assert printed.endswith(" 0 differ\n")
+    assert code == 0
+
+
 def test_it_names_what_it_does_not_make(folder, reproduce):
     left = reproduce(folder)[1].partition("not made")[2]
     assert "(simulated restarts): p10 of running-times.csv" in left
