@@ -1,11 +1,13 @@
 """The command reproduce: reading alone, its exit codes, and one sentence for each thing that cannot be judged."""
 
 import json
+import shutil
 
 import pandas as pd
 import pytest
 
 from bench.cli.app import main
+from tests.bench.reproduce.test_protocol import results  # noqa: F401 - a fixture
 
 HEAD = "# suite = 'classical'\n# dimension = 2\n# budget = 200\n# runs = 6\n# values = 'error'\n"
 
@@ -45,6 +47,7 @@ def test_a_file_that_is_no_table_is_refused_in_a_sentence(called):
     assert called("a,b\n1,2\n") == (2, "bench: paper.csv has no column of functions; its columns are a, b\n")
 
 
+@pytest.mark.slow
 def test_the_protocol_is_run_and_each_cell_judged(called, tmp_path):
     rows = "sphere,Mine,1.00E9,1\nsphere,GWO,0.5,0.5\nsphere,Unheard,1,1\nackley,GWO,1,see text\n"
     code, printed = called(
@@ -81,3 +84,15 @@ def test_a_table_of_which_nothing_can_be_run_is_refused_in_a_sentence(called):
     code, printed = called(f"{HEAD}function,optimizer,mean,sd\nsphere,Unheard,0.5,0.5\n")
     assert code == 2
     assert "bench: no cell of paper.csv can be run: no optimizer is called 'Unheard'" in printed
+
+
+def test_the_trials_of_a_folder_are_judged_beside_the_table(called, results, tmp_path):  # noqa: F811
+    folder = shutil.copytree(results.paths[0], tmp_path / "run")
+    text = f"{HEAD.replace('200', '40')}function,optimizer,mean,sd\nsphere,random-search,1E9,1\nackley,Unheard,1,1\n"
+    code, printed = called(text, "--beside", "run")
+    assert code == 0
+    assert "not judged: ackley, d = 2, Unheard (line 8): no optimizer is called 'Unheard'" in printed
+    assert "0 of 1 cell to within one SD; 1 left open by so few runs; 1 more not judged" in printed
+    written = pd.read_csv(folder / "reproduction.csv")
+    assert written["verdict"].tolist() == ["open", "not judged"]
+    assert json.loads((folder / "reproduction.json").read_text(encoding="utf-8"))["sentence"] in printed
