@@ -1,6 +1,6 @@
 """How often bands of runtime distributions hold the true curve, and how often they show a lead that is none.
 
-    python validation/bands.py [STUDIES]        # default: 200 a row; about twenty minutes
+    python validation/bands.py [STUDIES]        # default: 200 a row; about half an hour
 
 *Covered* is the share of studies whose band holds the true curve at every budget, by problems and runs a problem; the
 curve is a mean over targets, and misses by less than 0.001 do not count, as the truth is a mean of 20,000 runs. *Wrong
@@ -55,6 +55,11 @@ def basins(rng: np.random.Generator, _: float, runs: int) -> Floats:
     return np.where((rng.random((runs, 1)) < 0.8) | (STEPS < 2), 5 * np.exp(0.5 * STEPS), np.inf)
 
 
+def stuck(rng: np.random.Generator, _: float, runs: int) -> Floats:
+    """One run in thirty gets stuck at the second target, all others are alike."""
+    return np.where((rng.random((runs, 1)) < 29 / 30) | (STEPS < 2), 5 * np.exp(0.5 * STEPS), np.inf)
+
+
 def hopeless(rng: np.random.Generator, _: float, runs: int) -> Floats:
     """One run in fifty reaches anything at all."""
     return np.where(rng.random((runs, 1)) < 0.02, 20.0, np.inf) * np.ones(TARGETS)
@@ -76,7 +81,7 @@ def together(rng: np.random.Generator, _: float, runs: int) -> Floats:
     return np.where(rng.random((runs, 1)) < 0.6, rng.uniform(10, 500, (runs, 1)), np.inf) * np.ones(TARGETS)
 
 
-DESIGNS = (smooth, memoryless, easy, rare, basins, hopeless, unlike, alone, together)
+DESIGNS = (smooth, memoryless, easy, rare, basins, stuck, hopeless, unlike, alone, together)
 
 
 def hits_of(draws: dict[str, tuple[Draw, float]], rng: np.random.Generator, problems: int, runs: int) -> pd.DataFrame:

@@ -3,13 +3,13 @@
 Problems and targets are given, runs are the sample: another study would have other runs of the same optimizers on the
 same problems. The curve of an optimizer is the mean over problems of the mean over runs of the share of targets that a
 run has reached (:func:`bench.analysis.ecdf`), so its variance is that of runs within problems. What runs did not show
-may happen all the same: the variance counts a quarter of a run that reaches everything at once and a quarter of one
-that reaches nothing.
+may happen all the same: the variance counts one and a half runs that reach everything at once, and as many that reach
+nothing.
 
 Bands hold for all budgets together, at 95%: their width is that of the largest standardised deviation of the curve
 with normal multipliers of the runs (Chernozhukov, Chetverikov and Kato 2013, Annals of Statistics 41), widened to
-Student's t with Satterthwaite's degrees of freedom (1946, Biometrics Bulletin 2). The band of a curve is Wilson's
-interval (1927) of as many runs as have this variance, which are at least the runs made.
+Student's t with Satterthwaite's degrees of freedom (1946, Biometrics Bulletin 2). The band of a curve reaches as far as
+the interval of this width or Wilson's (1927) of as many runs as have this variance, which are at least the runs made.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from bench.analysis.anytime import Counts
 from bench.analysis.cells import labels
 from bench.typing import Floats
 
-UNSEEN = 0.25  # runs that reach everything at once, and as many that reach nothing, beside those of a cell
+UNSEEN = 1.5  # runs that reach everything at once, and as many that reach nothing, beside those of a cell
 MULTIPLIERS = 400
 LEVEL = 0.95
 
@@ -68,7 +68,9 @@ def curve_bands(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] 
         ratio = width**2 / np.maximum(curve.runs, spread / curve.variance)
         middle = (curve.fraction + ratio / 2) / (1 + ratio)
         half = np.sqrt(ratio * (spread + ratio / 4)) / (1 + ratio)
-        ends = {"low": np.clip(middle - half, 0, 1), "high": np.clip(middle + half, 0, 1)}
+        equal = width * np.sqrt(curve.variance)
+        low, high = np.minimum(middle - half, curve.fraction - equal), np.maximum(middle + half, curve.fraction + equal)
+        ends = {"low": np.clip(low, 0, 1), "high": np.clip(high, 0, 1)}
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": curve.fraction} | ends))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["optimizer", unit, "fraction"])
 
