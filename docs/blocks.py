@@ -220,11 +220,14 @@ def _bench(words: list[str]) -> tuple[int, str, str]:
 def _python(code: str, namespace: dict[str, object], folder: Path, where: str) -> str:
     """Run Python in a namespace; return what it printed."""
     out = io.StringIO()
+    sys.path.insert(0, str(folder))  # as of a script in this folder
     try:
         with _environment(folder), contextlib.redirect_stdout(out):
             exec(compile(code, where, "exec"), namespace)
     except Exception as error:
         raise BlockError(f"{where}: {type(error).__name__}: {error}\n{out.getvalue()}") from error
+    finally:
+        sys.path.remove(str(folder))
     return out.getvalue()
 
 
