@@ -177,7 +177,7 @@ def _collect(calls: Sequence[Future[Any] | str]) -> list[Sample | str]:
         try:
             made.append(call if isinstance(call, str) else found(call, lambda record: Sample(**record), "the function"))
         except BenchError as error:
-            made.append(str(error))
+            made.append(" ".join(str(error).split()))
     return made
 
 

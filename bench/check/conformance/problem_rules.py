@@ -182,7 +182,7 @@ def check_optimum(subject: ProblemSubject) -> str:
     if problem.optimum is None:
         return "claims no optimum"
     x = np.vstack([sample(problem, SAMPLED, subject.seed), special(problem, subject.seed)])
-    lowest = _feasible_values(problem, x).min()
+    lowest = float(_feasible_values(problem, x).min())
     if lowest < _least(problem.optimum):
         raise ViolationError(f"a random point has {lowest!r}, below the optimum of {problem.optimum!r}", _OPTIMUM)
     if problem.optimum_point is None:
