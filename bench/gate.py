@@ -195,6 +195,8 @@ def _worded(
     meaning = "Old better: the chance that a trial of the old version ends better, ties counted half (A12)"
     allowed = f"the margin allows {test.bound:.1%}. A false alarm has a chance of at most {test.alpha:g}"
     notes = [f"{chosen[1]} against {chosen[0]}: {conditions}.", f"{meaning}; {allowed}, over all problems."]
+    adjusted = ", by Holm’s method over the problems," if len(problems) > 1 else ""
+    notes.append(f"A problem is worse where its one-sided p{adjusted} is at most {test.alpha / 2:g}.")
     if test.every:
         notes.append(
             f"A pass needs every problem, each tested at {test.alpha / 2:g} without adjustment: the chance of a pass "

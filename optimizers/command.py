@@ -48,6 +48,9 @@ class Program(Optimizer):
                             talk.say(x=objective.repair(_points(x, objective.dimension, talk)).tolist())
                         case {"initial": int(n), **rest} if not rest and 1 <= n <= objective.budget:
                             talk.say(x=objective.initial(n).tolist())
+                        case {"initial": int(n), **rest} if not rest and n > objective.budget:
+                            most = f"at most {objective.budget:,}, the budget"
+                            raise talk.error(f"asked for {n:,} initial points, which exceeds the budget", most)
                         case {"stop": str(reason), **rest} if not rest:
                             return objective.stop(reason)
                         case _:

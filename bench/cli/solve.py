@@ -73,6 +73,12 @@ def command(
         ("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer"),
     ]
     Console().print(table(("", ""), rows))
+    if row["stop"] == "undeclared":
+        print_error(
+            f"{optimizer} returned before the budget was spent and declared no reason: loop until the budget ends the "
+            'run, or call objective.stop("reason")'
+        )
+        sys.exit(1)
 
 
 def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:

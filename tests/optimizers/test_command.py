@@ -130,6 +130,7 @@ open({str(note)!r}, 'w').write(json.dumps(said))"""
         ("ask(x=[])", r"sent the points \[\]"),
         ("ask(x='all')", "sent the points all"),
         ("ask(initial=0)", 'wrote {"initial": 0}'),
+        ("ask(initial=30)", "asked for 30 initial points, which exceeds the budget; wanted is at most 5, the budget"),
         ("ask(initial=1e300)", 'wrote {"initial": 1e'),
         ("ask(x=[[1, 2, 3]], stop='now')", "wrote"),
         ("sys.exit('no licence')", "ended with code 1; it complained: no licence"),

@@ -11,6 +11,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import Subject
 from bench.errors import BenchError
+from bench.helpers.text import count
 from bench.optimizer import Optimizer, is_frozen
 from bench.sandbox.messages import describe_error
 
@@ -48,14 +49,18 @@ def check_parameters(subject: Subject) -> str:
             ) from error
         if name == "agents" and isinstance(wrong, int):
             raise ViolationError(
-                f"it takes agents={wrong}", "declare it as agents: int = bench.parameter(30, minimum=1)"
+                f"it takes agents={wrong}",
+                "declare it as agents: int = bench.parameter(30, minimum=1), with the least population that the method "
+                "works with as the minimum, such as 4 for DE/rand/1",
             )
         raise ViolationError(
             f"it takes anything as {name!r}, whatever its declared type",
             "call super().__post_init__() in __post_init__: it checks every parameter",
         )
     subject.fresh()
-    return f"{len(fields)} parameter{'' if len(fields) == 1 else 's'} with defaults, and wrong values are refused"
+    least = next((field.metadata.get("minimum") for field in fields if field.name == "agents"), None)
+    population = "" if least is None else f"; its population is at least {least}"
+    return f"{count(len(fields), 'parameter')} with defaults, and wrong values are refused{population}"
 
 
 def _wrong_values(cls: type[Optimizer], names: list[str]) -> Iterator[tuple[str, Any]]:

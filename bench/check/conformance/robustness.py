@@ -12,6 +12,8 @@ from bench.check.conformance.subject import Subject, ordinary_budget
 from bench.check.problems import RecordingProblem
 from bench.sandbox.messages import describe_error
 
+DECLARE = "reports name how it takes points into the box where a class attribute says so: handling: ClassVar = 'repair'"
+
 CLIP = (
     "clip to objective.lower and objective.upper, or call objective.repair(x), as the last step before objective(x): "
     "mapping points back from a unit cube can leave the box by rounding"
@@ -61,9 +63,11 @@ def check_repair(subject: Subject) -> str:
     problem = problems.half()
     run = subject.run(problem)
     share = float((problem.repair(run.points) != run.points).any(axis=1).mean())
+    own = "" if hasattr(subject.fresh(), "handling") else f"; {DECLARE}"
     if not share:
-        return "all points are feasible by the problem's own repair"
-    return f"{share:.0%} of the points are infeasible by the problem's own repair (it may use objective.repair(x))"
+        return f"all points are feasible by the problem's own repair{own}"
+    may = "it may use objective.repair(x)"
+    return f"{share:.0%} of the points are infeasible by the problem's own repair ({may}){own}"
 
 
 def check_dimensions(subject: Subject) -> str:

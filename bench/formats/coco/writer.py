@@ -17,7 +17,7 @@ optimizers in a black-box setting", Optimization Methods and Software 36(1), 202
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from operator import attrgetter
@@ -98,8 +98,13 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     return (
         (f"{where}{names[trials[0].optimizer]}/{path}", text)
         for where, trials in by_function(results, places)
-        for path, text in _function_files(names[trials[0].optimizer], trials, places, optima)
+        for path, text in _function_files(_algorithm(trials[0].optimizer, names), trials, places, optima)
     )
+
+
+def _algorithm(label: str, folders: Mapping[str, str]) -> str:
+    """Return the label as the index names it; the folder's name where the label has what would end a value there."""
+    return label if re.fullmatch(r"[\w .:+()\[\]/-]+", label, re.ASCII) else folders[label]
 
 
 def about(results: Results) -> str:

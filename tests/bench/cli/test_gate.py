@@ -65,6 +65,7 @@ def test_a_worse_version_fails_and_the_markdown_says_so(bench_here, folders, tmp
     text = (tmp_path / "gate.md").read_text(encoding="utf-8")
     assert text.startswith("## ❌ worse\n\nThe new version is worse by more than the margin over all problems: ")
     assert "| sphere-2 | 12 |" in text
+    assert "A problem is worse where its one-sided p, by Holm’s method over the problems, is at most 0.025." in text
     assert bench_here("gate", "worse", "old", cwd=folders).returncode == 0
 
 

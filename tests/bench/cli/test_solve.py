@@ -26,6 +26,11 @@ class Silent(Optimizer):
         objective.stop(Unspeakable())
 
 @dataclass(frozen=True)
+class Early(Optimizer):
+    def minimize(self, objective, rng):
+        objective(objective.initial(10))
+
+@dataclass(frozen=True)
 class Raising(Optimizer):
     def minimize(self, objective, rng):
         raise UnspeakableError
@@ -69,6 +74,13 @@ def test_a_stop_reason_is_printed_as_it_is(solve):
     done = solve("sphere-2", "Markup")
     assert done.returncode == 0
     assert "4 (stopped by: [/tol] [bold]done)" in done.stdout
+
+
+def test_a_return_before_the_budget_without_a_reason_is_no_success(solve):
+    done = solve("sphere-2", "Early")
+    assert done.returncode == 1
+    assert "10 (stopped by: undeclared)" in done.stdout  # what it found is not lost
+    assert "returned before the budget was spent and declared no reason" in " ".join(done.stderr.split())
 
 
 def test_a_stop_reason_without_a_text_loses_no_search(solve):

@@ -13,7 +13,7 @@ FAULTS = [
     (faulty.Undecorated, "parameters", "'step' of Undecorated looks like a parameter", "above Undecorated too"),
     (faulty.Greedy, "parameters", "takes anything as 'step'", "call super().__post_init__()"),
     (faulty.Hasty, "parameters", "a wrong 'step' raises TypeError", "before anything else"),
-    (faulty.Empty, "parameters", "it takes agents=0", "bench.parameter(30, minimum=1)"),
+    (faulty.Empty, "parameters", "it takes agents=0", "the least population that the method works with"),
     (faulty.Demanding, "parameters", "'step' has no default", "a default"),
     (faulty.Abstract, "parameters", "no method minimize", "write minimize"),
     (faulty.Misfit, "parameters", "BenchError: parameter 'step' of Misfit must be a whole number", "that fit"),
