@@ -51,6 +51,9 @@ def command(
     ] = None,
     targets: Targets = None,
     rope: Rope = None,
+    journal: Annotated[
+        str, typer.Option(metavar="NAME", help="Fit the LaTeX tables to a class: plain, ieee, acm, elsevier or lncs.")
+    ] = "plain",
     open_: Open = False,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
@@ -62,7 +65,14 @@ def command(
         raise BenchError(f"--reference is --subject now: give --subject {reference}")
     chosen = {"optimizers": optimizer or None, "problems": problem or None, "dimensions": dimension or None}
     beside, best = published(against)
-    settings = {"output": output, "n_jobs": jobs, "targets": targets, "rope": rope, "subject": subject}
+    settings = {
+        "output": output,
+        "n_jobs": jobs,
+        "targets": targets,
+        "rope": rope,
+        "subject": subject,
+        "journal": journal,
+    }
     report_on([*folders, *beside], Console(), open_, beside_best=best, versions=versions or (), **settings, **chosen)
 
 

@@ -10,22 +10,62 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
 from itertools import groupby
-from math import ceil
+from math import ceil, inf
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, Template
 
+from bench.errors import BenchError, nearest
 from bench.helpers.bibtex import ACCENTS, LETTERS
 from bench.report.parts import Table, TableCell
 
-LINE = 84  # characters that a line of an article holds in a table's small type
-COLUMN = 42  # characters of a column of a two-column paper; a table that may be wider shrinks to fit
 WRAP = 40  # characters beyond which a column is set in paragraphs
 WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
-PAGE = 45  # rows that fit on a page with their caption
 BLOCK = 10  # rows of a block that is named once, and that no page break divides
 WIDEST = 1.5  # lines; the type of a wider table would be too small to read where it shrinks to a line
+
+
+class Journal(NamedTuple):
+    """What a document class leaves for a table.
+
+    Attributes:
+        document: the class that it was measured in.
+        line: characters of the width of the text in a table's type.
+        column: those of a column; a table that may be wider shrinks to fit.
+        page: lines of a page in that type, a caption of one line included.
+        size: the command of that type.
+        breaks: whether a long table may be a ``longtable``, which two-column classes refuse.
+    """
+
+    document: str
+    line: int
+    column: int
+    page: int
+    size: str = r"\footnotesize"
+    breaks: bool = False
+
+    @property
+    def spans(self) -> float:
+        """The characters from which a table spans both columns, where a text has two."""
+        return inf if self.column == self.line else self.line if self.breaks else 1.1 * self.column
+
+
+JOURNALS = {
+    "plain": Journal(r"\documentclass{article}", 84, 42, 41, "", breaks=True),
+    "ieee": Journal(r"\documentclass[conference]{IEEEtran}", 120, 58, 64),
+    "acm": Journal(r"\documentclass[sigconf]{acmart}", 118, 56, 60),
+    "elsevier": Journal(r"\documentclass[final,5p,twocolumn]{elsarticle}", 120, 58, 62),
+    "lncs": Journal(r"\documentclass{llncs}", 74, 74, 44),
+}
+"""The journals whose classes tables are written for; "plain" ones also compile in an article of two columns."""
+
+
+def journal_of(name: str) -> Journal:
+    """Return the journal of a name; raises BenchError for a name that is none."""
+    if name not in JOURNALS:
+        raise BenchError(f"journal must be one of {', '.join(JOURNALS)}, not {name!r}{nearest(name, JOURNALS)}")
+    return JOURNALS[name]
 
 
 class _Column(NamedTuple):
@@ -65,12 +105,13 @@ def escape(text: str) -> str:
     return _TOKEN.sub(lambda token: _latex(token[0]), "".join(map(_decompose, composed)))
 
 
-def to_latex(table: Table, label: str) -> str:
-    r"""Return a table for ``\input``; the comment on its first line lists the packages that it needs.
+def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> str:
+    r"""Return a table for ``\input``; the comments on its first lines list the packages that it needs, and the class.
 
-    A table that may be wider than a column shrinks to the line width. A table that may be wider than a page is a
-    ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
-    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. As such a
+    A table that may be wider than a column shrinks to the line width. A table that may be wider than a page, or in a
+    journal of two columns wider than one of them, is a ``table*``, which spans both. Columns of long texts are set in
+    paragraphs. A table longer than a page comes in parts of a page each with one number; in a plain article it is a
+    ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. As such a
     table cannot shrink, one without paragraphs that may be wider than a page, too, comes in several of the other kind
     with one number. Of a very wide one the columns are set in sets, one below the other, each beside the index, or, if
     these need more than a page, it is turned. Rows whose first value is that of the row before are a block, which shows
@@ -82,45 +123,62 @@ def to_latex(table: Table, label: str) -> str:
     columns = []
     for place, (title, numeric) in enumerate(table.header):
         longest = max(map(len, [title, *(row[place].text for row in rows)]))
-        columns.append(_Column(place, title, numeric, min(longest, 2 * LINE)))
+        columns.append(_Column(place, title, numeric, min(longest, 2 * journal.line)))
     wraps = any(column.wraps for column in columns)
-    width, long = _width(columns), len(rows) > PAGE
-    breaks = long and (width <= LINE or wraps)  # paragraphs fit, and their height is not known
+    width, line = _width(columns), journal.line
+    lines = len(rows) + len(table.caption) // line + len(table.note) // line
+    long = lines > journal.page
+    breaks = journal.breaks and long and (width <= line or wraps)  # paragraphs fit, and their height is not known
     sets = [columns]
-    turned = width > WIDEST * LINE and not wraps
-    if turned and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index)) * len(rows) <= PAGE:
+    turned = width > WIDEST * line and not wraps
+    if (
+        turned
+        and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index, line)) * lines <= journal.page
+    ):
         sets, turned = apart, False
-    needed = {"array": wraps, "longtable": breaks, "graphicx": width > COLUMN and not breaks}
+    needed = {"array": wraps, "longtable": breaks, "graphicx": width > journal.column and not breaks}
     caption = escape(table.caption)
     if len(caption) > CAPTION:
         caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
     blocks = _blocks(table, rows)
-    most = _most_rows(width, len(table.note), turned=turned) if turned or (long and not breaks) else len(rows)
+    most = len(rows) if breaks else _most_rows(table, columns, journal, turned=turned, long=long)
     return _template().render(
+        document=journal.document,
+        size=journal.size,
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         breaks=breaks,
-        small=long and width > 0.75 * LINE,
-        wide=width > COLUMN,
+        small=long and width > 0.75 * line and journal.breaks,
+        wide=width > journal.column,
         turned=turned,
-        float="table*" if width > LINE else "table",
+        float="table*" if width > journal.spans else "table",
         caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
-        tabulars=[_tabular(columns_of, blocks, most) for columns_of in sets],
+        tabulars=[_tabular(columns_of, blocks, most, line) for columns_of in sets],
         totals=table.totals,
         note=escape(table.note),
     )
 
 
-def _most_rows(width: int, note: int, *, turned: bool) -> int:
-    """Return the rows of a table of this width that fit on a page beside a note; a wider one shrinks more.
+def _most_rows(table: Table, columns: Sequence[_Column], journal: Journal, *, turned: bool, long: bool) -> int:
+    """Return the rows of a table that fit on a page beside its caption and note; a wider one shrinks more.
 
-    Both are in characters. A note of four lines fits without taking rows.
-
-    The numbers are those of the class ``article`` in 10 pt, whose page is small. A turned table has the width of the
-    text for its rows, and one that shrinks little has as many as the page holds in its type.
+    A turned table has the width of the text for its rows, and one that shrinks little has as many as the page holds in
+    its type. The numbers of a plain article are those of ``article`` in 10 pt, whose page is small, and a note of four
+    lines fits there without taking rows.
     """
-    lines = max(note // LINE - 4, 0)
-    return max((int(0.28 * width) if turned else min(int(0.73 * width), 75)) - lines, 1)
+    width, line = _width(columns), journal.line
+    if journal.breaks:
+        if not turned and not long:
+            return len(table.frame)
+        lines = max(len(table.note) // line - 4, 0)
+        return max((int(0.28 * width) if turned else min(int(0.73 * width), 75)) - lines, 1)
+    beside = len(table.caption) // line + len(table.note) // line + 4  # of a caption that is set larger, and the rules
+    if turned:
+        return max(int(0.28 * max(width, 2 * line)) * line // 120 - beside, 1)
+    paragraphs = [column.width for column in columns if column.wraps]
+    height = max(1, -(-sum(paragraphs) // max(line - (width - sum(paragraphs)), WRAP))) if paragraphs else 1
+    shrunk = 1.0 if paragraphs else min(max(width / line, 1.0), WIDEST)
+    return max(int((journal.page - beside) * shrunk) // height, 1)
 
 
 def _width(columns: Iterable[_Column]) -> int:
@@ -128,18 +186,18 @@ def _width(columns: Iterable[_Column]) -> int:
     return sum(column.width + 2 for column in columns)
 
 
-def _sets(columns: Sequence[_Column], heads: int) -> list[list[_Column]]:
+def _sets(columns: Sequence[_Column], heads: int, line: int) -> list[list[_Column]]:
     """Return the columns in sets of about the same size, each after those of the index, that are not very wide."""
     index, values = columns[:heads], columns[heads:]
     for number in range(1, len(values) + 1):
         size = ceil(len(values) / number)
         sets = [[*index, *values[start : start + size]] for start in range(0, len(values), size)]
-        if max(map(_width, sets)) <= WIDEST * LINE:
+        if max(map(_width, sets)) <= WIDEST * line:
             return sets
     return [[*index, column] for column in values]
 
 
-def _tabular(columns: Sequence[_Column], blocks: list[list[list[TableCell]]], most: int) -> dict[str, Any]:
+def _tabular(columns: Sequence[_Column], blocks: list[list[list[TableCell]]], most: int, line: int) -> dict[str, Any]:
     """Return the types, the header and the rows, by part and block, of some columns, for the template."""
     lines = [
         [
@@ -149,7 +207,7 @@ def _tabular(columns: Sequence[_Column], blocks: list[list[list[TableCell]]], mo
         for block in blocks
     ]
     return {
-        "columns": _types(columns) or "l",
+        "columns": _types(columns, line) or "l",
         "header": _row([_text(column.title, column.wraps) for column in columns]),
         "parts": _parts(lines, most),
     }
@@ -190,12 +248,12 @@ def _template() -> Template:
     return environment.get_template("table.tex.j2")
 
 
-def _types(columns: Sequence[_Column]) -> str:
+def _types(columns: Sequence[_Column], line: int) -> str:
     """Return the column types: numbers right, texts left, and paragraphs, which share the rest of the width."""
     paragraphs = [column for column in columns if column.wraps]
     wants = sum(column.width for column in paragraphs)
     taken = _width(column for column in columns if not column.wraps)
-    room = max(LINE - taken, WRAP * len(paragraphs)) / LINE
+    room = max(line - taken, WRAP * len(paragraphs)) / line
     types = []
     for column in columns:
         side = "left" if column.numeric else "right"  # \raggedleft sets to the right

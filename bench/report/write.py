@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -17,11 +17,11 @@ from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.interactive import Interactive
-from bench.report.latex import to_latex
+from bench.report.latex import JOURNALS, Journal, to_latex
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, File, Part, Section, Table
 
-PAGE, MANIFEST = "report.html", ".report.json"
+PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
 TABLES, FIGURES = "tables", "figures"
 ANCHOR = "part"  # of the sections, part.verdict and so on; a figure of this name would have ids like these
 PROBLEM = "problem"  # of the sections on one problem
@@ -60,15 +60,25 @@ class Writer:
         study: a name that the labels of LaTeX tables begin with.
         problems: about how many sections on one problem there will be.
         printed: whether those are written as LaTeX and PDF, too.
+        journal: whose class the LaTeX tables are written for.
         on_step: called before every step.
     """
 
     def __init__(
-        self, folder: Path, drawer: Drawer, *, study: str, problems: int, printed: bool, on_step: OnStep
+        self,
+        folder: Path,
+        drawer: Drawer,
+        *,
+        study: str,
+        problems: int,
+        printed: bool,
+        on_step: OnStep,
+        journal: Journal = JOURNALS["plain"],
     ) -> None:
         self.folder = folder
         self.drawer = drawer
         self.study = study
+        self.journal = journal
         self.expected = problems
         self.each_printed = printed
         self.views: list[View] = []
@@ -91,6 +101,7 @@ class Writer:
             for chapter, made in zip(chapters, prepared, strict=True):
                 self.append_all(chapter, made)
         self.add_downloads()
+        self.save(CONTENTS, contents(title, self.files), "These files.")
         page = self.save(PAGE, render(title, lead, self.views, self.problems, further), "This page.")
         self.clean()
         return page
@@ -173,7 +184,7 @@ class Writer:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, latex=printed, study=self.study)
+            files = save_table(part, self.folder, name, journal=self.journal if printed else None, study=self.study)
             item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure, pdf=printed))
@@ -213,19 +224,32 @@ class Writer:
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
 
-def save_table(table: Table, folder: Path, name: str, *, latex: bool = True, study: str = "") -> list[str]:
-    """Write a table as CSV (full precision) and, on request, LaTeX; return the paths relative to ``folder``.
+def contents(title: str, files: Mapping[str, str]) -> str:
+    """Return, as Markdown, what each file of a report is: files of one name and several formats in one line."""
+    formats: dict[tuple[str, str], list[str]] = {}
+    for path, about in sorted(files.items()):
+        stem, _, ending = path.rpartition(".")
+        formats.setdefault((stem, about), []).append(ending)
+    rows = [f"| `{stem}` | {', '.join(endings)} | {about} |" for (stem, about), endings in formats.items()]
+    head = [f"# {title}", "", "Open `report.html` first.", "", "| file | formats | content |", "|-|-|-|"]
+    return "\n".join([*head, *rows, ""])
+
+
+def save_table(
+    table: Table, folder: Path, name: str, *, journal: Journal | None = JOURNALS["plain"], study: str = ""
+) -> list[str]:
+    """Write a table as CSV (full precision) and, for a journal, LaTeX; return the paths relative to ``folder``.
 
     The label of the LaTeX begins with the name of the study, as a paper may have the same table of several.
     """
     (folder / TABLES).mkdir(exist_ok=True)
-    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if latex else ("csv",))]
+    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if journal else ("csv",))]
     if table.data is None:
         save_csv(table.frame, folder / paths[0], index=table.has_index)
     else:
         save_csv(table.data, folder / paths[0], index=False)
-    if latex:
-        text = to_latex(table, f"{study}-{name}" if study else name)
+    if journal:
+        text = to_latex(table, f"{study}-{name}" if study else name, journal)
         (folder / paths[1]).write_text(text, encoding="utf-8", newline="\n")
     return paths
 

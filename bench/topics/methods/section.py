@@ -10,6 +10,9 @@ from bench.topics.methods.problem_words import problems_table
 from bench.topics.topic import Topic
 
 TITLE = "Methods"
+DOI = (
+    r'@preamble{"\providecommand{\doi}[1]{\texttt{\detokenize{doi:#1}}}"}'  # plainnat sets a DOI as text: no "_" in it
+)
 
 
 def section(findings: Findings) -> Section:
@@ -32,7 +35,7 @@ def texts(findings: Findings) -> list[File]:
     return [
         File("methods.md", "The methods as Markdown.", stated.markdown),
         File("methods.tex", "The methods as LaTeX.", stated.latex),
-        File("references.bib", "The works cited in the methods.", stated.bibtex),
+        File("references.bib", "The works cited in the methods.", f"{DOI}\n\n{stated.bibtex}"),
     ]
 
 

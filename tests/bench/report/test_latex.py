@@ -13,8 +13,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bench import run
-from bench.report.latex import ACCENTS, BLOCK, PAGE, SYMBOLS, escape, to_latex
+from bench import BenchError, run
+from bench.report.latex import ACCENTS, BLOCK, JOURNALS, SYMBOLS, escape, journal_of, to_latex
 from bench.report.parts import Table
 from bench.topics import write_report
 
@@ -25,15 +25,17 @@ HOSTILE = [
     "", " ", "x" * 500, "Łódź Çelik Ægir ŠKODA naïve ő ů ḥ ḇ ﬁ Ω R² 10⁻⁵ x₁ → ≠ ½ “q” ‘s’ … € °", "%\n\\end{table}",
 ]  # fmt: skip
 
+PAGE = JOURNALS["plain"].page
+
 needs_pdflatex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 
 
 PACKAGES = "\\usepackage{booktabs,array,longtable,graphicx}"
 
 
-def compiled(folder, body, preamble=PACKAGES, options="", engine="pdflatex"):
+def compiled(folder, body, preamble=PACKAGES, options="", engine="pdflatex", name="article"):
     """Return the log of a document that must compile, its lines unbroken."""
-    source = f"\\documentclass[{options}]{{article}}\n{preamble}\n\\begin{{document}}\n{body}\n\\end{{document}}\n"
+    source = f"\\documentclass[{options}]{{{name}}}\n{preamble}\n\\begin{{document}}\n{body}\n\\end{{document}}\n"
     (folder / "document.tex").write_text(source, encoding="utf-8")
     command = [engine, "-halt-on-error", "-interaction=nonstopmode", "-no-shell-escape", "document.tex"]
     done = subprocess.run(
@@ -144,6 +146,24 @@ class TestToLatex:
         assert text.count("Italics: an exact test") == 1
         assert "rotatebox" not in text
 
+    @pytest.mark.parametrize("journal", [name for name in JOURNALS if name != "plain"])
+    def test_a_journal_of_two_columns_has_parts_in_place_of_a_longtable(self, journal):
+        text = to_latex(comparison(150, 4), "t", JOURNALS[journal])
+        assert text.splitlines()[1] == f"% fits {JOURNALS[journal].document}"
+        assert packages_of(text)[0] == "booktabs"
+        assert "longtable" not in text
+        assert text.count("(continued)") >= 2
+        assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 150
+
+    def test_a_table_wider_than_a_column_spans_both_columns_of_a_journal(self):
+        table = comparison(10, 9)
+        assert r"\begin{table*}" in to_latex(table, "t", journal_of("ieee"))
+        assert r"\begin{table}" in to_latex(table, "t", journal_of("lncs"))
+
+    def test_a_journal_that_is_none_is_named(self):
+        with pytest.raises(BenchError, match=r"journal must be one of plain, ieee, acm, elsevier, lncs, not 'iee'"):
+            journal_of("iee")
+
     def test_a_long_note_takes_the_place_of_rows(self):
         table = comparison(60, 9)
         assert to_latex(table, "t").count(r"\begin{table*}") == 1
@@ -199,7 +219,7 @@ class TestToLatex:
     def test_packages_follow_the_shape(self):
         words = pd.DataFrame({"check": ["seeds"], "finding": ["A sentence of more than forty characters about seeds."]})
         assert packages_of(to_latex(comparison(), "t")) == ["booktabs", "graphicx"]
-        assert packages_of(to_latex(comparison(PAGE, 2), "t")) == ["booktabs"]
+        assert packages_of(to_latex(comparison(PAGE - 1, 2), "t")) == ["booktabs"]  # its note takes a line
         assert packages_of(to_latex(comparison(PAGE + 1, 2), "t")) == ["booktabs", "longtable"]
         assert packages_of(to_latex(Table("t", "c", words), "t")) == ["booktabs", "array", "graphicx"]
 
@@ -278,6 +298,30 @@ class TestCompiled:
         log = compiled(tmp_path, "\n".join(tables), r"\usepackage{booktabs,graphicx}", options)
         assert max(overfull(log), default=0) < 2
         assert "Float too large" not in log
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("journal", JOURNALS)
+    def test_tables_of_every_shape_fit_the_class_of_a_journal(self, journal, tmp_path):
+        options, name = re.search(r"(?:\[(.*)\])?\{(\w+)\}", JOURNALS[journal].document).groups()
+        if subprocess.run(["kpsewhich", f"{name}.cls"], capture_output=True, check=False).returncode:
+            pytest.skip(f"the class {name} is not installed (Debian: texlive-publishers)")
+        sentence = "A sentence of more than forty characters about seeds and of what follows from them."
+        words = Table("t", "c", pd.DataFrame({"check": range(70), "finding": [sentence] * 70}))
+        shapes = [comparison(*shape) for shape in ((18, 5), (45, 5), (58, 4), (80, 3), (120, 9), (90, 20), (12, 16))]
+        tall = [
+            replace(comparison(60, 9), note="A word of it. " * 150),
+            replace(shapes[1], caption="Many words. " * 40),
+        ]
+        tables = [*shapes, *tall, checkpoints(40), words]
+        body = "\n\\clearpage\n".join(
+            to_latex(table, f"t{number}", JOURNALS[journal]) for number, table in enumerate(tables)
+        )
+        log = compiled(
+            tmp_path, f"\\title{{T}}\\author{{A}}\\maketitle Text.\n{body}", options=options or "", name=name
+        )
+        assert "Float too large" not in log
+        assert max(overfull(log), default=0) < 4
+        assert JOURNALS[journal].breaks or "longtable" not in body
 
     @pytest.mark.skipif(shutil.which("lualatex") is None, reason="lualatex is not installed")
     def test_lualatex_takes_them_too(self, tmp_path):

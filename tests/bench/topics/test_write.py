@@ -63,7 +63,9 @@ def test_the_twelve_parts_stand_in_their_order(usual):
 
 
 def test_the_page_stands_alone(usual):
-    usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce."))
+    usual.check_that_it_stands_alone(
+        ("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce.", "CONTENTS.md")
+    )
     assert usual.tags.count("svg") == usual.tags.count("figure") == 12
     assert usual.tags.count("caption") == usual.tags.count("table")
     assert set(usual.values("scope")) == {"col", "row"}
@@ -147,7 +149,9 @@ def test_a_plugins_figure_has_no_id_of_a_section(make, read, tmp_path, monkeypat
     items = (Figure("part", "A figure.", plot, frame), Table("part", "A table.", frame))
     patch_plugins(monkeypatch, mine=lambda findings: [Section("Mine", items=items)])
     page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    page.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce."))
+    page.check_that_it_stands_alone(
+        ("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce.", "CONTENTS.md")
+    )
     assert {"part-2", "part-3"} <= set(page.values("id"))
 
 

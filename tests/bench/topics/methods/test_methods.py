@@ -23,6 +23,7 @@ from bench.study.rope import Rope
 from bench.study.targets import KINDS, Targets
 from bench.study.tuned import Tuned, Tuning
 from bench.topics.findings.replication import Replication
+from bench.topics.methods import section
 from bench.topics.methods.methods import (
     LATEX,
     MARKDOWN,
@@ -306,3 +307,19 @@ def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
     log = run(tmp_path, *latex)
     assert "undefined" not in log
     assert "Missing character" not in log
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("bibtex") is None, reason="bibtex is not installed")
+def test_a_doi_with_an_underscore_compiles_with_plainnat(tmp_path):
+    entry = "@article{a,\n  author = {A. B.},\n  title = {T},\n  year = 2000,\n  doi = {10.1/x_y_1}\n}\n"
+    (tmp_path / "references.bib").write_text(f"{section.DOI}\n\n{entry}", encoding="utf-8")
+    assert [work.key for work in parse((tmp_path / "references.bib").read_text(encoding="utf-8"))] == ["a"]
+    body = r"\cite{a}\bibliographystyle{plainnat}\bibliography{references}"
+    source = rf"\documentclass{{article}}\usepackage{{natbib}}\begin{{document}}{body}\end{{document}}"
+    (tmp_path / "d.tex").write_text(source, encoding="utf-8")
+    for command in (["pdflatex", "-interaction=nonstopmode", "d.tex"], ["bibtex", "d"]):
+        assert subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).returncode == 0
+    done = subprocess.run(["pdflatex", "-halt-on-error", "d.tex"], cwd=tmp_path, capture_output=True, check=False)
+    assert done.returncode == 0
+    assert "x_y_1" in (tmp_path / "d.bbl").read_text(encoding="utf-8")
