@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 from threading import Lock
 from time import perf_counter
 from typing import Any
@@ -30,6 +30,38 @@ class BudgetExhausted(BaseException):
 
     It is no subclass of Exception, so that an optimizer's own ``except Exception`` does not catch it.
     """
+
+
+LOGGED = 200
+"""Values that a trial keeps of each name that an optimizer logs, at most; and names, a tenth of that."""
+
+Logs = dict[str, list[tuple[int, float | None]]]
+"""What an optimizer has logged: by name, evaluations (increasing) and values, None for one that is not finite."""
+
+
+class Log:
+    """Numbers that an optimizer keeps of its search, thinned evenly: after 200 of a name, every second one goes."""
+
+    def __init__(self) -> None:
+        self.values: Logs = {}
+        self._steps: dict[str, tuple[int, int]] = {}  # by name: every how many-th is kept, and how many came
+
+    def add(self, evaluations: int, name: str, value: Any) -> None:
+        """Keep a value, unless it is thinned out; raises ValueError for a name too many, TypeError for no number."""
+        if name not in self.values:
+            if len(self.values) >= LOGGED // 10:
+                raise ValueError(f"an optimizer may log {LOGGED // 10} names, and {name!r} is one more")
+            self.values[name], self._steps[name] = [], (1, 0)
+        number, kept = float(value), self.values[name]
+        step, came = self._steps[name]
+        if came % step == 0:
+            if kept and kept[-1][0] == evaluations:
+                kept.pop()
+            kept.append((evaluations, number if isfinite(number) else None))
+        if len(kept) == LOGGED:
+            del kept[1::2]
+            step *= 2
+        self._steps[name] = step, came + 1
 
 
 @dataclass(frozen=True)
@@ -106,7 +138,7 @@ class Objective:
         self.upper: Floats = problem.upper.copy()
         self.integer = integer_flags(problem)
         self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
-        self.calls = self.outside_box = self.failures = 0
+        self.calls = self.largest_call = self.outside_box = self.failures = 0
         self.objective_s = 0.0  # spent inside the problem's evaluate
         self.fun = np.inf  # the lowest value so far
         self.best_point: Floats | None = None
@@ -120,6 +152,7 @@ class Objective:
         self._improved_to: list[float] = []
         self._refusals = 0
         self._on_refusal = on_refusal
+        self._log = Log()
         self._seconds, self._until = seconds, inf
         self._scan = scanner(budget, self.dimension)
         self._box = np.array([self.lower, self.upper], dtype=np.float64)
@@ -164,6 +197,24 @@ class Objective:
         if self.integer.any():
             points = np.where(self.integer, np.floor(self.lower + (self.upper - self.lower + 1) * shares), points)
         return self.repair(points)
+
+    def log(self, **values: float) -> None:
+        """Keep numbers of the search, such as ``objective.log(step=0.3)``, beside the evaluations made so far.
+
+        They cost no evaluation, are stored with the trial, and reports draw them beside the convergence. Of each of at
+        most 20 names, 200 values are kept, evenly thinned.
+
+        Raises:
+            ValueError: for a name too many.
+            TypeError: for what is no number.
+        """
+        for name, value in values.items():
+            self._log.add(self._nfev, name, value)
+
+    @property
+    def logged(self) -> Logs:
+        """What was logged so far."""
+        return self._log.values
 
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``.
@@ -240,6 +291,7 @@ class Objective:
             self.best_point = rows[0].copy()
         self._nfev += n
         self.calls += 1
+        self.largest_call = max(self.largest_call, n)
         return values
 
     def _values(self, x: Floats) -> ArrayLike:

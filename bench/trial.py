@@ -1,6 +1,7 @@
 """One trial: run an optimizer on a problem, within a budget and from a seed, and return its result."""
 
 import inspect
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan
@@ -13,7 +14,7 @@ from bench import scoring
 from bench.columns import MEASURED, RESERVED, Measured, Row, packed
 from bench.errors import ProblemError
 from bench.helpers.text import html_table, listed
-from bench.objective import BudgetExhausted, Objective, Trace
+from bench.objective import BudgetExhausted, Logs, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.seeds import streams
@@ -62,6 +63,7 @@ class Result(Measured):
         x: (d,) the best point.
         trace: the best-so-far value over evaluations.
         metrics: the problem's domain metrics of ``x``.
+        log: what the optimizer logged, by name (:meth:`bench.objective.Objective.log`).
         seed: the seed that repeats the trial.
     """
 
@@ -69,6 +71,7 @@ class Result(Measured):
     trace: Trace
     metrics: dict[str, float]
     seed: int
+    log: Logs = field(default_factory=dict)
 
     @property
     def time(self) -> float:
@@ -160,7 +163,8 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, returned: o
     stop = "budget" if objective.remaining == 0 else objective.stop_reason
     clocked: Row = {"wall_s": wall, "cpu_s": cpu, "stop": "undeclared" if stop is None else stop}
     counted = {column.name: getattr(objective, column.name) for column in MEASURED if column.name not in clocked}
-    return Result(**clocked, **counted, x=objective.best_point, trace=objective.trace, metrics={}, seed=seed)
+    best, trace, log = objective.best_point, objective.trace, objective.logged
+    return Result(**clocked, **counted, x=best, trace=trace, metrics={}, seed=seed, log=log)
 
 
 def doubt(result: Result, problem: Problem) -> str:
@@ -207,7 +211,7 @@ def doubt(result: Result, problem: Problem) -> str:
 
 def as_row(result: Result, variables: tuple[str, ...]) -> Row:
     """Return the row of a finished trial from its result; see :func:`finished`."""
-    return finished(measured(result), variables, result.x, numbers(result.metrics), result.trace)
+    return finished(measured(result), variables, result.x, numbers(result.metrics), result.trace, result.log)
 
 
 def measured(result: Result) -> Row:
@@ -216,7 +220,12 @@ def measured(result: Result) -> Row:
 
 
 def finished(
-    measured: Mapping[str, Any], variables: tuple[str, ...], x: Floats, metrics: Mapping[str, float], trace: Trace
+    measured: Mapping[str, Any],
+    variables: tuple[str, ...],
+    x: Floats,
+    metrics: Mapping[str, float],
+    trace: Trace,
+    log: Logs | None = None,
 ) -> Row:
     """Return the row of a finished trial as the store keeps it.
 
@@ -229,7 +238,8 @@ def finished(
     if reserved := sorted(name for name in metrics if name in RESERVED or name.startswith("x_")):
         raise ValueError(f"the problem's describe() uses a name of the tidy frame: {reserved[0]!r}")
     point = dict(zip(variables, x.tolist(), strict=True))
-    return packed({"status": "ok", **measured, "x": point, "metrics": metrics, "trace": trace})
+    logged = {"log": json.dumps(log).encode()} if log else {}
+    return packed({"status": "ok", **measured, **logged, "x": point, "metrics": metrics, "trace": trace})
 
 
 def numbers(metrics: Mapping[Any, Any]) -> dict[str, float]:

@@ -51,6 +51,8 @@ class Program(Optimizer):
                         case {"initial": int(n), **rest} if not rest and n > objective.budget:
                             most = f"at most {objective.budget:,}, the budget"
                             raise talk.error(f"asked for {n:,} initial points, which exceeds the budget", most)
+                        case {"log": {**values}, **rest} if not rest:
+                            _keep(values, objective, talk)
                         case {"stop": str(reason), **rest} if not rest:
                             return objective.stop(reason)
                         case _:
@@ -58,6 +60,14 @@ class Program(Optimizer):
             except BudgetExhausted:
                 talk.say(stop="budget")
                 raise
+
+
+def _keep(values: dict[str, Any], objective: Objective, talk: Talk) -> None:
+    """Log what a program says of its search; raises BenchError for what is no number."""
+    try:
+        objective.log(**values)
+    except (TypeError, ValueError) as error:
+        raise talk.error(f"logged {short(values)} ({error})", "at most 20 names of numbers") from None
 
 
 def _points(value: Any, dimension: int, talk: Talk) -> Floats:

@@ -47,7 +47,7 @@ def main() -> None:
             spent = int(reached[0]) if len(reached) else free.nfev
             row = {"problem": "sphere", "optimizer": name, "trial": 0}
             hits = pd.DataFrame([row | {"tau": 1.0, "target": TARGET, "evaluations": float(spent), "spent": free.nfev}])
-            about = {key: getattr(free, key) for key in ("nfev", "calls", "wall_s", "objective_s")}
+            about = {key: getattr(free, key) for key in ("nfev", "calls", "largest_call", "wall_s", "objective_s")}
             frame = pd.DataFrame([row | about | {"status": "ok"}])
             predicted = analysis.parallel_times(hits, frame, WORKERS, [pause]).set_index("workers")["time"]
             cells = []

@@ -1,7 +1,8 @@
 """Expected seconds to a target with several workers: the points of a call of the objective are evaluated at a time.
 
 A call with n points takes ceil(n / p) turns of p workers, each as long as an evaluation. The points of a trial's calls
-are taken as equally many, its evaluations over its calls: the target at evaluation e is reached in the last turn of the
+are taken as equally many: as those of its largest call, where the last call alone may be smaller, as it is where the
+budget ends, and else as its evaluations over its calls. The target at evaluation e is reached in the last turn of the
 call that holds it, after all calls before it. The optimizer's own time, which no worker shortens, is added in
 proportion to the evaluations. So the time to a target is turns times the seconds of an evaluation plus the own time,
 and its expectation over restarts that of :func:`bench.analysis.expected_running_time`.
@@ -34,8 +35,8 @@ def parallel_times(
 
     Args:
         hits: of :func:`bench.analysis.hitting_times`.
-        frame: the trials, with ``nfev``, ``calls``, ``wall_s`` and ``objective_s``. A failed trial counts with the
-            median batch and own time of its cell.
+        frame: the trials, with ``nfev``, ``calls``, ``largest_call``, ``wall_s`` and ``objective_s``. A failed trial
+            counts with the median batch and own time of its cell.
         workers: numbers of points that are evaluated at a time.
         seconds: of an evaluation.
     """
@@ -90,9 +91,9 @@ def _turns(paid: Floats, batch: Floats, workers: int) -> Floats:
 
 def _of_trials(hits: pd.DataFrame, frame: pd.DataFrame) -> tuple[Floats, Floats]:
     """Return (hits,) the points of a call, and the optimizer's own seconds for an evaluation, of each hit's trial."""
-    names = ("nfev", "calls", "wall_s", "objective_s")
+    names = ("nfev", "calls", "largest_call", "wall_s", "objective_s")
     empty = pd.Series(np.nan, frame.index)
-    nfev, calls, wall, objective = (
+    nfev, calls, largest, wall, objective = (
         pd.to_numeric(frame.get(name, empty), errors="coerce").astype(float).where(frame["status"] == "ok")
         for name in names
     )
@@ -101,7 +102,8 @@ def _of_trials(hits: pd.DataFrame, frame: pd.DataFrame) -> tuple[Floats, Floats]
     wanted = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
     places = index.get_indexer(wanted)
     found: list[Floats] = []
-    for values in (nfev / calls, ((wall - objective) / nfev).clip(lower=0)):
+    alike = (nfev > (calls - 1) * largest) & (nfev <= calls * largest)
+    for values in ((nfev / calls).mask(alike, largest), ((wall - objective) / nfev).clip(lower=0)):
         filled = values.fillna(values.groupby(keys).transform("median"))
         found.append(np.asarray(filled.to_numpy()[places] if len(hits) else [], dtype=np.float64))
     batch, own = found

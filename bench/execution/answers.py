@@ -6,14 +6,15 @@ import base64
 import binascii
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
+from itertools import pairwise
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
 
 from bench.columns import MEASURED, Column, Row
 from bench.helpers.text import printable
-from bench.objective import IMPROVEMENT, Trace
+from bench.objective import IMPROVEMENT, LOGGED, Logs, Trace
 from bench.trial import finished
 from bench.typing import Flags, Floats
 
@@ -94,7 +95,8 @@ def row(answer: Mapping[str, Any], box: Box, budget: int) -> Row:
         raise RefusedError("its best point has an integer variable that is no whole number")
     if (nfev == budget) != (stop == "budget"):  # a word that only the harness uses, and only at the end of the budget
         raise RefusedError(f"it stopped by {printable(stop, 50)!r} after {nfev} of {budget} evaluations")
-    return finished(measured | {"stop": printable(stop, 201)}, box.variables, x, _metrics(answer), trace)
+    measured["stop"] = printable(stop, 201)
+    return finished(measured, box.variables, x, _metrics(answer), trace, _log(answer, nfev))
 
 
 def _value(answer: Mapping[str, Any], column: Column) -> Any:
@@ -116,6 +118,28 @@ def _metrics(answer: Mapping[str, Any]) -> dict[str, float]:
     if not isinstance(described, dict) or not all(type(value) is float for value in described.values()):
         raise RefusedError("the metrics of its best point are no numbers")
     return described
+
+
+def _log(answer: Mapping[str, Any], nfev: int) -> Logs:
+    """Return what an optimizer logged; refuse what :class:`bench.objective.Log` does not keep."""
+    log = answer.get("log")
+    if not isinstance(log, dict) or len(log) > LOGGED // 10:
+        raise RefusedError("its log cannot be read")
+    kept: Logs = {}
+    for name, pairs in log.items():
+        if not isinstance(pairs, list) or len(pairs) > LOGGED or not all(_is_logged(pair, nfev) for pair in pairs):
+            raise RefusedError("its log cannot be read")
+        kept[printable(name, 100)] = [(evaluations, value) for evaluations, value in pairs]
+        if any(one[0] >= other[0] for one, other in pairwise(pairs)):
+            raise RefusedError("the evaluations of its log do not increase")
+    return kept
+
+
+def _is_logged(pair: Any, nfev: int) -> bool:
+    return (
+        isinstance(pair, list) and len(pair) == 2 and type(pair[0]) is int and 0 <= pair[0] <= nfev
+        and (pair[1] is None or (type(pair[1]) is float and isfinite(pair[1])))
+    )  # fmt: skip
 
 
 def _check_trace(trace: Trace, fun: float, nfev: int) -> None:

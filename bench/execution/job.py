@@ -190,7 +190,7 @@ class Job:
             if lost:  # its problem denies that it has failed
                 return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
             if isinstance(kept, dict):
-                kept["cpu_s"] = answer.get("cpu_s")
+                kept |= {key: answer.get(key) for key in ("cpu_s", "log")}
                 if kept.get("stop") not in ("budget", OUT_OF_TIME):
                     declared = answer.get("stop")
                     kept["stop"] = "undeclared" if declared == OUT_OF_TIME else declared

@@ -226,7 +226,8 @@ def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
 def as_answer(result: Result) -> dict[str, Any]:
     """Return a result as JSON values, without its metrics: the columns of its row, bytes in base 64."""
     packed = {"x": result.x.astype("<f8").tobytes(), "trace": result.trace.packed()}
-    return measured(result) | {name: base64.b64encode(content).decode() for name, content in packed.items()}
+    texts = {name: base64.b64encode(content).decode() for name, content in packed.items()}
+    return measured(result) | texts | {"log": result.log}
 
 
 def _sphere(x: Floats) -> Floats:

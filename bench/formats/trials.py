@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,7 @@ class ExportedTrial:
     nfev: int
     x: Floats  # (d,) the best point, (0,) where it is unknown
     trace: Trace
+    log: Mapping[str, Trace] = field(default_factory=dict)  # what the optimizer logged, by name
 
     @property
     def evaluations(self) -> NDArray[np.int64]:
@@ -73,6 +74,10 @@ def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, 
     finished = results.frame[results.frame["status"] == "ok"]
     if finished.empty:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
+    logs: dict[Any, dict[str, Trace]] = {}
+    for (*key, name), rows in results.logs.dropna().groupby(["problem", "optimizer", "trial", "name"], sort=False):
+        logged = Trace(rows["evaluations"].to_numpy(np.int64), rows["value"].to_numpy(np.float64))
+        logs.setdefault(tuple(key), {})[str(name)] = logged
     several = len({place.folder for place in places.values()}) > 1
     functions: dict[tuple[str, str, int], list[ExportedTrial]] = {}
     for problem, rows in finished.groupby("problem", sort=False):
@@ -82,7 +87,8 @@ def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, 
         for optimizer, number, seed, nfev, x in zip(*columns, points, strict=True):
             trace = results.traces[str(problem), optimizer, number]
             seed = None if pd.isna(seed) else int(seed)
-            trial = ExportedTrial(str(problem), optimizer, dimension, number, seed, int(nfev), x, trace)
+            log = logs.get((str(problem), optimizer, number), {})
+            trial = ExportedTrial(str(problem), optimizer, dimension, number, seed, int(nfev), x, trace, log)
             functions.setdefault((f"{place.folder}/" * several, optimizer, place.function), []).append(trial)
     return [
         (folder, sorted(trials, key=lambda trial: (trial.dimension, places[trial.problem].instance)))

@@ -306,6 +306,21 @@ class Results:
             }
         )
 
+    @cached_property
+    def logs(self) -> pd.DataFrame:
+        """What optimizers logged (:meth:`bench.Objective.log`): problem, optimizer, trial, name, evaluations, value."""
+        shared, optimizers = self._labels[0], set(self.planned)
+        rows = [
+            (problem, optimizer, trial, name, *pair)
+            for source in self._read_sources
+            for problem, optimizer, trial, log in source.folder.store.logs(source.cells)
+            if problem in shared and optimizer in optimizers
+            for name, pairs in log.items()
+            for pair in pairs
+        ]
+        names = ["problem", "optimizer", "trial", "name", "evaluations", "value"]
+        return pd.DataFrame(rows, columns=names).astype({"value": float})
+
     def _stored_dimension(self, label: str) -> int | None:
         finished = "problem = ? AND status = 'ok'"
         stored = (source.folder.store.rows(finished, (label,), ("x",)) for source in self._sources)

@@ -10,9 +10,10 @@ import hashlib
 import json
 import os
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -183,7 +184,7 @@ PRAGMA user_version = 3
 def _from_3(older: Older, put: Put) -> None:
     """Fill the tables of layout 4; a row that does not fit its digest gets none, and stays damaged."""
     older.move(put, "committed", "environments", "names")
-    labels, names = older.texts("cells"), older.texts("names")
+    labels = older.texts("cells")
     cells, selected, study = _cells_3(
         older, {number: (decoded(one), decoded(two)) for number, (one, two) in labels.items()}
     )
@@ -202,17 +203,39 @@ def _from_3(older: Older, put: Put) -> None:
         put("selected", "cell, problem, optimizer", [(number, *labels) for number, labels in selected.items()])
         put("study", "identity, looks, digest", [(*about, selection_digest(*about, selected))])
 
+    bound = {cell: partial(binding, *texts) for cell, texts in labels.items()}
+    _move_results(older, put, (_VALUES_3, _VALUES_4), bound, cells)
+
+
+def _move_results(
+    older: Older,
+    put: Put,
+    values: tuple[Sequence[str], Sequence[str]],
+    bound: Mapping[Any, Callable[..., bytes]],
+    cells: Mapping[Any, Cell],
+) -> None:
+    """Fill the results of the next layout; a row that does not fit its digest gets none.
+
+    Args:
+        older: the tables of the older layout.
+        put: adds rows.
+        values: the columns of the older layout and of the next one.
+        bound: what the digests of the rows of each cell begin with in the older layout, as a function of two names.
+        cells: those of the next layout, by number.
+    """
+    names, (before, after) = older.texts("names"), values
+
     def rows() -> Iterator[tuple[Any, ...]]:
-        for noted, cell, number, trial, *values in older.results(f"digest, cell, names, trial, {', '.join(_VALUES_3)}"):
-            known = cell in labels and (number is None or number in names)
-            bound = binding(*labels[cell], *names.get(number, (None, None))) if known else b""
-            row = dict(zip(_VALUES_3, values, strict=True))
-            moved = [row.get(name) for name in VALUES]
-            sound = known and digest(bound, (trial, *values)) == noted
-            now = binding_of(cells[cell], names.get(number, (None, None))) if sound else b""
+        for noted, cell, number, trial, *old in older.results(f"digest, cell, names, trial, {', '.join(before)}"):
+            named = names.get(number, (None, None))
+            row = dict(zip(before, old, strict=True))
+            moved = [row.get(name) for name in after]
+            known = cell in bound and (number is None or number in names)
+            sound = known and digest(bound[cell](*named), (trial, *old)) == noted
+            now = binding_of(cells[cell], named) if sound else b""
             yield cell, trial, digest(now, (trial, *moved)) if sound else None, number, *moved
 
-    put("results", f"cell, trial, digest, names, {', '.join(VALUES)}", rows())
+    put("results", f"cell, trial, digest, names, {', '.join(after)}", rows())
 
 
 def _cells_3(older: Older, labels: dict[int, Labels]) -> tuple[dict[int, Cell], dict[int, Labels], Study | None]:
@@ -280,5 +303,60 @@ def _noted_3(older: Older) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
     return notes
 
 
-STEPS = {3: Step(_SCHEMA_3, _from_3)}
+# from layout 4, in which trials had no largest call, no failures and no log
+
+_VALUES_4 = (
+    "environment", "seed", "status", "fun", "nfev", "calls", "wall_s", "cpu_s", "objective_s", "stop", "outside_box",
+    "error", "x", "metrics", "trace",
+)  # fmt: skip
+
+_SCHEMA_4 = """
+CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
+CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
+CREATE TABLE problems (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
+CREATE TABLE optimizers (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
+CREATE TABLE cells (
+    id INTEGER PRIMARY KEY, problem INTEGER NOT NULL REFERENCES problems,
+    optimizer INTEGER NOT NULL REFERENCES optimizers, evaluations INTEGER NOT NULL, seed INTEGER NOT NULL,
+    UNIQUE (problem, optimizer, evaluations, seed)
+);
+CREATE TABLE study (identity TEXT NOT NULL, looks TEXT NOT NULL, digest BLOB NOT NULL);
+CREATE TABLE selected (
+    cell INTEGER PRIMARY KEY REFERENCES cells, problem TEXT NOT NULL, optimizer TEXT NOT NULL,
+    UNIQUE (problem, optimizer)
+);
+CREATE TABLE names (
+    id INTEGER PRIMARY KEY, variables TEXT NOT NULL, metric_names TEXT NOT NULL, UNIQUE (variables, metric_names)
+);
+CREATE TABLE results (
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, digest BLOB, names INTEGER REFERENCES names,
+    environment INTEGER REFERENCES environments, seed INTEGER, status TEXT NOT NULL, fun REAL, nfev INTEGER, \
+calls INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL, stop TEXT, outside_box INTEGER, error TEXT, x BLOB, \
+metrics BLOB, trace BLOB, PRIMARY KEY (cell, trial)
+) WITHOUT ROWID;
+CREATE VIEW trials AS
+    SELECT problem, optimizer, trial, variables, metric_names, environment, seed, status, fun, nfev, calls, wall_s, \
+cpu_s, objective_s, stop, outside_box, error, x, metrics, trace
+    FROM results JOIN selected ON selected.cell = results.cell LEFT JOIN names ON names.id = results.names;
+PRAGMA user_version = 4
+"""
+
+
+def _from_4(older: Older, put: Put) -> None:
+    """Fill the tables of layout 5."""
+    older.move(put, "committed", "environments", "names", "problems", "optimizers", "cells", "study", "selected")
+    records = [
+        {number: decoded(text) for number, (text,) in older.texts(table).items()}
+        for table in ("problems", "optimizers")
+    ]
+    cells = {
+        number: Cell(records[0][problem], records[1][optimizer], *conditions)
+        for number, (problem, optimizer, *conditions) in older.texts("cells").items()
+        if problem in records[0] and optimizer in records[1]
+    }
+    bound = {number: lambda *names, of=cell: binding_of(of, names) for number, cell in cells.items()}
+    _move_results(older, put, (_VALUES_4, VALUES), bound, cells)
+
+
+STEPS = {3: Step(_SCHEMA_3, _from_3), 4: Step(_SCHEMA_4, _from_4)}
 """The steps, by the layout that they read."""

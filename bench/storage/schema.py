@@ -13,7 +13,7 @@ from bench.columns import STORED, Column
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, NAMES, VALUES
 
-VERSION = 4
+VERSION = 5
 
 ONE = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
 """The SQL condition of one trial."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import sqlite3
@@ -14,6 +15,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.helpers.text import printable
+from bench.objective import Logs
 from bench.storage import committed, migrations
 from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
@@ -107,6 +109,12 @@ class Store:
                 return Traces.read(reader.sound(shown=shown))
         except ValueError as error:
             raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
+
+    def logs(self, shown: Mapping[int, Labels] | None = None) -> Iterator[tuple[str, str, int, Logs]]:
+        """Yield problem, optimizer and number of the sound trials with a log, and the log; ``shown`` as for traces."""
+        with self.reader() as reader:
+            for row in reader.sound("log IS NOT NULL", shown=shown):
+                yield row["problem"], row["optimizer"], row["trial"], json.loads(row["log"])
 
     def environments(self) -> dict[int, dict[str, Any]]:
         """Return the environments that rows refer to by number, oldest first; a damaged record is empty."""

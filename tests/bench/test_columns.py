@@ -26,7 +26,7 @@ def test_a_result_has_every_measured_column_with_its_type():
     found = search(problem, load_optimizer("random-search"), 10, 1)
     for column in MEASURED:
         assert type(getattr(found, column.name)) is column.kind
-    assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {"environment", "seed", "error"}
+    assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {"environment", "seed", "error", "log"}
 
 
 def test_the_store_has_the_stored_columns_with_their_types():

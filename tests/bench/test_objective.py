@@ -5,6 +5,7 @@ import sys
 import threading
 from contextlib import contextmanager
 from functools import partial
+from itertools import pairwise
 from random import Random
 
 import numpy as np
@@ -383,3 +384,38 @@ def test_no_optimizer_declares_the_limit_of_time():
     f = objective()
     f.stop("time")
     assert f.stop_reason == "time (declared)"
+
+
+def test_what_an_optimizer_logs_is_kept_by_evaluations_and_costs_none():
+    f = objective()
+    f.log(step=1)
+    f(np.zeros((4, 3)))
+    f.log(step=0.5, spread=float("nan"))
+    assert f.logged == {"step": [(0, 1.0), (4, 0.5)], "spread": [(4, None)]}
+    assert f.nfev == 4
+
+
+def test_a_log_is_thinned_evenly_and_keeps_the_first_value():
+    f = objective(budget=1000)
+    for step in range(1000):
+        f(np.zeros(3))
+        f.log(step=step)
+    kept = f.logged["step"]
+    assert kept[0] == (1, 0.0)
+    assert {other[0] - one[0] for one, other in pairwise(kept)} == {8}
+    assert 100 <= len(kept) < 200
+
+
+def test_of_one_evaluation_the_last_value_is_kept():
+    f = objective()
+    f.log(step=1.0)
+    f.log(step=2.0)
+    assert f.logged == {"step": [(0, 2.0)]}
+
+
+def test_too_many_names_and_no_numbers_are_refused():
+    f = objective()
+    with pytest.raises(ValueError, match="an optimizer may log 20 names, and 'x20' is one more"):
+        f.log(**{f"x{number}": 1.0 for number in range(21)})
+    with pytest.raises(TypeError):
+        f.log(x0=[1.0])

@@ -110,6 +110,14 @@ class TestProtocol:
         result = solve(sphere, program(text), budget=5)
         assert result.nfev == 3
 
+    def test_what_it_logs_is_kept_without_an_answer(self, program, sphere):
+        text = """
+print(json.dumps({"log": {"step": 0.5}}), flush=True)
+ask(x=[first['lower']] * 2)
+print(json.dumps({"log": {"step": 0.25}}), flush=True)
+print(json.dumps({"stop": "done"}), flush=True)"""
+        assert solve(sphere, program(text), budget=5).log == {"step": [(0, 0.5), (2, 0.25)]}
+
     def test_the_last_line_says_that_the_budget_has_ended(self, program, sphere, tmp_path):
         note = tmp_path / "note"
         text = f"""
@@ -129,6 +137,7 @@ open({str(note)!r}, 'w').write(json.dumps(said))"""
         ("ask(x=[[1, 2]])", r"sent the points \[\[1, 2\]\]; wanted is a list of points, each of 3 numbers"),
         ("ask(x=[])", r"sent the points \[\]"),
         ("ask(x='all')", "sent the points all"),
+        ("ask(log={'step': [1]})", "logged .*; wanted is at most 20 names of numbers"),
         ("ask(initial=0)", 'wrote {"initial": 0}'),
         ("ask(initial=30)", "asked for 30 initial points, which exceeds the budget; wanted is at most 5, the budget"),
         ("ask(initial=1e300)", 'wrote {"initial": 1e'),

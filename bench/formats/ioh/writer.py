@@ -1,7 +1,8 @@
 """The format of IOHprofiler, for IOHanalyzer and iohinspector.
 
 Each optimizer has a folder with a JSON file about the runs on each function and, for each dimension, a ``.dat`` file of
-their best-so-far values. A run is logged at its first evaluation, at every improvement and at its last evaluation.
+their best-so-far values. A run is logged at its first evaluation, at every improvement and at its last evaluation; what
+the optimizer logged itself stands in further columns.
 
 Problems of a suite keep its function and instance. Their values are logged less f_opt, as IOHexperimenter logs those of
 BBOB, so that instances can be put together; f_opt is an attribute of each run. bbob has IOHexperimenter's names of
@@ -18,6 +19,8 @@ import math
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from bench.errors import BenchError
 from bench.formats.trials import (
@@ -120,6 +123,7 @@ def _function_files(
     scenarios: dict[int, list[tuple[Place, ExportedTrial]]] = {}
     for trial in trials:
         scenarios.setdefault(trial.dimension, []).append((places[trial.problem], trial))
+    names = list(dict.fromkeys(name for trial in trials for name in trial.log))
     logs = {dimension: f"data_{name}/IOHprofiler_f{place.function}_DIM{dimension}.dat" for dimension in scenarios}
     head = {
         "version": VERSION,
@@ -130,7 +134,7 @@ def _function_files(
         "algorithm": {"name": trials[0].optimizer, "info": ""},
         "experiment_attributes": attributes,
         "run_attributes": ["trial", "seed", *([] if place.optimum is None else [F_OPT])],
-        "attributes": COLUMNS,
+        "attributes": [*COLUMNS, *names],
         "scenarios": [
             {"dimension": dimension, "path": logs[dimension], "runs": [_run(*run) for run in runs]}
             for dimension, runs in scenarios.items()
@@ -138,7 +142,7 @@ def _function_files(
     }
     yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
     for dimension, runs in scenarios.items():
-        yield logs[dimension], "".join(_log(*run) for run in runs)
+        yield logs[dimension], "".join(_log(*run, names) for run in runs)
 
 
 def _run(place: Place, trial: ExportedTrial) -> dict[str, Any]:
@@ -162,10 +166,18 @@ def _above(place: Place, trial: ExportedTrial) -> Trace:
     return Trace(trial.trace.evaluations, trial.trace.values - (place.optimum or 0.0))
 
 
-def _log(place: Place, trial: ExportedTrial) -> str:
-    """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit."""
-    rows = zip(trial.evaluations.tolist(), _above(place, trial).at(trial.evaluations).tolist(), strict=True)
-    return "".join([f"{' '.join(COLUMNS)}\n", *(f"{evaluation} {value!r}\n" for evaluation, value in rows)])
+def _log(place: Place, trial: ExportedTrial, names: list[str]) -> str:
+    """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit.
+
+    What the optimizer logged under ``names`` stands behind the values: the last one so far, nan before the first.
+    """
+    at = trial.evaluations
+    columns = [at.tolist(), _above(place, trial).at(at).tolist()]
+    for name in names:
+        logged = trial.log[name].at(at) if name in trial.log else np.full(len(at), np.nan)
+        columns.append(np.where(np.isfinite(logged), logged, np.nan).tolist())
+    rows = (" ".join(map(repr, row)) for row in zip(*columns, strict=True))
+    return "".join([f"{' '.join([*COLUMNS, *names])}\n", *(f"{row}\n" for row in rows)])
 
 
 def _experiment_attributes(environments: list[dict[str, Any]]) -> list[dict[str, str]]:

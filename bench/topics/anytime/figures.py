@@ -34,7 +34,7 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Iterable[str], suffix: 
         f"Median best-so-far objective value over evaluations{_banded(optimizers)} (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."
     )
-    return _over_evaluations(f"convergence{suffix}", caption, convergence, curves, optimizers)
+    return over_evaluations(f"convergence{suffix}", caption, convergence, curves, optimizers)
 
 
 def regret_figure(
@@ -55,16 +55,17 @@ def regret_figure(
         f"evaluations{_banded(optimizers)} (log axes). A curve ends where its median reaches the optimum, to {near}"
         f"{where}."
     )
-    return _over_evaluations(f"regret-curves{suffix}", caption, regret, curves, optimizers)
+    return over_evaluations(f"regret-curves{suffix}", caption, regret, curves, optimizers)
 
 
 def _banded(optimizers: Iterable[str]) -> str:
     return ", with the quartiles as a band" if len(list(optimizers)) <= MOST_BANDS else ""
 
 
-def _over_evaluations(
+def over_evaluations(
     name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Iterable[str]
 ) -> Figure:
+    """Return a figure of curves over evaluations, a panel a problem, each drawn by ``draw``."""
     figure, axes = panels(curves, style.pens(optimizers), draw, across=0.46)
     for ax in axes:
         style.span(ax, curves["evaluations"])

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pandas as pd
 
 from bench.analysis.integrity import TRAITS
+from bench.objective import OUT_OF_TIME
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 from bench.topics.findings import Findings, Trials
@@ -60,7 +63,21 @@ def warnings(findings: Findings) -> tuple[str, ...]:
             f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
             f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."
         )
-    return (*left_out(findings.trials.comparable), *sentences)
+    return (*left_out(findings.trials.comparable), *sentences, *_handled(findings.trials.whole))
+
+
+def _handled(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield a sentence on evaluations that failed, by problem, and one on trials that a limit of time has ended."""
+    sums = frame[["failures", "nfev"]].astype(float).groupby(frame["problem"].astype(object), sort=False).sum()
+    shares = (sums["failures"] / sums["nfev"])[sums["failures"] > 0]
+    if len(shares):
+        named = listing([f"{share:.2g} of those on {problem}" for problem, share in shares.items()], at_most=8)
+        yield f"Evaluations failed, and count with the value +inf: a share of {named}."
+    if late := int((frame["stop"] == OUT_OF_TIME).sum()):
+        yield (
+            f"A limit of time has ended {late:,} of {count(len(frame), 'trial')} before the budget: their results "
+            "depend on the machine and on what else it did, and cannot be repeated bit by bit."
+        )
 
 
 def _incomplete(trials: Trials) -> list[Table]:

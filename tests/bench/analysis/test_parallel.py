@@ -1,5 +1,7 @@
 """The expected time with several workers: by hand, and where the order of optimizers changes."""
 
+from math import ceil
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,7 +18,13 @@ def trials(cells):
         for number, time in enumerate(times):
             key = {"problem": "p", "optimizer": optimizer, "trial": number}
             hits.append(key | {"tau": 0.1, "target": 0.1, "evaluations": float(time), "spent": float(spent)})
-            about = {"nfev": spent, "calls": spent / batch, "wall_s": 1.0 + own * spent, "objective_s": 1.0}
+            about = {
+                "nfev": spent,
+                "calls": ceil(spent / batch),
+                "largest_call": ceil(batch),
+                "wall_s": 1.0 + own * spent,
+                "objective_s": 1.0,
+            }
             rows.append(key | {"status": "ok"} | about)
     return pd.DataFrame(hits), pd.DataFrame(rows)
 
@@ -59,12 +67,18 @@ def test_one_worker_is_the_expected_running_time():
 
 
 def test_a_mean_batch_between_two_whole_numbers_lies_between_them():
-    assert time_of({"a": ([90], 90, 8.5, 0.0)}, 8, 1.0)["a"] == pytest.approx(10 * 1.5 + 1)
+    hits, frame = trials({"a": ([85], 85, 8.5, 0.0)})
+    frame["largest_call"] = 20
+    assert parallel_times(hits, frame, [8], [1.0])["time"].tolist() == [9 * 1.5 + 2]
+
+
+def test_a_last_call_that_the_budget_cut_does_not_count():
+    assert time_of({"a": ([106], 180, 25, 0.0)}, 8, 1.0)["a"] == 4 * 4 + 1
 
 
 def test_a_failed_trial_counts_with_the_batch_of_its_cell():
     hits, frame = trials({"a": ([10, INF], 100, 10, 0.0)})
-    frame.loc[1, ["status", "nfev", "calls", "wall_s", "objective_s"]] = ["failed", None, None, None, None]
+    frame.loc[1, ["status", "nfev", "calls", "largest_call", "wall_s", "objective_s"]] = ["failed", *[None] * 5]
     assert parallel_times(hits, frame, [10], [1.0])["time"].tolist() == [1 + 10]
 
 

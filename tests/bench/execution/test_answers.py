@@ -29,8 +29,9 @@ def trace(evaluations=(1, 4, 60), values=(3.0, 2.5, 0.125)):
 
 
 HONEST = {
-    "x": text([0.5, -0.25]), "trace": trace(), "fun": 0.125, "nfev": 60, "calls": 3, "wall_s": 1.0,
-    "cpu_s": 0.9, "objective_s": 0.5, "stop": "budget", "outside_box": 2, "altered": False, "metrics": {"radius": 0.5},
+    "x": text([0.5, -0.25]), "trace": trace(), "fun": 0.125, "nfev": 60, "calls": 3, "largest_call": 1, "failures": 0,
+    "log": {"step": [[0, 0.5], [1, None]]}, "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5, "stop": "budget",
+    "outside_box": 2, "altered": False, "metrics": {"radius": 0.5},
 }  # fmt: skip
 
 
@@ -40,14 +41,15 @@ def read(**changes):
 
 def test_an_answer_that_can_be_a_result_is_a_row():
     assert read() == packed({
-        "status": "ok", "fun": 0.125, "nfev": 60, "calls": 3, "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5,
-        "stop": "budget", "outside_box": 2, "x": {"a": 0.5, "b": -0.25}, "metrics": {"radius": 0.5},
+        "status": "ok", "fun": 0.125, "nfev": 60, "calls": 3, "largest_call": 1, "failures": 0,
+        "log": b'{"step": [[0, 0.5], [1, null]]}', "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5, "stop": "budget",
+        "outside_box": 2, "x": {"a": 0.5, "b": -0.25}, "metrics": {"radius": 0.5},
         "trace": Trace(np.array([1, 4, 60]), np.array([3.0, 2.5, 0.125])),
     })  # fmt: skip
 
 
 WRONG = ["missing", None, [], {}, True, "text", b"bytes", 10**400, nan, "\ud800", [0.5]]
-TEXTS = [("stop", "text"), ("stop", "\ud800")]
+TEXTS = [("stop", "text"), ("stop", "\ud800"), ("log", {})]
 PAIRS = [
     (name, value)
     for name in HONEST
@@ -77,6 +79,12 @@ STOPPED = {"nfev": 59, "trace": trace([1, 4, 59]), "stop": "tired"}
         ({"nfev": 0}, "its nfev is 0, and must be from 1"),
         ({"nfev": -(2**70)}, "its nfev is -1180591620717411303424, and must"),
         ({"nfev": 60.0}, "its nfev is no whole number"),
+        ({"log": {"a": [[61, 1.0]]}}, "its log cannot be read"),
+        ({"log": {"a": [[1, inf]]}}, "its log cannot be read"),
+        ({"log": {"a": [[1, True]]}}, "its log cannot be read"),
+        ({"log": {"a": [[1, 1.0]] * 201}}, "its log cannot be read"),
+        ({"log": {str(number): [] for number in range(21)}}, "its log cannot be read"),
+        ({"log": {"a": [[2, 1.0], [2, 1.0]]}}, "the evaluations of its log do not increase"),
         ({"calls": 0}, "its calls is 0, and must be from 1 to 60"),
         ({"calls": 61}, "its calls is 61, and must be from 1 to 60"),
         ({"outside_box": 61}, "its outside_box is 61, and must be from 0 to 60"),

@@ -48,9 +48,19 @@ def test_every_row_is_what_it_was(folder):
     assert len(before) == 16
 
 
+def test_every_row_of_layout_4_is_what_it_was(tmp_path):
+    folder = Folder(shutil.copytree(OLD.with_name("layout_4"), tmp_path / "old"))
+    query = ROWS.replace("nfev,", "nfev, calls,")
+    before = asked(folder.store.path, query)
+    assert folder.store.check(structure=True).sound
+    assert layout(folder) == schema.VERSION
+    assert asked(folder.store.path, query) == before
+    assert (len(before), sum(row[7] is not None for row in before)) == (24, 8)
+
+
 def test_what_a_later_layout_added_is_unknown(folder):
-    later = [column.name for column in STORED if column.since > 3]
-    assert later == ["calls"]
+    later = [column.name for column in STORED if column.since > 3 and column.frame]
+    assert later == ["calls", "largest_call", "failures"]
     assert load_results(folder.path)[later].isna().all().all()
 
 
@@ -181,7 +191,9 @@ def test_a_kill_in_the_middle_leaves_the_older_store(folder):
 
 def test_a_store_of_the_future_is_refused(folder):
     change(folder.store.path, f"PRAGMA user_version = {schema.VERSION + 1}")
-    with pytest.raises(BenchError, match=f"was written in layout 5, and this version reads layout {schema.VERSION};"):
+    with pytest.raises(
+        BenchError, match=f"was written in layout {schema.VERSION + 1}, and this version reads layout {schema.VERSION};"
+    ):
         folder.store.check()
 
 

@@ -229,7 +229,7 @@ def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(tmp_path):
 
 def test_a_schema_that_changes_has_another_version():
     """Nothing else distinguishes an old store from a new one."""
-    assert "PRAGMA user_version = 4\n" in SCHEMA
+    assert "PRAGMA user_version = 5\n" in SCHEMA
     assert max(column.since for column in STORED) <= VERSION
 
 
