@@ -291,7 +291,8 @@ class Objective:
             self.best_point = rows[0].copy()
         self._nfev += n
         self.calls += 1
-        self.largest_call = max(self.largest_call, n)
+        if n > self.largest_call:
+            self.largest_call = n
         return values
 
     def _values(self, x: Floats) -> ArrayLike:

@@ -62,7 +62,7 @@ class Program(Optimizer):
                 raise
 
 
-def _keep(values: dict[str, Any], objective: Objective, talk: Talk) -> None:
+def _keep(values: dict[Any, Any], objective: Objective, talk: Talk) -> None:
     """Log what a program says of its search; raises BenchError for what is no number."""
     try:
         objective.log(**values)

@@ -8,7 +8,7 @@ Where ioh is installed, it is measured in the same turns, with its logger, on th
 import tempfile
 from collections.abc import Callable
 from contextlib import chdir, suppress
-from time import process_time
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from _rows import Rows, main, short, times
 from threadpoolctl import threadpool_limits
 
 from bench import FunctionProblem, Objective
+from bench.execution.side_by_side import evaluated
 
 DIMENSION, POINTS = 10, 100
 ENDLESS = 10**12  # evaluations
@@ -33,6 +34,7 @@ def measure(quick: bool) -> Rows:
     rounds = 2 if quick else 15
     with threadpool_limits(limits=1):
         rows = [beside(n, rounds) for n in (1, 30, 300)]
+        rows.append(side_by_side(20 if quick else 2000))
         with suppress(ImportError):
             rows.append(against_ioh(rounds))
     return rows
@@ -69,6 +71,19 @@ def beside(n: int, rounds: int) -> tuple[str, str]:
     what = f"{n} points" if n > 1 else "one point"
     value = f"{short(whole - alone)} us, {times((whole - alone) / alone)} the sphere itself"
     return f"a call of the objective with {what} of {DIMENSION} coordinates, beside a sphere in numpy", value
+
+
+def side_by_side(calls: int) -> tuple[str, str]:
+    problem, _, batches = sphere_and_points(8)
+    with evaluated(problem, 2) as beside:
+        took = []
+        for _ in range(calls // len(batches) + 1):
+            for x in batches:
+                began = perf_counter()
+                beside.evaluate(x)
+                took.append(perf_counter() - began)
+    value = f"{short(float(np.median(took)) / 8 * 1e6)} us a point, whatever its evaluation takes"
+    return "a call of 8 points with `parallel = 2`, by processes of the problem", value
 
 
 def against_ioh(rounds: int) -> tuple[str, str]:
