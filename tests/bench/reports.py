@@ -104,7 +104,7 @@ def store(folder, study, row_of, trials=None, record=None, fingerprints=None):
     """
     place = Folder(folder)
     place.path.mkdir(parents=True, exist_ok=True)
-    place.claim(study, fingerprints and Selection(study.cells(Fingerprints(fingerprints, {}, {}))))
+    place.claim(study, None if fingerprints is None else Selection(study.cells(Fingerprints(fingerprints, {}, {}))))
     with place.store.writer() as writer:
         run = writer.environment(record) if record else None
         for trial in trials or study.plan():

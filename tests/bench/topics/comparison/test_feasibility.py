@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Results, Study
-from bench.columns import packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.storage.selection import Selection
-from bench.study import Entry, Fingerprints
+from bench.study import Entry
 from bench.topics.comparison import feasibility
 from bench.topics.comparison import section as comparison
 from bench.topics.findings import Findings
-from tests.bench.reports import finished
+from tests.bench.reports import finished, store
 
 NONE = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
 
@@ -25,15 +23,12 @@ def written(path, noted=True):
         tuple(Entry(each, each) for each in labels) for labels in (("ring-2", "sphere-2"), ("scatter", "early"))
     )
     study = Study("made", problems, optimizers, trials=4, budget=100)
-    folder, rng = Folder(path), np.random.default_rng(0)
-    path.mkdir()
-    found = Fingerprints({"ring-2": study.problem("ring-2").fingerprint()} if noted else {}, {}, {})
-    folder.claim(study, Selection(study.cells(found)))
-    with folder.store.writer() as writer:
-        for trial in study.plan():
-            lost = trial.key == ("ring-2", "scatter", 0)
-            writer.add(trial, packed(finished(10.0, rng) | (NONE if lost else {})))
-    return Findings(Results(path))
+    rng, known = np.random.default_rng(0), {"ring-2": study.problem("ring-2").fingerprint()} if noted else {}
+
+    def row_of(trial):
+        return finished(10.0, rng) | (NONE if trial.key == ("ring-2", "scatter", 0) else {})
+
+    return Findings(Results(store(path, study, row_of, fingerprints=known)))
 
 
 def test_the_share_of_trials_with_a_feasible_point(testing_plugins, tmp_path):
