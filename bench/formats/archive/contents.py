@@ -36,13 +36,15 @@ DESCRIPTIONS = {
     "methods.tex": ("The methods", "As LaTeX, for a paper."),
     "references.bib": ("References", "The works that the methods cite, as BibTeX."),
     "answer.json": ("The answer", "The first sentence of the verdict, and a short table of the optimizers."),
+    "reproduce.py": ("The numbers again", "A script that makes the numbers of the tables from the trials."),
+    "reproduce.json": ("Facts for the script", "What that script needs beside the trials."),
 }  # fmt: skip
 FOLDERS = {"tables": "Table of the report", "figures": "Figure of the report"}
 
 MEDIA_TYPES = {
     ".bib": "application/x-bibtex", ".csv": "text/csv", ".html": "text/html", ".json": "application/json",
-    ".md": "text/markdown", ".pdf": "application/pdf", ".sqlite": "application/vnd.sqlite3", ".svg": "image/svg+xml",
-    ".tex": "application/x-tex", ".toml": "application/toml",
+    ".md": "text/markdown", ".pdf": "application/pdf", ".py": "text/x-python", ".sqlite": "application/vnd.sqlite3",
+    ".svg": "image/svg+xml", ".tex": "application/x-tex", ".toml": "application/toml",
 }  # fmt: skip
 """The media type of a file, by the end of its name."""
 

@@ -173,3 +173,4 @@ def test_an_unpacked_folder_is_verified_and_reported(bench_here, tmp_path, small
     assert "study small" in bench_here("status", tmp_path / "there").stdout
     assert bench_here("report", tmp_path / "there", "--jobs", "1").returncode == 0
     assert (tmp_path / "there" / "report.html").exists()
+    assert bench_here("pack", tmp_path / "there", "-o", tmp_path / "again.zip").returncode == 0  # with all its files
