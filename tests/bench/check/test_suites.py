@@ -102,6 +102,7 @@ def adapters(tmp_path, monkeypatch):
     monkeypatch.setattr("bench.check.suites._grid", lambda suite: Grid("classical", few, 2))
 
 
+@pytest.mark.slow
 def test_a_suite_is_compared_function_by_function_and_a_failure_costs_its_row_alone(adapters, tmp_path):
     others = ["other.py:same", "other.py:swapped", "other.py:partly"]
     made = compare_suites("classical", others, dimensions=[2], n_jobs=2)

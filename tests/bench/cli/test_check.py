@@ -38,6 +38,7 @@ def test_a_broken_problem_of_a_file_ends_with_1_and_a_remedy(bench_here, files):
     assert "remedy: return one float64 for each point" in done.stdout
 
 
+@pytest.mark.slow
 def test_of_a_pattern_only_what_failed_is_shown_and_the_rest_goes_on(bench_here, tmp_path):
     done = bench_here("check", "star-discrepancy-*-10-d2-i1", cwd=tmp_path)
     assert done.returncode == 1

@@ -126,6 +126,7 @@ def test_an_unknown_invariance_is_refused():
     assert "declares the invariance 'rotations'" in verdict(Misspelt).finding
 
 
+@pytest.mark.slow
 def test_a_search_along_the_coordinates_loses_to_a_rotation_and_not_to_their_order():
     found = verdict(Coordinates, "rotation")
     assert found.outcome == "FAILED"
