@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 import types
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from bench.typing import Floats
 
 
+T = TypeVar("T")
+
 CONDITIONS = ("agents", "handling", "start")
 """Parameters, or class attributes, that mean the same in all optimizers that have them; reports compare them.
 
@@ -29,13 +31,13 @@ The population size; what becomes of a point outside the box or the constraints;
 
 
 def parameter(
-    default: Any,
+    default: T,
     *,
     minimum: float | None = None,
     maximum: float | None = None,
-    tune: tuple[float, float] | list[Any] | None = None,
+    tune: tuple[float, float] | Sequence[object] | None = None,
     log: bool = False,
-) -> Any:
+) -> T:
     """Return a dataclass field with a default, the range that its value must lie in, and what ``bench tune`` tries.
 
     Args:
@@ -47,9 +49,8 @@ def parameter(
             minimum to maximum where it has both.
         log: whether that range is searched on a logarithmic scale.
     """
-    return dataclasses.field(
-        default=default, metadata={"minimum": minimum, "maximum": maximum, "tune": tune, "log": log}
-    )
+    about = {"minimum": minimum, "maximum": maximum, "tune": tune, "log": log}
+    return dataclasses.field(default=default, metadata=about)  # which stands for its value
 
 
 class Optimizer(ABC):

@@ -14,6 +14,7 @@ from bench.errors import BenchError
 
 KINDS: dict[str, tuple[type, str]] = {
     "pd.DataFrame": (pd.DataFrame, "a frame, such as results.frame"),
+    "pd.Series[float]": (pd.Series, "a series of a number for each optimizer, such as mean_ranks(...)"),
     "Traces": (Mapping, "traces, such as results.traces"),
 }
 """By annotation: what an argument must be, and what to give."""

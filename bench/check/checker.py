@@ -33,7 +33,7 @@ def check_optimizer(
     jobs: int = -1,
     seed: int = 0,
     on_check: Callable[[Verdict], None] | None = None,
-    **options: Any,
+    **options: object,
 ) -> Checkup:
     """Check that an optimizer keeps the contract, and look for biases of its method.
 
@@ -73,7 +73,7 @@ def check_problem(
     untrusted: bool = False,
     seed: int = 0,
     on_check: Callable[[Verdict], None] | None = None,
-    **options: Any,
+    **options: object,
 ) -> Checkup:
     """Check that a problem keeps the contract: its values, its box and repair, its claims.
 

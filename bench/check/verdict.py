@@ -38,7 +38,7 @@ class Verdict:
         """One word: ``"passed"``, ``"FAILED"`` for a breach of the contract, ``"BIASED"`` for a bias of the method."""
         return "passed" if self.passed else "FAILED" if self.kind == "conformance" else "BIASED"
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return the verdict as a dict for JSON."""
         return asdict(self)
 

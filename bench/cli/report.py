@@ -67,7 +67,7 @@ def command(
     beside, best = published(against)
     settings = {
         "output": output,
-        "n_jobs": jobs,
+        "jobs": jobs,
         "targets": targets,
         "rope": rope,
         "subject": subject,

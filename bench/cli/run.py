@@ -203,9 +203,9 @@ def command(
             print_error(f"no trial could be made again: {error}")
             unsound = True
     if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console, open_, n_jobs=jobs, beside_best=best)
+        report_on([outcome.folder], console, open_, jobs=jobs, beside_best=best)
         if beside:
-            report_on([outcome.folder, *beside], console, n_jobs=jobs, beside_best=best)
+            report_on([outcome.folder, *beside], console, jobs=jobs, beside_best=best)
     else:
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.undeclared:

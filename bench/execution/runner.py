@@ -36,7 +36,7 @@ from bench.storage.selection import Selection
 from bench.study import Study
 from bench.trial import Trial
 
-StudyLike = Study | Mapping[str, Any] | str | PathLike[str]
+StudyLike = Study | Mapping[str, object] | str | PathLike[str]
 Listener = Callable[[Trial, dict[str, Any]], None]
 OnLook = Callable[[int, Plan], None]
 

@@ -11,6 +11,9 @@ Example:
     ...     timing(bench.analysis.timing(frame)).figure.savefig("timing.pdf")
 """
 
+from inspect import isfunction
+
+from bench.analysis.input import guarded
 from bench.plots import style
 from bench.plots.curves import convergence, data_profile, ecdf, ert, ert_scatter, regret, scaling, spells
 from bench.plots.parallel import fastest_map
@@ -34,3 +37,7 @@ __all__ = [
     "style",
     "timing",
 ]
+
+for _name in __all__:
+    if isfunction(globals()[_name]):
+        globals()[_name] = guarded(globals()[_name])

@@ -32,7 +32,7 @@ def default_label(name: str) -> str:
     return parts[1] if parts and parts[1] else name.removeprefix(objects.PREFIX)
 
 
-def load_optimizer(name: str, /, **options: Any) -> Optimizer:
+def load_optimizer(name: str, /, **options: object) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
 
     Args:
@@ -82,7 +82,7 @@ def list_optimizers(pattern: str = "*") -> list[str]:
     return fnmatch.filter(names, pattern)
 
 
-def load_problem(name: str, /, **options: Any) -> Problem:
+def load_problem(name: str, /, **options: object) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 
     A name may also be that of a file's problem, or of its class or function that makes one: ``"my/file.py:Mine"``.

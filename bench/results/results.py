@@ -177,7 +177,7 @@ class Results:
         """What draws the results, such as ``results.plot.ranks()`` (:class:`bench.results.shown.Plots`)."""
         return shown.Plots(self.study, lambda: self.frame, lambda: self.traces, self.pooled)
 
-    def report(self, output: AnyPath | None = None, **settings: Any) -> Path:
+    def report(self, output: AnyPath | None = None, **settings: object) -> Path:
         """Write the report and return the path of its page.
 
         Args:

@@ -143,7 +143,7 @@ class Study:
             raise BenchError(f"the title has {len(self.title):,} characters, more than {LONGEST_TITLE:,}")
 
     @classmethod
-    def load(cls, source: str | os.PathLike[str] | Mapping[str, Any]) -> Study:
+    def load(cls, source: str | os.PathLike[str] | Mapping[str, object]) -> Study:
         """Return the study of an installed name (``"thesis"``), of a TOML file's path, or of what such a file holds.
 
         Raises:
@@ -159,7 +159,7 @@ class Study:
         return cls.from_dict(data, where)
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any], where: str = "given") -> Study:
+    def from_dict(cls, data: Mapping[str, object], where: str = "given") -> Study:
         """Return the study that a parsed TOML document describes; raises BenchError naming the first invalid entry."""
         fields = {item.name for item in dataclasses.fields(cls)}
         for key in data:
@@ -172,16 +172,17 @@ class Study:
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
         lists = {key: entries.read_entries(data.get(key), key, where) for key in keys}
+        content: dict[str, Any] = {**data, **lists}
         try:
-            study = cls(**data | lists)
+            study = cls(**content)
         except BenchError as error:
             raise BenchError(f"study {where}: {error}") from error
         study.require_sound(where)
         return study
 
-    def override(self, **changes: Any) -> Study:
+    def override(self, **changes: object) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
-        chosen = {key: value for key, value in changes.items() if value is not None}
+        chosen: dict[str, Any] = {key: value for key, value in changes.items() if value is not None}
         study = dataclasses.replace(self, **chosen)
         study.looks.require_fit(study.trials, len(study.optimizers), (entry.label for entry in study.problems))
         return study

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from bench import BenchError, analysis
+from bench import BenchError, analysis, plots
 
 FRAME = pd.DataFrame({"problem": ["p"], "optimizer": ["a"], "trial": [0], "status": ["ok"], "fun": [1.0]})
 
@@ -16,6 +16,12 @@ FRAME = pd.DataFrame({"problem": ["p"], "optimizer": ["a"], "trial": [0], "statu
         (lambda: analysis.timing(FRAME), "timing misses in 'frame': .*wall_s.*; it has the columns problem, optimizer"),
         (lambda: analysis.summarise("results"), "summarise takes as 'frame' a frame, such as .* not an object of str"),
         (lambda: analysis.scores(frame=None), "scores takes as 'frame' a frame"),
+        (
+            lambda: analysis.cliques(FRAME, FRAME),
+            "cliques takes as 'average_ranks' a series of a number",
+        ),
+        (lambda: plots.cd_diagram(FRAME), "cd_diagram takes as 'average_ranks' a series .* not an object of DataFrame"),
+        (lambda: plots.box_plot("results", "p"), "box_plot takes as 'frame' a frame, such as .* not an object of str"),
         (lambda: analysis.stage_ranks(FRAME, [], 10), "stage_ranks takes as 'traces' traces, such as results.traces"),
     ],
 )
