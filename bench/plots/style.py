@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import blake2b
-from itertools import takewhile
+from itertools import compress, takewhile
 from math import ceil
 from pathlib import Path
 from typing import Any, Literal
@@ -172,8 +172,11 @@ def plain(label: str, at_most: int = 28) -> str:
 
 
 def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
-    """Return a short name for each label; long labels that would read the same begin where they differ."""
-    short = {label: plain(label, at_most) for label in labels}
+    """Return a short name for each label: of a sweep with long labels, the values that differ.
+
+    Long labels that would still read the same begin where they differ.
+    """
+    short = {label: plain(text, at_most) for label, text in _differing(list(labels), at_most).items()}
     alike: dict[str, list[str]] = {}
     for label, name in short.items():
         alike.setdefault(name, []).append(label)
@@ -183,6 +186,22 @@ def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
             start = max(len(list(alike_letters)) - 3, 0)
             short |= {label: plain("…" + label[start:], at_most) for label in group}
     return short
+
+
+def _differing(labels: Sequence[str], at_most: int) -> dict[str, str]:
+    """Return each label; of those as ``name[a=1,b=2]`` that share a name and are too long, without what all share."""
+    texts = {label: label for label in labels}
+    sweeps: dict[tuple[str, int], dict[str, list[str]]] = {}
+    for label in labels:
+        name, bracket, values = label.partition("[")
+        if bracket and values.endswith("]"):
+            parts = values[:-1].split(",")
+            sweeps.setdefault((name, len(parts)), {})[label] = parts
+    for (name, _), members in sweeps.items():
+        differ = [len(set(column)) > 1 for column in zip(*members.values(), strict=True)]
+        if any(differ) and max(map(len, members)) > at_most:
+            texts |= {label: f"{name}[{','.join(compress(parts, differ))}]" for label, parts in members.items()}
+    return texts
 
 
 def text_width(texts: Iterable[str], points: float = POINTS) -> float:

@@ -5,7 +5,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.text import Text
 
 from bench import BenchError, plots
 from bench.plots import style
@@ -164,6 +163,20 @@ def test_the_name_of_a_subject_is_bold_at_an_axis_and_in_a_legend():
     style.name_rows(ax, ["a", "subject"])
     style.legend_above(figure, style.handles(style.pens(["a", "subject"])))
     style.mark(figure, "subject")
-    bold = [text for text in figure.findobj(Text) if text.get_fontweight() == "bold"]
-    assert {text.get_text() for text in bold} == {"subject"}
-    assert len(bold) == 2
+    assert [text.get_fontweight() for text in ax.get_yticklabels()] == ["normal", "bold"]
+    assert [text.get_fontweight() for text in figure.legends[0].texts] == ["normal", "bold"]
+
+
+def test_long_labels_of_a_sweep_show_the_values_that_differ():
+    labels = [f"RestartDE[agents=15,F={f},cr=0.9,restart=true,start={s}]" for f in (0.5, 0.7) for s in ("a", "b")]
+    names = style.names([*labels, "gwo", "x[1]"], 24)
+    assert [names[label] for label in labels] == [
+        "RestartDE[F=0.5,start=a]", "RestartDE[F=0.5,start=b]", "RestartDE[F=0.7,start=a]", "RestartDE[F=0.7,start=b]",
+    ]  # fmt: skip
+    assert names["gwo"] == "gwo"
+    assert style.names(labels[:1], 24)[labels[0]] == style.plain(labels[0], 24)  # nothing differs
+
+
+def test_short_labels_of_a_sweep_stay_as_they_are():
+    labels = ["gwo[agents=30,a=1]", "gwo[agents=50,a=1]"]
+    assert style.names(labels, 24) == dict(zip(labels, labels, strict=True))
