@@ -196,23 +196,23 @@ def _pairs(stratum: Stratum, of_first: bool) -> Effects:
 
 
 @lru_cache
-def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
+def detectable_a12(trials: int, level: float, power: float = POWER, draws: int = DRAWS) -> float:
     """Return the smallest A12 that the test on a problem finds with a power; NaN where it finds none.
 
-    Assumes two normal samples of one spread, and simulates 1,000 pairs.
+    Assumes two normal samples of one spread, and simulates ``draws`` pairs.
     """
     if trials < 2 or least_p(trials) > level:
         return float("nan")
-    return _smallest(DRAWS, trials, power, lambda effect: p_values(effect) <= level)
+    return _smallest(draws, trials, power, lambda effect: p_values(effect) <= level)
 
 
 @lru_cache
-def detectable_across(trials: int, problems: int, level: float, power: float = POWER) -> float:
+def detectable_across(trials: int, problems: int, level: float, power: float = POWER, draws: int = DRAWS) -> float:
     """Return the smallest A12, the same on every problem, that the test over them finds; NaN where it finds none.
 
-    Assumes as :func:`detectable_a12` does.
+    Assumes as :func:`detectable_a12` does, and simulates a fifth of ``draws`` studies or more.
     """
-    draws = max(DRAWS // problems, 200)
+    draws = max(draws // problems, draws // 5)
 
     def rejects(effect: Effects) -> Flags:
         shape = problems, draws

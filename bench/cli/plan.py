@@ -1,13 +1,14 @@
-"""bench plan: estimate from a study's trials how many more would separate which optimizers."""
+"""bench plan: what a study's tests can find before any trial, or from its trials how many more would separate which."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
-from bench.cli.console import Output
+from bench.cli import completion
 from bench.errors import BenchError
 from bench.helpers.console import print_line
 from bench.numbers import is_finite
@@ -16,10 +17,20 @@ SHOWN = 20  # pairs that are printed; the report's table has all
 
 
 def command(
-    output: Output,
+    output: Annotated[
+        Path,
+        typer.Argument(
+            metavar="OUTPUT|STUDY.toml",
+            help="The folder that 'bench run' wrote, or a study that has no trials yet.",
+            autocompletion=completion.folders,
+        ),
+    ],
     power: Annotated[float, typer.Option(help="The chance to separate a pair, which is to be reached.")] = 0.8,
 ) -> None:
     """Estimate from a study's trials how many more would separate which optimizers, with a power of 80%.
+
+    Of a study file, print what its tests can find before any trial: the smallest A12, the chance that a trial of one
+    optimizer ends lower, as it is, with more trials, and with more problems.
 
     A pair is separated where a report calls one optimizer separably lower. The estimates are as uncertain as the
     trials; for a new study, declare looks: [looks] trials = [10, 20, 30].
@@ -27,6 +38,9 @@ def command(
     if not is_finite(power) or not 0.05 <= power <= 0.99:
         raise BenchError(f"the power is a chance from 0.05 to 0.99, such as 0.8, not {power:g}")
 
+    if output.suffix == ".toml":
+        _before(output, power)
+        return
     from bench.results.results import Results
     from bench.topics.findings import Findings
     from bench.topics.trials import section as trials
@@ -49,3 +63,14 @@ def command(
             print_line(f"… and {len(shown) - SHOWN:,} more pairs", console=console)
     for text in (*trials.extension_text(findings), *trials.summary(needed, len(findings.final.pairs), power)):
         print_line(text, console=console)
+
+
+def _before(path: Path, power: float) -> None:
+    from bench.study import Study
+    from bench.topics.trials.design import foreseen
+
+    study = Study.load(path)
+    if len(study.optimizers) < 2:
+        raise BenchError(f"{path} has one optimizer only, so there is no pair to separate")
+    for line in foreseen(study, power):
+        print_line(line, console=Console())

@@ -1,0 +1,49 @@
+"""What the tests of a study can find, by its design alone: before any trial is made."""
+
+from __future__ import annotations
+
+from collections import Counter
+from math import comb, isnan
+
+from bench import analysis
+from bench.report.wording import count
+from bench.study import Study
+from bench.study.blocks import pooled
+
+DRAWS = 20_000  # simulated: the power is then known to 0.006
+MORE = 10  # trials, or problems, that are added
+
+
+def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
+    """Return sentences on the smallest A12 that a study's tests find with a power, as it is and with more of it.
+
+    Two normal samples of one spread are assumed, as in the part *Power* of a report. The instances of a function count
+    as trials of one problem.
+    """
+    instances = Counter(pooled(entry.label) for entry in study.problems)
+    k, problems, trials = len(study.optimizers), len(instances), study.trials * min(instances.values())
+    pairs = k - 1 if study.subject else comb(k, 2)
+    design = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
+    of = f", {study.subject} against each other one" if study.subject else ""
+    lines = [f"The design: {design}{of}; no result is known.", f"As it is: {_found(trials, problems, pairs, power)}."]
+    if study.looks:
+        return [*lines, "Declared looks share the level between them; these numbers are those of the last look alone."]
+    return [
+        *lines,
+        f"With {MORE} more trials: {_found(trials + MORE, problems, pairs, power)}.",
+        f"With {MORE} more problems: {_found(trials, problems + MORE, pairs, power)}.",
+    ]
+
+
+def _found(trials: int, problems: int, pairs: int, power: float) -> str:
+    """Return the smallest A12 that the tests on problems, and those over all of them, find."""
+    levels = analysis.levels([trials] * problems, pairs, pairs * problems)
+    single = (
+        analysis.detectable_a12(trials, levels.problems / (pairs * problems), power, DRAWS) if levels.problems else 0.0
+    )
+    across = analysis.detectable_across(trials, problems, levels.across / pairs, power, DRAWS) if levels.across else 0.0
+    parts = []
+    for a12, where in ((single, "on a single problem"), (across, "on every problem, over all of them")):
+        known = a12 and not isnan(a12)
+        parts.append(f"an A12 of {a12:.2f} {where}" if known else f"nothing {where}")
+    return f"found with a power of {power:.0%} are {' and '.join(parts)}"
