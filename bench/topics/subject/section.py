@@ -49,7 +49,7 @@ def _against(known: Against) -> Table:
         "against-rivals",
         f"{known.subject} against each rival, best rival first.",
         shown,
-        decimals={"probability": 2, "p": 4},
+        decimals={"probability": 2},
         tones=tones,
         note=f"Probability: that a run of {known.subject} ends lower, in the mean over problems; p: that this is 0.5, "
         f"adjusted by Holm’s method. Better / worse / open: problems on which {known.subject} is separably lower, "
