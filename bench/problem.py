@@ -131,6 +131,12 @@ class Problem(ABC):
         """Return the data that points are fitted to, and the fit, for reports; by default None."""
         return None
 
+    def open(self) -> None:  # noqa: B027 - few problems need it
+        """Get ready for an evaluation, such as start a program; the time that it takes counts in no evaluation's limit.
+
+        By default nothing is done.
+        """
+
     def close(self) -> None:  # noqa: B027 - few problems hold anything
         """Let go of what evaluations hold, such as a program that runs; called at the end of every trial.
 

@@ -100,6 +100,10 @@ class Conversation(Program):
             self.close()  # another one is started for the next point
             raise
 
+    def open(self) -> None:
+        """Start the program, unless it runs."""
+        self._started()
+
     def close(self) -> None:
         """End the program."""
         talk, self._talk = self._talk, None

@@ -30,7 +30,8 @@ from bench.typing import Floats
 START = "fork" if FORKS else "spawn"
 """How processes are started; to one that is started anew the problem is sent by value."""
 
-_VALUE, _FAILED = b"+", b"-"  # the first byte of an answer
+_VALUE, _FAILED, _BEGINS = b"+", b"-", b"!"  # the first byte of an answer
+_OPENING = 60.0  # seconds for a problem to get ready for an evaluation
 _GRACE = 1.0  # seconds for a process to end by itself
 _ = popen_fork  # imported before any trial, whose side effect it would be
 
@@ -115,6 +116,7 @@ class _Processes:
     def __init__(self, problem: Problem, number: int, seconds: float | None, goes_on: bool) -> None:
         self._problem, self._seconds, self._goes_on = problem, seconds, goes_on
         self._context: Any = get_context(START)
+        self._message = b""  # the last one of a process
         self._all: dict[Connection, Any] = {}  # by the connection through which each is asked
         self._idle = [self._started() for _ in range(number)]
 
@@ -136,13 +138,16 @@ class _Processes:
                 end = self._idle.pop()
                 with suppress(OSError):  # its process has ended, which is found below
                     end.send_bytes(x[row].tobytes())
-                busy[end] = row, inf if self._seconds is None else monotonic() + self._seconds
+                busy[end] = row, inf if self._seconds is None else monotonic() + self._seconds + _OPENING
             if not busy:
                 break
             until = min(deadline for _, deadline in busy.values())
             ready: list[Any] = wait(busy, None if until == inf else max(0.0, until - monotonic()))
             for end in ready or [end for end in busy if busy[end][1] <= monotonic()]:
                 row, _ = busy.pop(end)
+                if ready and self._begins(end):
+                    busy[end] = row, inf if self._seconds is None else monotonic() + self._seconds
+                    continue
                 values[row], reason = self._answer(end) if ready else (inf, self._replace(end, late=True))
                 if reason:
                     failed[row] = reason
@@ -150,11 +155,18 @@ class _Processes:
             raise PointError(failed[min(failed)], values.tolist(), len(failed))
         return values
 
+    def _begins(self, end: Any) -> bool:
+        """Return whether a process says that its evaluation begins; any other message is kept for :meth:`_answer`."""
+        try:
+            self._message = end.recv_bytes()
+        except (EOFError, OSError):
+            self._message = b""
+        return bool(self._message == _BEGINS)
+
     def _answer(self, end: Any) -> tuple[float, str]:
         """Return the value that a process has sent, and why the evaluation failed, "" where it did not."""
-        try:
-            answer = end.recv_bytes()
-        except (EOFError, OSError):
+        answer = self._message
+        if not answer:
             return inf, self._replace(end)
         self._idle.append(end)
         if answer[:1] == _FAILED:
@@ -213,6 +225,8 @@ def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) 
         while True:
             x = np.frombuffer(end.recv_bytes()).reshape(1, -1).copy()  # the problem may compute in it
             try:
+                loaded.open()
+                end.send_bytes(_BEGINS)
                 answer = _VALUE + as_values(loaded, loaded.evaluate(x), 1).tobytes()
             except (Exception, SystemExit) as error:  # a plug-in may raise anything
                 answer = _FAILED + describe_error(error).encode()
