@@ -106,8 +106,6 @@ def _not_made(findings: Findings) -> dict[str, str]:
         left |= dict.fromkeys(ANYTIME, "its targets are those of metrics")
     if findings.results.study.looks:
         left |= dict.fromkeys(DECIDED, "declared looks decide which trials it has")
-    if findings.final.subject:
-        left |= dict.fromkeys(DECIDED, "it tests the pairs of the subject alone")
     if compared.common or compared.unknown:
         left |= dict.fromkeys(FINAL, "its values are those at the largest budget that all optimizers had")
     if compared.failed or compared.instances:
