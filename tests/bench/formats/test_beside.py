@@ -16,11 +16,11 @@ from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.targets import Targets
 from bench.topics import write_report
+from bench.topics.anytime.section import course
 from bench.topics.findings import Findings
 from bench.topics.integrity.beside import section
 from bench.topics.methods.methods import methods
 from bench.topics.verdict import section as verdict
-from bench.topics.verdict.first_picture import course
 from bench.trial import Trial
 from tests.bench.formats.made import exported, make, record
 
