@@ -19,6 +19,7 @@ from bench.topics import write_report
 from bench.topics.anytime.section import course
 from bench.topics.findings import Findings
 from bench.topics.integrity.beside import section
+from bench.topics.integrity.checks import checks
 from bench.topics.methods.methods import methods
 from bench.topics.verdict import section as verdict
 from bench.trial import Trial
@@ -80,7 +81,7 @@ class TestUnited:
             ("box-f01-d2-i1", "own"): 120,
             ("box-f01-d2-i1", "archived"): 801,
         }
-        verdicts = both.integrity.set_index("check")["verdict"]
+        verdicts = both.of(checks).set_index("check")["verdict"]
         assert verdicts["budget"] == "pass"
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
         assert analysis.budgets(frame, both.trials.allowed).tolist() == [120.0, 801.0]
@@ -105,7 +106,7 @@ class TestUnited:
         both = Results(mine, archive)
         assert both.planned == {"own": 3, "archived": 0}
         found = Findings(both, Targets.read("precisions"))
-        assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
+        assert found.of(checks).set_index("check").loc["completeness", "verdict"] == "pass"
         assert not found.trials.coverage["missing"].any()
 
     def test_the_methods_give_each_budget_and_say_what_was_imported(self, mine, archive):
@@ -226,7 +227,7 @@ def test_sets_of_different_years_keep_all_their_runs_of_a_function(tmp_path):
         "mine": 6, "old": 6, "new": 6, "part": 2
     }  # fmt: skip
     assert not found.trials.coverage["missing"].any()
-    assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
+    assert found.of(checks).set_index("check").loc["completeness", "verdict"] == "pass"
     for folder in sets[:2]:
         alone = Findings(Results(folder), Targets.read("precisions")).anytime.running_times.set_index(
             ["problem", "precision"]
