@@ -87,6 +87,7 @@ def all_but(optimizer, **other):
     return {f"{optimizer}-{name}": "PASSED" for name in IDS} | {f"{optimizer}-{name}": o for name, o in other.items()}
 
 
+@pytest.mark.slow
 def test_each_rule_and_optimizer_has_an_id(author):
     outcomes, _ = author('@parametrize_with_checks([Sound, "hill-climber", Sound(step=0.3)])')
     assert outcomes == all_but("Sound") | all_but("hill-climber") | all_but("Sound(step=0.3)")
@@ -192,6 +193,7 @@ def test_what_cannot_be_checked_is_refused_in_a_sentence(optimizers, expected, s
     assert sentence in str(caught.value)
 
 
+@pytest.mark.slow
 def test_the_rules_of_problems_are_cases_too(author):
     setup = """
 import bench

@@ -166,6 +166,7 @@ def test_the_stored_runs_are_still_pycma_s(cell):
     assert again["early"] == pytest.approx(row.early, rel=1e-5)  # later values depend on the machine's LAPACK
 
 
+@pytest.mark.slow
 def test_a_seed_repeats_a_run():
     first, again, other = (solve("signature-03", CMAESFast(), budget=900, seed=seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.trace.values, again.trace.values)

@@ -151,11 +151,13 @@ class TestConversation:
             beside.evaluate(points)
         assert "\n" not in str(raised.value)
 
+    @pytest.mark.slow
     def test_the_start_of_a_program_counts_in_no_limit(self, program):
         slow = program("answer(x[0])", head=f"import time; time.sleep(1.5)\n{HEAD}")
         with evaluated(scored(slow, "death", "worst"), 1, 1.0) as beside:
             assert beside.evaluate(np.array([[1.0, 0.0]])).tolist() == [1.0]
 
+    @pytest.mark.slow
     def test_a_point_that_hangs_fails_at_its_limit(self, program):
         problem = scored(program("time.sleep(600 if x[0] == 2 else 0); answer(x[0])"), "death", "worst")
         with evaluated(problem, 2, 2.0) as beside:

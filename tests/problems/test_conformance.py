@@ -35,6 +35,7 @@ def checked(name):
 
 
 @pytest.mark.parametrize("name", ["cec2022-f07-d10", "engineering-gear-train"])
+@pytest.mark.slow
 def test_some_built_in_problems_keep_the_contract(name):
     checked(name)
 

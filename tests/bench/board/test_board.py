@@ -307,6 +307,7 @@ sandboxed = pytest.mark.skipif(bool(REASON), reason=REASON or "bubblewrap can be
 
 
 @sandboxed
+@pytest.mark.slow
 def test_trials_are_made_again(bench_here, tmp_path):
     study = {
         "name": "real", "trials": 2, "budget": 60, "problems": [{"name": "bbob-f01-d2-i1"}],

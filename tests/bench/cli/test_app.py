@@ -231,6 +231,7 @@ def test_files_that_are_no_study(bench_here, tmp_path):
     assert "unknown optimizer 'hillclimber'; did you mean 'hill-climber'?" in done.stderr
 
 
+@pytest.mark.slow
 def test_another_budget_is_named_and_the_trials_before_are_kept(bench_here, tiny, tmp_path):
     bench_here("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
     trials = Folder(tmp_path / "out").store.trials()

@@ -118,6 +118,7 @@ def test_two_days_beside_finished_rivals(author):
     author("report", "out", "--optimizer", "rHops", "--dimension", "3", "-o", "asked")
 
 
+@pytest.mark.slow
 def test_rivals_of_another_folder_are_taken_and_not_made_again(author):
     author.write(optimizers='"scatter", "early"')
     author("run", "study.toml", "-o", "rivals", "--no-report", "--jobs", "1", "--verify", "0")

@@ -190,6 +190,7 @@ def test_a_run_with_another_handling_of_constraints(bench_here, tmp_path):
     assert (load_results(tmp_path / "out")["violation"] == 0).all()
 
 
+@pytest.mark.slow
 def test_a_run_verifies_its_trials_before_the_report(bench_here, copied):
     out = copied / "out"
     command = ["run", copied / "mixed.toml", "--output", out, "--jobs", 1, "--trials", 3, "--verify", 1]

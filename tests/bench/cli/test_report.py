@@ -162,6 +162,7 @@ def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path
     assert "found it" not in methods  # that is a result
 
 
+@pytest.mark.slow
 def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, bench_here, tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text(
         "def wandering(objective, rng):\n"

@@ -85,6 +85,7 @@ def test_the_warm_up_does_not_evaluate_the_problem(tmp_path):
     assert load_results(tmp_path / "out")["fun"].item() > 7  # the first value that it has ever seen was a sphere's
 
 
+@pytest.mark.slow
 def test_a_plan_counts_the_trials_that_are_made_again(file, tmp_path, bench_here):
     text = study(file, "learns", "honest").to_toml()
     (tmp_path / "study.toml").write_text(text)

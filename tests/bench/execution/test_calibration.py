@@ -39,6 +39,7 @@ def test_without_a_short_trial_that_succeeds_there_is_none(tmp_path, testing_plu
     assert estimated(plan(lost, tmp_path / "a"), 1).seconds is None
 
 
+@pytest.mark.slow
 def test_a_search_without_an_end_is_stopped(tmp_path, testing_plugins, monkeypatch):
     monkeypatch.setattr("bench.execution.calibration.LONGEST", 1.0)
     monkeypatch.setattr("bench.execution.job.WARMING", 1.0)

@@ -84,6 +84,7 @@ def frame(kind, file, place, **options):
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.1])
+@pytest.mark.slow
 def test_a_problem_that_computes_in_place_has_the_values_of_one_that_does_not(noise, file, tmp_path):
     honest, in_place = (frame(kind, file, tmp_path, noise=noise) for kind in ("Honest", "InPlace"))
     assert honest["status"].eq("ok").all()

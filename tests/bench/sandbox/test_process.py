@@ -309,6 +309,7 @@ def test_the_time_for_which_all_processes_were_stopped_counts_against_no_limit(c
     assert Paused.now > 1000
 
 
+@pytest.mark.slow
 def test_after_it_a_limit_holds_as_before(calls, paused):
     with pytest.raises(TimeExceededError, match=r"^2 s$"):
         paused.call(calls.sleep, 10 * LONG, seconds=2.0)

@@ -176,6 +176,7 @@ def deletes(objective, rng):
 """
 
 
+@pytest.mark.slow
 def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_made_again(bench_here, tmp_path):
     out = tmp_path / "out"
     (tmp_path / "hostile.py").write_text(DELETES.format(path=str(out / FILE)))

@@ -81,6 +81,7 @@ def test_the_tables_are_those_of_a_new_store(folder, tmp_path):
     assert asked(folder.store.path, query) == asked(new.store.path, query)
 
 
+@pytest.mark.slow
 def test_a_run_makes_only_the_new_trials(folder, bench_here):
     before = asked(folder.store.path, ROWS)
     done = bench_here("run", "study.toml", "--trials", "6", "--output", ".", "--jobs", "1", cwd=folder.path)

@@ -87,6 +87,7 @@ def test_the_tone_that_repeats_is_named_and_what_it_hides_is_bounded(healthy):
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.slow
 def test_harmonics_of_the_load_turn_are_no_backlash(healthy, seed):
     rng = np.random.default_rng(seed)
     for numbers in (rng.integers(1, 21, 1), rng.choice(20, 4, replace=False) + 1, np.arange(1, 20, 2)):
