@@ -303,12 +303,14 @@ def test_a_problem_is_checked_in_a_process_of_its_own_and_the_report_says_what_w
         (faulty_problems.Unpicklable, "pickling", "it raised TypeError: cannot pickle"),
     ],
 )
+@pytest.mark.sampled(1)
 def test_what_needs_another_process_is_found_of_a_problem(problem, check, finding):
     (broken,) = [verdict for verdict in check_problem(problem) if not verdict.passed]
     assert broken.check == check
     assert finding in broken.finding
 
 
+@pytest.mark.slow
 def test_a_problem_that_hangs_costs_a_verdict(monkeypatch):
     values = replace(find_rule("values", "problem"), seconds=1.0)
     with closing(Checker(ProblemSubject(faulty_problems.Hanging))) as checking:

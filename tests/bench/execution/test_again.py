@@ -67,6 +67,7 @@ def test_a_trial_that_came_after_others_is_made_again_with_looks_too(file, tmp_p
     assert len(run(looked, tmp_path / "out", n_jobs=1).different) == 1
 
 
+@pytest.mark.slow
 def test_a_run_that_makes_nothing_repeats_nothing_and_none_is_repeated_without_verify(file, tmp_path):
     assert run(study(file, "learns"), tmp_path / "out", n_jobs=1, verify=False).different == []
     assert Folder(tmp_path / "out").noted(VERIFICATION) == {}

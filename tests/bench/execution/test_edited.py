@@ -57,6 +57,7 @@ def test_a_file_that_is_removed_during_the_run_costs_no_trial(study, tmp_path):
     assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(tmp_path / "mine.py")])
 
 
+@pytest.mark.slow
 def test_an_edited_helper_changes_no_trial_of_the_run_and_is_named(study, tmp_path):
     """Each process that loads the optimizer for another family of problems imports its helper anew."""
     (tmp_path / "mine.py").write_text("from helper_of_mine import SHARE\n" + OPTIMIZER.format(share="SHARE"))

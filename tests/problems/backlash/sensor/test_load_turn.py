@@ -74,6 +74,7 @@ def test_a_joint_with_friction_is_undecided_by_a_calibration_without_and_is_neve
 
 @pytest.mark.parametrize("frequency", [3.0, 7.5, 17.0, 22.5, 21.3, 50.0])
 @pytest.mark.parametrize("settings", [RATIO, Settings(resamples=0)], ids=["ratio", "no ratio"])
+@pytest.mark.slow
 def test_a_steady_tone_is_no_backlash(healthy, frequency, settings):
     found = estimate(recorded(healthy + 0.8 * np.sin(2 * np.pi * frequency * TIME)), settings)
     assert found.verdict in ("no backlash", "undecided")
