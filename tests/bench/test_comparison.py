@@ -168,6 +168,7 @@ def fails(objective, rng):
         ([valley()], [fails], {}, "every trial failed, the first one fails on valley, trial 0: RuntimeError: no luck"),
     ],
 )
+@pytest.mark.sampled(2)
 def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence):
     with pytest.raises(BenchError) as caught:
         compare(problems, optimizers, **{"trials": 1, "budget": 3, "jobs": 1, "verify": False} | settings)

@@ -62,6 +62,7 @@ def values(author):
     return {label: group["fun"].tolist() for label, group in frame.groupby("optimizer")}
 
 
+@pytest.mark.slow
 def test_two_days_beside_finished_rivals(author):
     author(*RUN)
     first = values(author)

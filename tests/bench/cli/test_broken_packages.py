@@ -37,6 +37,7 @@ def called(place, kind, *arguments):
 
 
 @pytest.mark.parametrize("kind", PLUGINS)
+@pytest.mark.sampled(2)
 def test_a_broken_package_stops_no_command_of_the_harness(kind, tmp_path):
     done = called(tmp_path, kind, *WORKS)
     assert done.returncode == 0
@@ -52,6 +53,7 @@ def test_a_broken_package_stops_no_command_of_the_harness(kind, tmp_path):
         ("annotated", "the command 'mine' cannot be called: "),
     ],
 )
+@pytest.mark.sampled(2)
 def test_the_broken_command_itself_ends_with_2_and_a_sentence(kind, said, tmp_path):
     done = called(tmp_path, kind, "mine")
     assert done.returncode == 2
@@ -67,6 +69,7 @@ def test_the_broken_command_itself_ends_with_2_and_a_sentence(kind, said, tmp_pa
         ("built-in", "the command 'run' of mine 1.0 is left out: it has the name of a command of bench"),
     ],
 )
+@pytest.mark.sampled(2)
 def test_what_is_left_out_is_named(kind, said, tmp_path):
     assert said in " ".join(called(tmp_path, kind, *WORKS).stderr.split())
 

@@ -233,6 +233,7 @@ def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):
         ("def f(:", 600.0, "invalid syntax"),
     ],
 )
+@pytest.mark.sampled(2)
 def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, patience, said, tmp_path, monkeypatch):
     monkeypatch.setattr("bench.execution.supervisor.LOADING", patience)
     (tmp_path / "mine.py").write_text(f"{code}\ndef mine(objective, rng):\n    pass\n")

@@ -30,6 +30,7 @@ def outcome(result):
 
 @pytest.mark.parametrize("on_error", ["fail", "worst"])
 @pytest.mark.parametrize("optimizer", ["cma-es", "gwo"])
+@pytest.mark.sampled(2)
 def test_a_run_is_the_same_with_any_number_of_processes(optimizer, on_error):
     found = [outcome(solve(problem(), optimizer, budget=150, seed=1, on_error=on_error, parallel=n)) for n in (1, 2, 8)]
     assert found[1:] == found[:1] * 2
@@ -98,6 +99,7 @@ class TestFailures:
             (lambda: time.sleep(600), r"an evaluation took more than 1 s \(evaluation_timeout\)"),
         ],
     )
+    @pytest.mark.sampled(2)
     def test_else_the_reason_is_raised(self, what, reason):
         with evaluated(self.deed(what), 2, 1.0) as beside, pytest.raises(PointError, match=reason):
             beside.evaluate(X)

@@ -50,6 +50,7 @@ def copied(whole, tmp_path):
     return study, tmp_path / "copies"
 
 
+@pytest.mark.slow
 def test_shards_are_disjoint_of_one_size_and_unite_to_the_whole(whole, tmp_path):
     _, place = whole
     shards = [place / f"shard-{number}" for number in (1, 2, 3)]

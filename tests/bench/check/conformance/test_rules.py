@@ -20,6 +20,7 @@ def test_every_rule_has_a_name_of_its_own_and_stands_after_those_that_it_needs()
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["random-search", "gwo", "alo", "goa", "da", "cma-es"])
+@pytest.mark.slow
 def test_built_ins_conform(name):
     found = verdicts(name, RULES)
     assert not failures(found)

@@ -53,6 +53,7 @@ def both(archived, imported, tmp_path_factory):
 
 @needs_cocopp
 class TestArchive:
+    @pytest.mark.slow
     def test_every_run_is_imported_with_its_evaluations(self, both):
         results, found = both
         assert len(results.frame) == sum(len(data["spent"]) for data in found.values()) == 720
