@@ -60,7 +60,7 @@ def us_a_call(rounds: int, *timed: tuple[Callable[[Any], Any], list[Any]]) -> li
 
 
 def sphere_and_points(n: int) -> tuple[FunctionProblem, Objective, list[np.ndarray]]:
-    problem = FunctionProblem(sphere, [-5.0] * DIMENSION, [5.0] * DIMENSION)
+    problem = FunctionProblem(sphere, [-5.0] * DIMENSION, [5.0] * DIMENSION, vectorized=True)
     objective = Objective(problem, ENDLESS, np.random.default_rng(0))
     return problem, objective, list(np.random.default_rng(1).uniform(-5, 5, (POINTS, n, DIMENSION)))
 

@@ -43,7 +43,7 @@ def us_a_call(path: Path, n: int, calls: int, rounds: int) -> float:
     points = np.random.default_rng(0).uniform(-5, 5, (n, DIMENSION)).tolist()
     path.write_text(PROGRAM.format(line=json.dumps({"x": points})), encoding="utf-8")
     optimizer = load_optimizer(f"command:'{sys.executable}' '{path}'")
-    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION)
+    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION, vectorized=True)
     fastest = [np.inf, np.inf]
     for _ in range(rounds):
         for place, budget in enumerate((n, n * (calls + 1))):

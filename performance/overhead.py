@@ -45,7 +45,7 @@ def measure(quick: bool) -> Rows:
 
 def overhead(optimizer: Optimizer, seed: int, generations: int = GENERATIONS) -> float:
     """Return the milliseconds of a generation outside the objective, in a run on a sphere."""
-    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION)
+    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION, vectorized=True)
     start, search = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(2))
     objective = Objective(problem, AGENTS * generations, start)
     began = perf_counter()

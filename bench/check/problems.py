@@ -22,7 +22,7 @@ class RecordingProblem(FunctionProblem):
     """A problem that records the points of one run."""
 
     def __init__(self, *arguments: Any, **naming: Any) -> None:
-        super().__init__(*arguments, **naming)
+        super().__init__(*arguments, vectorized=True, **naming)
         self._batches = [np.empty((0, self.dimension))]
 
     def evaluate(self, x: Floats, rng: np.random.Generator | None = None) -> Floats:

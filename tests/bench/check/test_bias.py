@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, load_optimizer
-from bench.check import bias, runs
+from bench.check import bias
 from bench.check.bias import LIMIT, centre_bias, diagnose, starts_and_seeds, structural_bias
 from bench.check.runs import BOXES, Runs, RunSummary
 from bench.sandbox.pool import Pool
@@ -113,7 +113,7 @@ def test_the_seed_alone_repeats_the_figures_whatever_the_number_of_processes(mon
     gwo, sizes = load_optimizer("gwo", agents=30), {"runs": 1, "noise_runs": 5}
     first = diagnose(gwo, n_jobs=1, **sizes)
     with monkeypatch.context() as patch:
-        patch.setattr(runs, "Pool", Pool)
+        patch.setattr("bench.execution.safe_runs.Pool", Pool)
         assert diagnose(gwo, n_jobs=2, **sizes) == first
     assert diagnose(gwo, n_jobs=1, seed=1, **sizes)[:2] != first[:2]
 

@@ -63,4 +63,5 @@ def test_noise_depends_on_its_seed_and_the_number_of_evaluations_alone():
     again = noise((0.0, 1.0), 2, seed=1)
     assert np.array_equal(np.concatenate([again.evaluate(points[:7] * 0), again.evaluate(points[7:])]), values)
     assert len(set(values)) == 30
+    assert np.array_equal(values, np.random.default_rng(1).random(30))  # from the first on: no other call has drawn any
     assert not np.array_equal(noise((0.0, 1.0), 2, seed=2).evaluate(points), values)
