@@ -19,14 +19,9 @@ POINTS = 60  # of the grid
 SAY = speaker(__package__)
 
 
-def compared_labels(findings: Findings) -> list[str]:
-    """Return the optimizer that the page speaks for, and the best of its rivals."""
-    return [findings.leader, *(label for label in findings.final.ranked if label != findings.leader)][: RIVALS + 1]
-
-
 def shown_leads(findings: Findings) -> pd.DataFrame:
     """Return when the leader, or a rival of it, is shown to be ahead (:func:`bench.analysis.spells`)."""
-    leader, *rivals = compared_labels(findings)
+    leader, *rivals = findings.from_leader[: RIVALS + 1]
     pairs = [(leader, rival) for rival in rivals]
     return analysis.spells(analysis.leads(*findings.of(compared), pairs=pairs))
 
@@ -35,7 +30,7 @@ def sentences(findings: Findings) -> list[str]:
     """Return who is shown to be ahead when, and which curves cross; nothing where there is nothing to compare."""
     if not comparable(findings):
         return []
-    leader, *rivals = compared_labels(findings)
+    leader, *rivals = findings.from_leader[: RIVALS + 1]
     shown = findings.of(shown_leads)
     unit = "evaluations / d" if findings.trials.scaled else "evaluations"
     behind = shown["second"].where(shown["ahead"] == leader, leader)
@@ -65,7 +60,7 @@ def figure(findings: Findings) -> list[Figure]:
     if not comparable(findings):
         return []
     hits, grid, dimensions = findings.of(compared)
-    leader, *rivals = compared_labels(findings)
+    leader, *rivals = findings.from_leader[: RIVALS + 1]
     drawn = [leader, *rivals][:MOST_BANDS]
     pens = {label: pen for label, pen in findings.display.pens.items() if label in drawn}
     bands = analysis.curve_bands(hits[hits["optimizer"].isin(drawn)], grid, dimensions)

@@ -108,9 +108,19 @@ class Findings:
         return self.subject or self.final.ranked[0]
 
     @property
+    def from_leader(self) -> list[str]:
+        """The optimizer that the page speaks for, and its rivals in rank."""
+        return [self.leader, *(label for label in self.final.ranked if label != self.leader)]
+
+    @property
     def study(self) -> Study:
         """The study as it is compared."""
         return self.trials.study
+
+    @property
+    def budget_words(self) -> str:
+        """The budget at which values are compared, in words."""
+        return "their largest common budget" if self.trials.common else self.study.budget_words
 
     @cached_property
     def selection(self) -> str:

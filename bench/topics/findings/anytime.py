@@ -237,6 +237,15 @@ class Anytime:
         return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.target_set.unit})
 
     @cached_property
+    def ert_at_level(self) -> pd.DataFrame:
+        """The ERT to the target of the tables, problems by optimizers, missing where it was not reached; or no row."""
+        times, chosen = self.running_times, self.target_set
+        if times.empty:
+            return pd.DataFrame()
+        at_level = times[np.isclose(times[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
+        return analysis.table(at_level, "ert").astype(float).replace(np.inf, np.nan)
+
+    @cached_property
     def best_times(self) -> pd.DataFrame:
         """The ERT of the best of 2009 to the targets of the tables: problem, tau, precision and ert.
 

@@ -11,6 +11,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
+from bench.report.wording import count
 from bench.results.compared import Compared
 from bench.results.results import ProblemFacts, Results
 from bench.study.descriptions import repairing
@@ -153,6 +154,12 @@ class Trials(Compared):
         """The fewest and the most trials of a cell that has any; (0, 0) where no cell has."""
         stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
         return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
+
+    @property
+    def per_cell_words(self) -> str:
+        """The same in words, such as ``"4 to 5 trials"``."""
+        least, most = self.per_cell
+        return count(most, "trial") if least == most else f"{least} to {count(most, 'trial')}"
 
     @cached_property
     def blocks(self) -> dict[str, str]:

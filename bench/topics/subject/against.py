@@ -14,7 +14,7 @@ from bench import analysis
 from bench.analysis.error_rates import Levels
 from bench.report.parts import Line
 from bench.report.prose import speaker
-from bench.report.wording import count, listing
+from bench.report.wording import listing
 from bench.topics.findings import Findings
 from bench.topics.matched.differing import differing
 from bench.topics.ranks.words import dependent
@@ -151,12 +151,10 @@ def against(findings: Findings) -> Against:
                 lower, higher, *ratios.get(label, (np.nan, 0)),
             )
         )  # fmt: skip
-    least, most = trials.per_cell
     return Against(
         subject, rivals, _parts(findings, complete), final.levels, final.tested,
         declared=findings.declared, looks=bool(findings.results.study.looks), problems=len(complete),
-        trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
-        budget="their largest common budget" if trials.common else findings.study.budget_words,
+        trials=trials.per_cell_words, budget=findings.budget_words,
         target=findings.anytime.target_set.at(findings.anytime.target_set.level),
         conditions=differing(findings), sweep=dependent(findings), selected=bool(findings.selection),
     )  # fmt: skip
@@ -198,11 +196,7 @@ def parts_of(findings: Findings, complete: Sequence[str]) -> dict[tuple[str, str
 
 def running_time_ratios(findings: Findings) -> dict[str, tuple[float, int]]:
     """Return the median ratio of each rival's ERT over that of the subject, and of how many problems it is."""
-    chosen, times = findings.anytime.target_set, findings.anytime.running_times
-    if times.empty:
-        return {}
-    at_level = times[np.isclose(times[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
-    ert = analysis.table(at_level, "ert").astype(float).replace(np.inf, np.nan)
+    ert = findings.anytime.ert_at_level
     if findings.subject not in ert:
         return {}
     ratios = ert.div(ert[findings.subject], axis=0)

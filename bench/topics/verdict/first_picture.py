@@ -23,8 +23,7 @@ def evidence(findings: Findings, clear: bool) -> Figure:
     ``clear`` says that the tests show the leader to be lower than every rival.
     """
     if not shows_trials(findings):
-        rivals = [label for label in findings.final.ranked if label != findings.leader]
-        return leader_figure(findings.final.overall, [findings.leader, *rivals], clear)
+        return leader_figure(findings.final.overall, findings.from_leader, clear)
     solved = set(findings.trials.pooled.functions)
     return trials_figure(
         findings.trials.frame, list(findings.final.medians.index), findings.trials.optima, solved, findings.display.pens

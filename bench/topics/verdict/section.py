@@ -84,12 +84,11 @@ def standing(findings: Findings) -> Standing:
         beaten[str(lower), str(second if lower == first else first)] += 1
     all_known = all(label in trials.unbeaten for label in complete)
     best = "the optimum" if all_known else "the best known value"
-    least, most = trials.per_cell
     return Standing(
         ranking, beaten, _across(final), final.levels, len({trials.blocks[str(problem)] for problem in complete}),
-        budget="their largest common budget" if trials.common else findings.study.budget_words,
+        budget=findings.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
-        trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
+        trials=trials.per_cell_words,
         conditions=differing(findings),
         matched=_controls(findings),
         differing=_dimensions(findings),
@@ -158,15 +157,7 @@ def _size(findings: Findings) -> str:
     first, second = findings.final.ranked[:2]
     chosen = findings.anytime.target_set
     if chosen.absolute and not findings.anytime.running_times.empty:
-        table = findings.anytime.running_times
-        at_level = table[np.isclose(table[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
-        ert = (
-            analysis.table(at_level, "ert")
-            .astype(float)
-            .reindex(columns=[first, second])
-            .replace(np.inf, np.nan)
-            .dropna()
-        )
+        ert = findings.anytime.ert_at_level.reindex(columns=[first, second]).dropna()
         if ert.empty:
             return ""
         factor = _times(float((ert[second] / ert[first]).median()))
@@ -229,12 +220,11 @@ def _course(findings: Findings) -> list[Stage]:
 
 def _evidence(findings: Findings) -> str:
     """Return on how much evidence the verdict rests."""
-    low, high = findings.trials.per_cell
     working = findings.trials.comparable.working
     failed = working.loc[working["status"] != "ok", "optimizer"].astype(str).value_counts(sort=False)
     return SAY(
         "evidence",
-        count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}",
+        findings.trials.per_cell_words,
         findings.study.budget_words,
         len(findings.final.medians),
         ALPHA,
