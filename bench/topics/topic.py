@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 
 from bench.plugins import registry
 from bench.report.parts import File, Section
@@ -37,18 +38,23 @@ class Topic:
         return [] if made is None else [made] if isinstance(made, Section) else list(made)
 
 
-def topics() -> list[tuple[str, Topic | Exception]]:
+def topics() -> list[tuple[str, Topic]]:
     """Return every installed topic by the name of its entry point, in the order of the page.
 
-    One that cannot be loaded is the error that loading it raised.
+    One that cannot be loaded raises the error when its sections are made.
     """
     loaded = [(name, _load(name)) for name in sorted(registry.entries(GROUP))]
-    return sorted(loaded, key=lambda named: PLACE if isinstance(named[1], Exception) else named[1].place)
+    return sorted(loaded, key=lambda named: named[1].place)
 
 
-def _load(name: str) -> Topic | Exception:
+def _load(name: str) -> Topic:
+    title = f"Section {name}"
     try:
         plugin = registry.load(GROUP, name)
     except Exception as error:  # a stranger's module may raise anything
-        return error
-    return plugin if isinstance(plugin, Topic) else Topic(f"Section {name}", plugin)
+        return Topic(title, partial(_fail, error))
+    return plugin if isinstance(plugin, Topic) else Topic(title, plugin)
+
+
+def _fail(error: Exception, _: Findings) -> Made:
+    raise error

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -122,13 +122,10 @@ def chapters(findings: Findings) -> list[Chapter]:
     installed = topics()
     if not installed:
         raise BenchError("no topic of a report is installed; install the harness again: python -m pip install .")
-    return [_chapter(name, topic, findings) for name, topic in installed]
-
-
-def _chapter(name: str, topic: Topic | Exception, findings: Findings) -> Chapter:
-    if isinstance(topic, Exception):
-        return Chapter(name, f"Section {name}", _raising(topic), list)
-    return Chapter(name, topic.title, lambda: _marked(topic, findings), lambda: topic.files(findings))
+    return [
+        Chapter(name, topic.title, partial(_marked, topic, findings), partial(topic.files, findings))
+        for name, topic in installed
+    ]
 
 
 def _marked(topic: Topic, findings: Findings) -> list[Section]:
@@ -140,13 +137,6 @@ def _marked(topic: Topic, findings: Findings) -> list[Section]:
                 if isinstance(item, Figure):
                     style.mark(item.figure, findings.subject)
     return sections
-
-
-def _raising(error: Exception) -> Callable[[], Any]:
-    def fail() -> Any:
-        raise error
-
-    return fail
 
 
 def lead(findings: Findings) -> str:
