@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import signal
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,12 +14,28 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
+from bench.helpers.console import print_error
 from bench.numbers import require_jobs, span
 
 STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
 """The headings under which the help of a command with many options has them."""
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
+
+
+@contextmanager
+def interruptible(what: str) -> Iterator[None]:
+    """End the command with a sentence and exit code 130 where Ctrl-C interrupts it; ``what`` of it is kept.
+
+    A command also takes SIGTERM for Ctrl-C, so that its processes end: ``signal.default_int_handler``.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)  # once is enough
+        print_error(f"interrupted; every finished {what} is kept: run the same command again to continue")
+        sys.exit(130)
 
 
 def checked_jobs(value: int | None) -> int | None:

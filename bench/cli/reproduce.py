@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Jobs, Untrusted
+from bench.cli.console import Jobs, Untrusted, interruptible
 from bench.cli.console import table as rich_table
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
@@ -59,10 +59,10 @@ def command(
     """Read a published table critically, run its protocol again, and judge every cell.
 
     Reading finds what no runs can have given: values below the optimum, a best above the mean, an SD that the mean and
-    the best exclude, ranks and averages that do not recompute, digits that so many counts cannot have. Then the same
-    command runs, continues or extends the study of the table's protocol, and compares each cell by its mean, SD and
-    number of runs. At most 5% of tables that are right get a false "differs". The exit code is 1 where a cell differs,
-    or with --read-only contradicts itself.
+    the best exclude, ranks and averages that do not recompute, digits that a mean of n counts cannot have. Then the
+    same command runs, continues or extends the study of the table's protocol, and compares each cell by its mean, SD
+    and number of runs. At most 5% of tables that are right get a false "differs". The exit code is 1 where a cell
+    differs, or with --read-only contradicts itself.
     """
     from bench.reproduce.protocol import protocol_of, samples
     from bench.reproduce.section import attach
@@ -132,14 +132,11 @@ def _run(
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     try:
-        with Display(console) as display:
+        with interruptible("trial"), Display(console) as display:
             outcome = run(
                 study, output, jobs=jobs, timeout=timeout, untrusted=untrusted,
                 on_plan=display.plan, on_trial=display.trial,
             )  # fmt: skip
-    except KeyboardInterrupt:
-        print_error("interrupted; every finished trial is kept: run the same command again to continue")
-        sys.exit(130)
     except WorkerDiedError as error:
         print_error(str(error))
         sys.exit(1)

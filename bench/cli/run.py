@@ -30,6 +30,7 @@ from bench.cli.console import (
     Subject,
     Targets,
     Untrusted,
+    interruptible,
 )  # fmt: skip
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
@@ -181,17 +182,12 @@ def command(
         _show_estimate(planned, jobs, console, untrusted, seconds_per_evaluation)
         return
     try:
-        with Display(console) as display, _folders(reuse or []) as others:
+        with interruptible("trial"), Display(console) as display, _folders(reuse or []) as others:
             outcome = run(
                 chosen, output, jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
                 scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
                 verify=verify is None, reuse=others, on_plan=display.plan, on_trial=display.trial, on_look=display.look,
             )  # fmt: skip
-    except KeyboardInterrupt:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)  # once is enough
-        print_error("interrupted; every finished trial is kept: run the same command again to continue")
-        sys.exit(130)
     except WorkerDiedError as error:
         print_error(str(error))
         sys.exit(1)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import signal
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
-from bench.cli.console import Jobs, Parameters
+from bench.cli.console import Jobs, Parameters, interruptible
 from bench.errors import BenchError, require
 from bench.helpers.atomic import replacing
-from bench.helpers.console import duration, pairs, print_error, print_line, steps
+from bench.helpers.console import duration, pairs, print_line, steps
 from bench.helpers.text import option
 from bench.numbers import MOST_TRIALS, require_positive, require_seed, require_whole
 from bench.plugins import loading
@@ -91,12 +90,8 @@ def command(
     size = f"{count(configurations, 'configuration')} of each optimizer, {count(trials, 'trial')} on each of "
     print_line(f"{size}{count(len(training), 'training problem')}", console=console)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a tuning like Ctrl-C, and its processes
-    try:
-        with steps(console, "tune") as on_progress:
-            bests = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
-    except KeyboardInterrupt:
-        print_error("interrupted; every finished configuration is kept: run the same command again to continue")
-        sys.exit(130)
+    with interruptible("configuration"), steps(console, "tune") as on_progress:
+        bests = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
     about = {"left_out": leave_out or "", "method": method(optuna)}
     written = studies.tuned(output.stem, testing, bests, setting, **about)
     with replacing(output) as temporary:
