@@ -34,10 +34,12 @@ def summary(comparisons: Sequence[Comparison], suite: str) -> list[str]:
             }.items()
         }  # fmt: skip
         few = {word: joined(names) if len(names) <= len(of_other) / 2 else "" for word, names in groups.items()}
-        told = [
+        counts = [
             f"{len(names)} {word}" + (f" ({few[word]})" if few[word] else "") for word, names in groups.items() if names
         ]
-        sentences.append(f"{default_label(other)}, of {count(len(of_other), 'function')} of {suite}: {', '.join(told)}")
+        sentences.append(
+            f"{default_label(other)}, of {count(len(of_other), 'function')} of {suite}: {', '.join(counts)}"
+        )
     return sentences
 
 

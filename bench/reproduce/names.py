@@ -12,11 +12,7 @@ from bench.errors import BenchError, nearest
 from bench.formats import naming
 from bench.plugins import loading, registry
 from bench.problem import Problem
-from bench.reproduce.table import PaperCell, PaperTable
-
-
-def _plain(text: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", text.lower())
+from bench.reproduce.table import PaperCell, PaperTable, plain
 
 
 def problem_of(table: PaperTable, cell: PaperCell) -> str:
@@ -26,8 +22,8 @@ def problem_of(table: PaperTable, cell: PaperCell) -> str:
         return str(functions[cell.function])
     if not cell.suite:
         return cell.function
-    suites = {_plain(name): name for name in registry.entries("problems")}
-    suite = suites.get(_plain(cell.suite), "")
+    suites = {plain(name): name for name in registry.entries("problems")}
+    suite = suites.get(plain(cell.suite), "")
     if not suite:
         raise BenchError(f"no suite is called {cell.suite!r}{nearest(cell.suite, suites.values())}")
     number = re.fullmatch(r"(?:[a-z]+\d*[-_ ])?[a-z]*[-_ ]?0*(\d+)", cell.function.lower())
@@ -41,8 +37,8 @@ def problem_of(table: PaperTable, cell: PaperCell) -> str:
         raise BenchError(f"{suite} has no problem {cell.function!r}{nearest(cell.function, names)}")
     if cell.dimension is None:
         raise BenchError(f"no dimension is printed, and the functions of {suite} have several")
-    titles = {_plain(title): name for name, title in grid.titles.items()}
-    named = (titles | {_plain(name): name for name in grid.functions}).get(_plain(cell.function), cell.function)
+    titles = {plain(title): name for name, title in grid.titles.items()}
+    named = (titles | {plain(name): name for name in grid.functions}).get(plain(cell.function), cell.function)
     function = int(number[1]) if number and named == cell.function else named
     name = naming.problem_name(suite, function, cell.dimension, cell.instance or 1, named)
     grid.member(name)  # raises
@@ -64,10 +60,10 @@ def optimizer_of(table: PaperTable, printed: str) -> dict[str, Any]:
     if given is not None:
         chosen = {"name": given} if isinstance(given, str) else dict(given)
         return {"name": printed, "label": printed, **chosen}
-    wanted = _plain(printed)
+    wanted = plain(printed)
     alone, members = _optimizers()
-    fitting = [name for name in alone if _plain(name) == wanted] or [
-        name for name in members if wanted in (_plain(name), _plain(name.rpartition(":")[2]))
+    fitting = [name for name in alone if plain(name) == wanted] or [
+        name for name in members if wanted in (plain(name), plain(name.rpartition(":")[2]))
     ]
     if len(fitting) == 1:
         return {"name": fitting[0], "label": printed}

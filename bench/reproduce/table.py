@@ -108,7 +108,7 @@ class PaperCell:
     @property
     def average(self) -> bool:
         """Whether its row prints averages over functions."""
-        return _plain(self.function) in AVERAGES
+        return plain(self.function) in AVERAGES
 
     def evaluations(self, dimension: int) -> int | None:
         """Return the evaluations of a run, None where the table does not print them; raises BenchError for text."""
@@ -176,7 +176,8 @@ def read(path: Path) -> PaperTable:
     return PaperTable(path.stem, tuple(kept), tuple(averages), settings, tuple(notes))
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
+    """Return a printed name in lower case, letters and digits alone."""
     return re.sub(r"[^a-z0-9]", "", text.lower())
 
 
@@ -241,11 +242,11 @@ def _cells(rows: list[dict[str, str]], settings: dict[str, Any], where: str, not
     headers = list(dict.fromkeys(header for row in rows for header in row if header != "line"))
     columns: dict[str, str] = {}
     for header in headers:
-        plain = _plain(header)
-        column = COLUMNS.get(plain, COLUMNS.get(plain.replace("error", "").replace("best", ""), ""))
+        word = plain(header)
+        column = COLUMNS.get(word, COLUMNS.get(word.replace("error", "").replace("best", ""), ""))
         if column and column not in columns.values():
             columns[header] = column
-            if "error" in plain and column in STATISTICS:
+            if "error" in word and column in STATISTICS:
                 settings.setdefault("values", "error")
     others = [header for header in headers if header not in columns]
     wide = "optimizer" not in columns.values() and "optimizer" not in settings and "mean" not in columns.values()
@@ -262,7 +263,7 @@ def _cells(rows: list[dict[str, str]], settings: dict[str, Any], where: str, not
         if not wide:
             yield _cell(row["line"], texts | _split(texts.get("mean", "")))
             continue
-        statistic = COLUMNS.get(_plain(texts.pop("statistic", "mean")), "")
+        statistic = COLUMNS.get(plain(texts.pop("statistic", "mean")), "")
         for header in others:
             printed = {statistic: row.get(header, "")} if statistic != "mean" else _split(row.get(header, ""))
             key = (*(texts.get(name, "") for name in ("suite", "function", "dimension")), header)

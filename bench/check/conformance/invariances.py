@@ -52,7 +52,7 @@ def check_rotation(subject: Subject) -> str:
 
 
 def _report(subject: Subject, found: dict[str, str]) -> str:
-    """Return what is kept and what is not, "" for the former; raises ViolationError for a declared one that is not."""
+    """Name the invariances that hold and those that fail; raises ViolationError where one that is declared fails."""
     optimizer = subject.fresh()
     declared = getattr(optimizer, "invariances", ())
     for name in declared if isinstance(declared, Sequence) else [declared]:
