@@ -32,7 +32,7 @@ def command(
     jobs: Jobs = -1,
     against: Against = None,
     subject: Subject = None,
-    reference: Annotated[str | None, typer.Option(hidden=True)] = None,
+    reference: Annotated[str | None, typer.Option(metavar="LABEL", help="Called --subject now.")] = None,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(metavar="PATTERN", help="Show these optimizers alone, as in 'gwo*'; repeatable. Needs --output."),
