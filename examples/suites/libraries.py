@@ -44,7 +44,8 @@ def evox2022(function, dimension, instance):
     torch = importlib.import_module("torch")
     torch.set_default_dtype(torch.float64)
     made = importlib.import_module("evox.problems.numerical.cec2022").CEC2022(function, dimension)
-    return FunctionProblem(lambda x: made.evaluate(torch.tensor(x)).numpy(), [-100] * dimension, [100] * dimension)
+    box = [-100] * dimension, [100] * dimension
+    return FunctionProblem(lambda x: made.evaluate(torch.tensor(x)).numpy(), *box, vectorized=True)
 
 
 def pygmo2014(function, dimension, instance):
@@ -57,7 +58,7 @@ def pymoo_bbob(function, dimension, instance):
     """Return pymoo's function of bbob."""
     problem = importlib.import_module("pymoo.problems").get_problem
     made = problem(f"bbob-f{function:02d}-{instance}", n_var=dimension)
-    return FunctionProblem(lambda x: made.evaluate(x).ravel(), made.xl, made.xu)
+    return FunctionProblem(lambda x: made.evaluate(x).ravel(), made.xl, made.xu, vectorized=True)
 
 
 def bbobtorch(function, dimension, instance):
@@ -66,7 +67,7 @@ def bbobtorch(function, dimension, instance):
     made = getattr(importlib.import_module("bbobtorch"), f"create_f{function:02d}")(dimension, seed=instance)
     known = {"optimum": float(made.f_opt), "optimum_point": made.x_opt.double().numpy()}
     box = made.x_min.double().numpy(), made.x_max.double().numpy()
-    return FunctionProblem(lambda x: made(torch.tensor(x).float()).double().numpy(), *box, **known)
+    return FunctionProblem(lambda x: made(torch.tensor(x).float()).double().numpy(), *box, vectorized=True, **known)
 
 
 def niapy(function, dimension, instance):
@@ -81,7 +82,8 @@ def pymoo(function, dimension, instance):
     """Return pymoo's function of that name, likewise."""
     made = importlib.import_module("pymoo.problems").get_problem(function.partition("-2-26")[0], n_var=dimension)
     place = 0.5 if function == "sphere" else PLACES.get(function, 0.0)
-    return FunctionProblem(lambda x: made.evaluate(x).ravel(), made.xl, made.xu, optimum_point=[place] * dimension)
+    known = {"optimum_point": [place] * dimension}
+    return FunctionProblem(lambda x: made.evaluate(x).ravel(), made.xl, made.xu, vectorized=True, **known)
 
 
 PLACES = {"rosenbrock": 1.0, "levy": 1.0, "schwefel-2-26": 420.968746, "styblinski-tang": -2.903534, "happy-cat": -1.0}
