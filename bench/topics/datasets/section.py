@@ -164,6 +164,12 @@ def _running_times(findings: Findings, problem: str) -> Table:
         "" if pd.isna(trials) else f"{reached:.0f}/{trials:.0f}"
         for reached, trials in zip(last["successes"], last["trials"], strict=True)
     ]
+    if precisions := findings.anytime.precisions_at(chosen.tabled).get(problem):
+        texts_of = [
+            f"{precision:.2g} ({chosen.level_text(tau)})"
+            for tau, precision in zip(chosen.tabled, precisions, strict=True)
+        ]
+        note += f" The targets are the precisions {listing(texts_of)}."
     best = findings.anytime.best_times
     own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("tau")["ert"]
     if len(own_best):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, cast
@@ -222,7 +222,8 @@ class Anytime:
     def running_times(self) -> pd.DataFrame:
         """The ERT of each cell to the targets of the tables, with its spread, also by dimension and in seconds.
 
-        The targets have the name of their unit; times in seconds end with ``_s``.
+        The targets have the name of their unit; times in seconds end with ``_s``. Targets by running length have their
+        ``precision``.
         """
         table = analysis.running_times(self.tabled_hits)
         times = analysis.running_times(analysis.in_seconds(self.tabled_hits, self.trials.whole))
@@ -231,10 +232,19 @@ class Anytime:
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
         table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
         if self.shows_best:
-            best = self.best_times.set_index(["problem", "tau"])["ert"]
+            best = self.best_times.set_index(["problem", "tau"])
             keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
-            table = table.assign(best2009=best.reindex(keys).to_numpy())
+            table = table.assign(best2009=best["ert"].reindex(keys).to_numpy())
+            if self.target_set.by_best:
+                table = table.assign(precision=best["precision"].reindex(keys).to_numpy())
         return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.target_set.unit})
+
+    def precisions_at(self, levels: Sequence[float]) -> dict[str, list[float]]:
+        """Return the precisions of targets by running length by problem, missing ones NaN; {} of other targets."""
+        if not self.target_set.by_best:
+            return {}
+        wide = self.best_times.pivot(index="problem", columns="tau", values="precision").reindex(columns=list(levels))
+        return {str(problem): list(row) for problem, row in zip(wide.index, wide.to_numpy(dtype=float), strict=True)}
 
     @cached_property
     def ert_at_level(self) -> pd.DataFrame:

@@ -12,6 +12,8 @@ from bench import analysis
 from bench.report.parts import Table
 from bench.topics.findings import BEST, Findings
 
+PRECISION = "target precision"  # of a row beside the optimizers
+
 Row = Mapping[Hashable, Any]  # of the running times
 
 
@@ -19,7 +21,8 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     """Return the ERT of each optimizer on problems, whose names are given, over the best of 2009 or in evaluations.
 
     In brackets is the dispersion, half the range from the 10th to the 90th percentile of simulated restarts, in the
-    same unit. A star marks an optimizer that is separably faster than every other one.
+    same unit. A star marks an optimizer that is separably faster than every other one. Where targets differ by function
+    (by running length), a row has the precision of each.
     """
     anytime = findings.anytime
     chosen, times = anytime.target_set, anytime.running_times
@@ -29,6 +32,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     }
     levels = [level for level in chosen.tabled if (rows_of_suite[chosen.unit] == level).any()]
     best = {(row["problem"], row["tau"]): float(row["ert"]) for row in anytime.best_times.to_dict("records")}
+    precisions = anytime.precisions_at(levels)
     hits = findings.anytime.compared_hits
     hits = hits[hits["problem"].isin(problems)]
     at = np.isclose(hits["tau"].to_numpy(dtype=float)[:, np.newaxis], levels, rtol=1e-9, atol=0)
@@ -39,10 +43,12 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     bold, marks = [], []
     for problem, name in problems.items():
         divisors = [best.get((problem, level), np.nan) for level in levels]
-        if anytime.shows_best:
-            rows[name, BEST] = [*map(_short, divisors), ""]
-            bold.append([False] * (len(levels) + 1))
-            marks.append([""] * (len(levels) + 1))
+        beside = {PRECISION: precisions.get(problem), BEST: divisors if anytime.shows_best else None}
+        for row_name, values in beside.items():
+            if values is not None:
+                rows[name, row_name] = [*map(_short, values), ""]
+                bold.append([False] * (len(levels) + 1))
+                marks.append([""] * (len(levels) + 1))
         lowest = rows_of_suite[rows_of_suite["problem"] == problem].groupby(chosen.unit)["ert"].min()
         for optimizer in findings.trials.optimizers:
             cells = [row_of.get((problem, optimizer, level)) for level in levels]
@@ -76,6 +82,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
         "unit. ∞: no trial succeeded, with the median evaluations of the trials. Successes: at the last target. Bold: "
         "the lowest. *: faster than each other one by the rank-sum test, p < 0.05 after Holm’s adjustment for "
         "all functions and targets of this table."
+        + (f" {PRECISION.capitalize()}: the value less the optimum that counts as reached." if precisions else "")
         + (" The best of 2009 is in evaluations; where it is unknown, so are the others (ev.)." if best else ""),
         data=chosen.in_unit(rows_of_suite, chosen.unit),
     )

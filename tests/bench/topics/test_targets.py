@@ -5,12 +5,14 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_problem
+from bench.report.latex import to_latex
 from bench.results.results import ProblemFacts
 from bench.topics.anytime import section as anytime
 from bench.topics.datasets import section as datasets
 from bench.topics.findings import Findings
 from bench.topics.findings import anytime as findings_module
 from bench.topics.methods.methods import methods
+from bench.topics.suite.ert_table import ert_table
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
 
@@ -160,6 +162,20 @@ class TestRunLengths:
         assert list(problem.frame)[:5] == ["0.5", "1.2", "3", "10", "50"]
         assert "trials that reached 50." in problem.note
         assert "by running length: for budgets of 0.5, 1.2, 3, 10 and 50 times" in " ".join(methods(found).text)
+
+    def test_the_tables_have_the_precision_behind_each_running_length(self, small):
+        """Within 0.5, 1.2, 3, 10 and 50 d evaluations the best reached 10^2 … 10^1.2; the targets are a step harder."""
+        found = small()
+        table = ert_table(found, {found.trials.problems[0]: "f08"}, 2)
+        assert list(table.frame.loc[("f08", "target precision")]) == ["63", "40", "25", "16", "10", ""]
+        assert not table.bold.loc[("f08", "target precision")].any()
+        precision = table.data[table.data["optimizer"] == "a"].set_index("budget / d")["precision"]
+        assert precision.to_dict() == pytest.approx(
+            {0.5: 10**1.8, 1.2: 10**1.6, 3.0: 10**1.4, 10.0: 10**1.2, 50.0: 10.0}
+        )
+        assert "target precision & 63 & 40 & 25 & 16 & 10" in " ".join(to_latex(table, "t").split())
+        (problem,) = [each for each in datasets.section(found).sections[0].items if "running-times" in each.name]
+        assert "the precisions 63 (0.5), 40 (1.2), 25 (3), 16 (10) and 10 (50)." in problem.note
 
     def test_a_beaten_optimum_leaves_no_target_and_that_is_said(self, small):
         found = small("runlength")
