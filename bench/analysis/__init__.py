@@ -49,6 +49,7 @@ from bench.analysis.anytime import (
     evaluation_grid,
     expected_running_time,
     hitting_times,
+    performance_profiles,
     success_rates,
 )
 from bench.analysis.bands import curve_bands, leads, spells
@@ -190,6 +191,7 @@ __all__ = [
     "pairwise_tests",
     "parallel_ranks",
     "parallel_times",
+    "performance_profiles",
     "places",
     "pool_instances",
     "portfolio_of",

@@ -15,7 +15,17 @@ from inspect import isfunction
 
 from bench.analysis.input import guarded
 from bench.plots import style
-from bench.plots.curves import convergence, data_profile, ecdf, ert, ert_scatter, regret, scaling, spells
+from bench.plots.curves import (
+    convergence,
+    data_profile,
+    ecdf,
+    ert,
+    ert_scatter,
+    performance_profile,
+    regret,
+    scaling,
+    spells,
+)
 from bench.plots.parallel import fastest_map
 from bench.plots.ranks import a12_forest, cd_diagram, rank_course
 from bench.plots.rows import box_plot, timing
@@ -30,6 +40,7 @@ __all__ = [
     "ert",
     "ert_scatter",
     "fastest_map",
+    "performance_profile",
     "rank_course",
     "regret",
     "scaling",

@@ -14,6 +14,7 @@ from bench.plots import style
 EVALUATIONS = "evaluations"
 MOST_BANDS = 6  # optimizers up to which bands of quartiles can be distinguished
 AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d", "groups": "groups of d + 1 evaluations"}
+AXES |= {"ratio": "ERT / lowest ERT"}
 
 
 def convergence(
@@ -102,6 +103,16 @@ def data_profile(
     ("simplex gradients").
     """
     return _fractions(curves, "share of trials solved", pens, legend, ax)
+
+
+def performance_profile(
+    curves: pd.DataFrame, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the share of problems that each optimizer solved, over the ratio to the lowest time (Dolan and Moré 2002).
+
+    ``curves`` are those of :func:`bench.analysis.performance_profiles`.
+    """
+    return _fractions(curves, "share of problems solved", pens, legend, ax)
 
 
 def ert(

@@ -14,6 +14,7 @@ from bench.report.wording import count, leaders, listing
 from bench.study.targets import Targets
 from bench.topics.anytime.figures import convergence_figure, course_figure, ecdf_figure, ert_figure, regret_figure
 from bench.topics.anytime.leads import figure, sentences
+from bench.topics.anytime.profiles import sections as profiles
 from bench.topics.findings import Findings, Trials
 from bench.topics.topic import Topic
 
@@ -30,7 +31,7 @@ def section(findings: Findings) -> Section:
     # Moré and Wild (2009): at 1e-1 to 1e-7. Of imported problems the dimension may be unknown.
     sizes = dimensions if dimensions.keys() >= {*findings.trials.problems} else None
     most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
-    profiles = analysis.data_profiles(hits, chosen.level, analysis.evaluation_grid(most), sizes)
+    solved = analysis.data_profiles(hits, chosen.level, analysis.evaluation_grid(most), sizes)
     if chosen.restarts:
         reached = analysis.mean_shares(findings.anytime.restart_shares, findings.anytime.curves)
     elif not findings.trials.scaled:
@@ -40,7 +41,7 @@ def section(findings: Findings) -> Section:
         reached = analysis.ecdf(hits, along, dimensions)
     together = ecdf_figure(
         reached,
-        profiles,
+        solved,
         findings.display.pens,
         target=chosen.at(chosen.level),
         ends=findings.anytime.ends(findings.trials.problems, per_dimension=findings.trials.scaled)
@@ -69,7 +70,12 @@ def section(findings: Findings) -> Section:
         )
         for dimension, labels in by_dimension.items()
     )
-    return Section(TITLE, text, (*course(findings), *figure(findings), together, *rates), sections=own_parts)
+    return Section(
+        TITLE,
+        text,
+        (*course(findings), *figure(findings), together, *rates),
+        sections=(*profiles(findings), *own_parts),
+    )
 
 
 def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, suffix: str = "") -> Iterator[Figure]:

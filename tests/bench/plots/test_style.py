@@ -76,6 +76,7 @@ def test_functions_draw_on_the_axes_given_or_on_new_ones():
         lambda ax: plots.ert(times(["p"], ["a"]), "p", ax=ax),
         lambda ax: plots.ecdf(fractions(["a"]), ax=ax),
         lambda ax: plots.data_profile(fractions(["a"], "groups"), ax=ax),
+        lambda ax: plots.performance_profile(fractions(["a"], "ratio"), ax=ax),
         lambda ax: plots.cd_diagram(ranks, ax=ax),
         lambda ax: plots.a12_forest(improvements(["a", "b"]), ax=ax),
         lambda ax: plots.timing(clock(["a"]), ax=ax),
