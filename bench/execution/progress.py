@@ -70,7 +70,9 @@ class Display:
         if not self._console.is_terminal and (monotonic() - self._printed > PAUSE or task.finished):
             self._printed = monotonic()
             made, missing = (int(number or 0) - self._present for number in (task.completed, task.total))
-            left = f", about {duration(task.time_remaining)} left" if task.time_remaining else ""
+            # Before each optimizer had a run, most of the time went into starting.
+            paced = made >= len(self._bars) and task.time_remaining
+            left = f", about {duration(paced)} left" if paced else ""
             print_line(f"{made} of {missing} runs done{left}", console=self._console)
 
     def _count(self, plan: Plan) -> int:
