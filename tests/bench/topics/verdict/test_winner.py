@@ -106,7 +106,7 @@ CASES = {
     "no run comes near": standing(THREE, near_shares=near(0.0, 0.0, 0.0)),
     "ahead at every budget": standing(THREE, beaten=CLEAR, course=stages(*["cma-es"] * 6), unit="of the budget"),
     "others ahead at smaller budgets": standing(
-        THREE, beaten=CLEAR, course=stages("gwo", "cma-es", "alo", "alo", "cma-es", "cma-es"), unit="of the budget"
+        THREE, beaten=CLEAR, course=stages("gwo", "cma-es", "alo", "gwo alo", "cma-es", "cma-es"), unit="of the budget"
     ),
     "two share the second place": standing(SECONDS),
 }  # fmt: skip
