@@ -163,7 +163,6 @@ class Folder:
             temporary.write_text(study.to_toml(), encoding="utf-8")
             with self.store.writer() as writer:
                 chosen = selection or Selection(study.cells(Fingerprints({}, {}, {})))
-                writer.complete(chosen.completed)
                 writer.select(study.identity(), study.looks, chosen.cells)
 
     def save(self, path: Path) -> Path:

@@ -11,9 +11,10 @@ from typing import Any
 
 from bench.columns import STORED, Column
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, NAMES, VALUES
+from bench.storage.rows import COLUMNS, NAMES
 
-VERSION = 5
+VERSION, OLDEST = 5, 4
+"""The layout of new stores, and the first one from which :mod:`bench.storage.migrations` leads to it."""
 
 ONE = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
 """The SQL condition of one trial."""
@@ -29,8 +30,20 @@ def _definition(column: Column) -> str:
     return f"{column.name} {_KINDS[column.kind]}{needs}"
 
 
-# A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
-SCHEMA = f"""
+def values_of(version: int | None) -> tuple[str, ...]:
+    """Return the columns of ``results`` in a layout, beside cell, trial, digest and names."""
+    return tuple(column.name for column in STORED if column.since <= (version or VERSION))
+
+
+@cache
+def schema(version: int = VERSION) -> str:
+    """Return the statements that make the tables of a layout.
+
+    A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
+    """
+    values = values_of(version)
+    definitions = [_definition(column) for column in STORED if column.name in values]
+    return f"""
 CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
 CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
 CREATE TABLE problems (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
@@ -50,12 +63,12 @@ CREATE TABLE names (
 );
 CREATE TABLE results (
     cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, digest BLOB, names INTEGER REFERENCES names,
-    {", ".join(map(_definition, STORED))}, PRIMARY KEY (cell, trial)
+    {", ".join(definitions)}, PRIMARY KEY (cell, trial)
 ) WITHOUT ROWID;
 CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(NAMES)}, {", ".join(VALUES)}
+    SELECT problem, optimizer, trial, {", ".join(NAMES)}, {", ".join(values)}
     FROM {SELECTED};
-PRAGMA user_version = {VERSION}
+PRAGMA user_version = {version}
 """
 
 
@@ -65,14 +78,14 @@ def layout(connection: sqlite3.Connection) -> int | None:
     return None if empty else int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
-def strange(connection: sqlite3.Connection, schema: str, *, rescue: bool = False) -> str:
-    """Return the name of what a store has and its schema has not: a table, an index, a view or a trigger; or "".
+def strange(connection: sqlite3.Connection, version: int, *, rescue: bool = False) -> str:
+    """Return the name of what a store has and its layout has not: a table, an index, a view or a trigger; or "".
 
     A stranger's view may have no end, and triggers and generated columns compute whenever they are read or written.
     With ``rescue``, damage to our own is passed over. What is missing is found where it is read.
     """
     found = {*connection.execute(_STRUCTURE)}
-    foreign = {each for each in found if _computes(*each)} if rescue else found - _ours(schema)
+    foreign = {each for each in found if _computes(*each)} if rescue else found - _ours(version)
     return min((name.decode(errors="replace") for _, name, _ in foreign), default="")
 
 
@@ -80,9 +93,9 @@ _STRUCTURE = "SELECT CAST(type AS BLOB), CAST(name AS BLOB), CAST(sql AS BLOB) F
 
 
 @cache
-def _ours(schema: str) -> frozenset[tuple[bytes, bytes, bytes | None]]:
+def _ours(version: int) -> frozenset[tuple[bytes, bytes, bytes | None]]:
     with closing(sqlite3.connect(":memory:")) as connection:
-        create(connection, schema)
+        create(connection, schema(version))
         return frozenset(connection.execute(_STRUCTURE))
 
 
@@ -92,9 +105,9 @@ def _computes(kind: bytes, name: bytes, sql: bytes | None) -> bool:
     return re.search(rb"\bAS\b", sql or b"", re.IGNORECASE) is not None
 
 
-def create(connection: sqlite3.Connection, schema: str) -> None:
-    """Make the tables of a schema."""
-    for statement in schema.split(";"):
+def create(connection: sqlite3.Connection, statements: str) -> None:
+    """Make tables in the transaction that is open, which no script of SQLite leaves open."""
+    for statement in statements.split(";"):
         connection.execute(statement)
 
 
@@ -104,7 +117,7 @@ def prepare(connection: sqlite3.Connection, begun: Committed) -> None:
         return
     with connection:
         connection.execute("BEGIN IMMEDIATE")
-        create(connection, SCHEMA)
+        create(connection, schema())
         connection.execute("INSERT INTO committed VALUES (?, 0)", (begun.commits,))
 
 

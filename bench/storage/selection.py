@@ -21,12 +21,10 @@ class Selection:
     Attributes:
         cells: by the labels that the study shows. The labels in a cell are those that its seeds are made from: an entry
             that was renamed keeps its trials.
-        completed: cells of which an older version noted less, and what is known of them now.
         notes: sentences on what changed since the study that ran here before.
     """
 
     cells: dict[Labels, Cell]
-    completed: dict[Cell, Cell] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -37,7 +35,6 @@ class Selection:
     def labels_in(self, held: Cells) -> dict[int, Labels]:
         """Return the labels of the selected cells that a store holds, by their number in it."""
         known = {cell: number for number, cell in held.all.items()}
-        known |= {now: known[cell] for cell, now in self.completed.items() if cell in known}  # not completed yet
         return {known[cell]: labels for labels, cell in self.cells.items() if cell in known}
 
 
@@ -63,18 +60,7 @@ def select(wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mappin
         )
         for (problem, optimizer), cell in wanted.items()
     }
-    now = {(cell.labels, cell.conditions): cell for cell in named.values()}
-    completed = {
-        cell: found
-        for cell in stored
-        if any(None in read(text).values() for text in cell.records)
-        if (found := now.get((cell.labels, cell.conditions), cell)) != cell and found not in stored
-        if all(alike(*texts) for texts in zip(cell.records, found.records, strict=True))
-    }
-    for before, found in completed.items():
-        stored[found] = stored[before]
-    changes = _Changes(named, most, held, stored, set(completed))
-    return Selection(named, completed, [*changes.notes()])
+    return Selection(named, [*_Changes(named, most, held, stored).notes()])
 
 
 def changed(wanted: Mapping[Labels, Cell], held: Cells) -> list[str]:
@@ -123,7 +109,6 @@ class _Changes:
     most: int
     held: Cells
     stored: Mapping[Cell, int]
-    completed: Collection[Cell]
 
     @cached_property
     def before(self) -> dict[Labels, Cell]:
@@ -151,7 +136,7 @@ class _Changes:
             groups.setdefault(labels[place], []).append(labels)
         for label, cells in groups.items():
             old, new = self.before[cells[0]], self.now[cells[0]]
-            if old.records[place] != new.records[place] and old not in self.completed:
+            if old.records[place] != new.records[place]:
                 which = f"of {self._version(old)}" if place else "before"
                 yield f"{label} {self._change(place, old, new)}: {self._numbers(cells, which)}"
         shown = {labels[place] for labels in self.now}

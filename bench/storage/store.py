@@ -21,7 +21,7 @@ from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS
-from bench.storage.schema import ONE, SCHEMA, SELECTED, VERSION, found, layout, prepare, strange
+from bench.storage.schema import OLDEST, ONE, SELECTED, VERSION, found, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
 from bench.study.cell import Labels
@@ -240,14 +240,14 @@ class Store:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
                 if rescue:
                     connection.execute("PRAGMA writable_schema = ON")
-                schemas = {VERSION: SCHEMA} | {number: step.schema for number, step in migrations.STEPS.items()}
-                if (version := layout(connection)) not in (None, *schemas):
+                version = layout(connection)
+                if version is not None and not OLDEST <= version <= VERSION:
                     raise BenchError(
                         f"the store {self.path} was written in layout {version}, and this version reads layout "
                         f"{VERSION}; export it with the version that wrote it ('bench export --format csv') and import "
                         "that, or run the study into another folder"
                     )
-                if version is not None and (name := strange(connection, schemas[version], rescue=rescue)):
+                if version is not None and (name := strange(connection, version, rescue=rescue)):
                     raise BenchError(
                         f"the store {self.path} holds {printable(name, LONGEST)!r} in another form than 'bench run' "
                         f"writes it, so nothing of it is read; {BEYOND_REPAIR}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -136,28 +136,6 @@ class Writer:
             self._connection.execute("INSERT INTO study VALUES (?, ?, ?)", (*about, selection_digest(*about, selected)))
         self._read()
 
-    def complete(self, cells: Mapping[Cell, Cell]) -> None:
-        """Commit what is known now of cells of which an older version noted less.
-
-        Rows that fit their digests get others, which bind them to what is noted now.
-        """
-        if not cells:
-            return
-        with self.transaction():
-            bound = {self._numbers[before]: (before, now) for before, now in cells.items()}
-            rebind(
-                self._connection,
-                lambda number, names: binding_of(bound[number][0], names) if number in bound else None,
-                lambda number, names: binding_of(bound[number][1], names),
-            )
-            for number, (_, now) in bound.items():
-                parts = [self._part(*part) for part in (("problems", now.problem), ("optimizers", now.optimizer))]
-                values = *parts, now.evaluations, now.seed, number
-                self._connection.execute(
-                    "UPDATE cells SET problem = ?, optimizer = ?, evaluations = ?, seed = ? WHERE id = ?", values
-                )
-        self._read()
-
     def environment(self, record: Mapping[str, Any]) -> int:
         """Commit an environment's record and return its number; equal records have one number."""
         text = json.dumps(record)
@@ -213,34 +191,6 @@ class Writer:
         """Return the number of the record of a problem or an optimizer, which is added where it is new."""
         self._connection.execute(f"INSERT OR IGNORE INTO {table} (record) VALUES (?)", (record,))
         return int(self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (record,)).fetchone()[0])
-
-
-Bound = Callable[[int, Sequence[bytes | None]], bytes | None]
-
-
-def rebind(connection: sqlite3.Connection, before: Bound, now: Bound) -> None:
-    """Write other digests for rows that fit theirs; damaged rows, and those of other cells, stay as they are.
-
-    Args:
-        connection: to the store.
-        before: what the digests of rows of a cell, by its number, with these names begin with; None for other cells.
-        now: what they are to begin with.
-    """
-    factory, connection.text_factory = connection.text_factory, bytes
-    try:
-        rows = connection.execute(
-            f"SELECT digest, cell, trial, variables, metric_names, {', '.join(VALUES)} FROM results"
-            " LEFT JOIN names ON names.id = names"
-        )
-        changed = [
-            (digest(now(cell, names) or b"", (trial, *values)), cell, trial)
-            for noted, cell, trial, *rest in rows
-            for names, values in ((rest[:2], rest[2:]),)
-            if (bound := before(cell, names)) is not None and digest(bound, (trial, *values)) == noted
-        ]
-    finally:
-        connection.text_factory = factory
-    connection.executemany("UPDATE results SET digest = ? WHERE cell = ? AND trial = ?", changed)
 
 
 def _identity(path: Path) -> tuple[int, int] | None:

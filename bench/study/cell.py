@@ -25,8 +25,6 @@ class Cell(NamedTuple):
             package its version (:mod:`bench.plugins.code`).
         evaluations: what a trial may spend; 0 where that is not known of imported results.
         seed: the study's, from which with both labels all seeds derive.
-
-    A hash that an older version did not note is null (:func:`alike`).
     """
 
     problem: str
@@ -71,20 +69,16 @@ def relabelled(text: str, label: str) -> str:
 
 
 def alike(one: str, other: str) -> bool:
-    """Return whether two records agree in all but their labels, as far as both are known."""
-    first, second = read(one), read(other)
-    return all(
-        first.get(key) == second.get(key) or first.get(key) is None or second.get(key) is None
-        for key in {*first, *second} - {"label"}
-    )
+    """Return whether two records agree in all but their labels."""
+    return relabelled(one, "") == relabelled(other, "")
 
 
 def differences(before: str, now: str) -> Iterator[str]:
     """Yield in phrases how a record differs from the one before: the files that changed, or options."""
     old, new = read(before), read(now)
     for key in ("data", "code"):
-        if old.get(key) not in (new.get(key), None):
-            both = isinstance(old[key], Mapping) and isinstance(new.get(key), Mapping)
+        if old.get(key) != new.get(key):
+            both = isinstance(old.get(key), Mapping) and isinstance(new.get(key), Mapping)
             yield ", ".join(names_that_differ(old[key], new[key])) if both else key
     if old["name"] != new["name"]:
         yield f"it is {new['name']!r}, not {old['name']!r}"

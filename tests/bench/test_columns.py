@@ -10,7 +10,7 @@ from bench import FunctionProblem, load_optimizer
 from bench.columns import COLUMNS, MEASURED, STORED, named, packed
 from bench.results.tidy import COLUMNS as FRAME_COLUMNS
 from bench.storage.rows import VALUES
-from bench.storage.schema import SCHEMA
+from bench.storage.schema import schema
 from bench.trial import as_row, search
 
 
@@ -32,7 +32,7 @@ def test_a_result_has_every_measured_column_with_its_type():
 def test_the_store_has_the_stored_columns_with_their_types():
     kinds = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
     connection = sqlite3.connect(":memory:")
-    connection.executescript(SCHEMA)
+    connection.executescript(schema())
     made = {name: kind for _, name, kind, *_ in connection.execute("PRAGMA table_info(results)")}
     assert {column.name: kinds[column.kind] for column in STORED}.items() <= made.items()
     assert [name for name in made if name in VALUES] == [*VALUES]

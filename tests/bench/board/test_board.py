@@ -19,6 +19,7 @@ from bench.storage.folder import Folder
 from bench.storage.selection import Selection
 from bench.study import Fingerprints
 from bench.trial import Trial
+from tests.bench.storage.filled import recell
 
 RECORD = {
     "started": "2026-01-01T00:00:00+00:00", "ended": "2026-01-02T00:00:00+00:00", "python": "3.12.1",
@@ -36,7 +37,7 @@ def row(fun):
     }  # fmt: skip
 
 
-def packed(path, scores, record=RECORD, **study):
+def packed(path, scores, record=RECORD, known=False, **study):
     """Pack a study in which each optimizer's trials on every problem end at the scores given by its label."""
     folder = Folder(path.with_suffix(""))
     folder.path.mkdir(parents=True)
@@ -46,8 +47,7 @@ def packed(path, scores, record=RECORD, **study):
         "optimizers": [{"name": "scatter", "label": label, "agents": number} for label, number in agents.items()],
     }  # fmt: skip
     made = Study.from_dict(content | study)
-    unknown = Fingerprints({}, dict.fromkeys(entry.label for entry in made.optimizers), {})  # as no code made them
-    folder.claim(made, Selection(made.cells(unknown)))
+    folder.claim(made, Selection(made.cells(made.check() if known else Fingerprints({}, {}, {}))))
     with folder.store.writer() as writer:
         number = writer.environment(record)
         for problem in PROBLEMS:
@@ -326,7 +326,9 @@ def test_trials_are_made_again(bench_here, tmp_path):
 @pytest.mark.slow
 @sandboxed
 def test_a_trial_that_differs_is_marked(bench_here, tmp_path):
-    file = packed(tmp_path / "a.zip", {"forged": (-1e9,)})
+    file = packed(
+        tmp_path / "a.zip", {"forged": (-1e9,)}, known=True, optimizers=[{"name": "random-search", "label": "forged"}]
+    )
     done = bench_here("site", file, "-o", tmp_path / "board", "--verify", 1)
     assert done.returncode == 1
     assert re.search(r"different: a\.zip: forged on bbob-f0[12]-d2-i1, trial 0 differs: ", done.stdout)
@@ -343,8 +345,7 @@ def test_seeds_that_were_chosen_are_found_out(tmp_path):
     run(study, tmp_path / "lucky", n_jobs=1)
     folder = Folder(tmp_path / "lucky")
     chosen = {labels: cell._replace(seed=1) for labels, cell in folder.store.held().by_labels.items()}
-    with folder.store.writer() as writer:  # as only code that imports this package can
-        writer.complete({cell._replace(seed=0): cell for cell in chosen.values()})
+    recell(folder.store, {cell._replace(seed=0): cell for cell in chosen.values()})
     folder.claim(study.override(seed=1), Selection(chosen))
     board = write_board([pack(tmp_path / "lucky", tmp_path / "lucky.zip").path], tmp_path / "board", verify=1)
     assert board.archives[0].again[0].different

@@ -113,14 +113,6 @@ def test_other_evaluations_and_seeds_are_named_together():
     assert chosen.notes == ["evaluations changed, seed changed from 0 to 4: 6 trials to make; the 6 before are kept"]
 
 
-def test_what_an_older_version_did_not_note_is_completed_and_continued():
-    unknown = FOUND._replace(code={"a": None})
-    chosen = again(study("a"), study("a"), unknown, FOUND)
-    assert chosen.notes == []
-    assert [*chosen.completed.values()] == [*study("a").cells(FOUND).values()]
-    assert len(chosen.labels_in(held(study("a"), unknown)[0])) == 2
-
-
 def test_cells_that_are_others_now_are_named_whatever_their_labels():
     cells, _ = held(study("a"))
     renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id")

@@ -14,7 +14,7 @@ from bench.columns import STORED, named, packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
 from bench.storage.rows import COLUMNS, disagreement
-from bench.storage.schema import SCHEMA, VERSION
+from bench.storage.schema import VERSION, schema
 from bench.storage.store import Store
 from bench.study.cell import Cell, record
 from bench.study.looks import Looks
@@ -229,7 +229,7 @@ def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(tmp_path):
 
 def test_a_schema_that_changes_has_another_version():
     """Nothing else distinguishes an old store from a new one."""
-    assert "PRAGMA user_version = 5\n" in SCHEMA
+    assert "PRAGMA user_version = 5\n" in schema()
     assert max(column.since for column in STORED) <= VERSION
 
 
