@@ -13,9 +13,9 @@ from typing import Any, ClassVar
 import pytest
 
 from bench.check.checker import Checker
-from bench.check.conformance.problem_subject import ProblemSubject, make_problem_subject
+from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.rules import TABLES, Rule
-from bench.check.conformance.subject import AnySubject, Subject, make_subject
+from bench.check.conformance.subject import AnySubject, Subject
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer, is_frozen
 from bench.problem import Problem
@@ -55,7 +55,7 @@ def parametrize_with_checks(
         BenchError: when ``optimizers`` is a single optimizer, is empty or contains anything else, and for an unknown
             rule or a missing reason in ``expected_failures``.
     """
-    return _parametrized(optimizers, "optimizer", expected_failures)
+    return _parametrized(optimizers, Subject, expected_failures)
 
 
 def parametrize_with_problem_checks(
@@ -79,17 +79,17 @@ def parametrize_with_problem_checks(
     Raises:
         BenchError: as from :func:`parametrize_with_checks`.
     """
-    return _parametrized(problems, "problem", expected_failures)
+    return _parametrized(problems, ProblemSubject, expected_failures)
 
 
 def _parametrized(
-    sources: Iterable[Source], kind: str, expected_failures: ExpectedFailures | None
+    sources: Iterable[Source], subject: type[AnySubject], expected_failures: ExpectedFailures | None
 ) -> pytest.MarkDecorator:
     if isinstance(sources, (str, type, Optimizer, Problem)):
-        raise BenchError(f"give a list of {kind}s, such as [{sources!r}]")
-    cases = [case for source in sources for case in _cases(source, kind, expected_failures)]
+        raise BenchError(f"give a list of {subject.kind}s, such as [{sources!r}]")
+    cases = [case for source in sources for case in _cases(source, subject, expected_failures)]
     if not cases:
-        raise BenchError(f"give at least one {kind} to check")
+        raise BenchError(f"give at least one {subject.kind} to check")
     return pytest.mark.parametrize("check", cases)
 
 
@@ -103,9 +103,9 @@ class RuleCheck:
 
     _last: ClassVar[Checker | None] = None  # its process ends when another plug-in is checked
 
-    def __init__(self, source: Source, rule: Rule, checker: Checker, kind: str) -> None:
+    def __init__(self, source: Source, rule: Rule, checker: Checker, subject: type[AnySubject]) -> None:
         self.source, self.rule = source, rule.name
-        self._rule, self._checker, self._kind = rule, checker, kind
+        self._rule, self._checker, self._subject = rule, checker, subject
 
     def __repr__(self) -> str:
         return f"<check of {_label(self.source)}: {self.rule}>"
@@ -121,7 +121,7 @@ class RuleCheck:
         __tracebackhide__ = True
         label, checker = _label(self.source), self._checker
         try:
-            _subject(self.source, self._kind)
+            self._subject.of(self.source, {}, 0)
         except BenchError as error:
             raise BenchError(str(error)) from None  # without the frames in which the name was looked up
         if RuleCheck._last not in (None, checker):
@@ -137,29 +137,23 @@ class RuleCheck:
             pytest.fail(f"{finding}\nremedy: {verdict.remedy}", pytrace=False)
 
 
-def _subject(source: Any, kind: str) -> AnySubject:
-    """Return the subject of a name, a class or an instance; raises BenchError for anything else."""
-    return (make_subject if kind == "optimizer" else make_problem_subject)(source, {}, 0)
-
-
-def _cases(source: Source, kind: str, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
+def _cases(source: Source, subject: type[AnySubject], expected_failures: ExpectedFailures | None) -> Iterator[Any]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
     expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
-    named = Subject if kind == "optimizer" else ProblemSubject  # of a name, which is loaded where it is checked
-    checker = Checker(named(source) if isinstance(source, str) else _subject(source, kind))
+    checker = Checker(subject(source) if isinstance(source, str) else subject.of(source, {}, 0))
     atexit.register(checker.close)
-    names = [rule.name for rule in TABLES[kind]]
+    names = [rule.name for rule in TABLES[subject.kind]]
     for name, reason in expected.items():
         if name not in names:
             raise BenchError(f"expected_failures names an unknown rule {name!r}{nearest(name, names)}")
         if not isinstance(reason, str) or not reason.strip():
             raise BenchError(f"expected_failures must give the reason for {name!r} as a text, not {reason!r}")
-    for rule in TABLES[kind]:
+    for rule in TABLES[subject.kind]:
         marks = []
         if rule.name in expected:
             marks.append(pytest.mark.xfail(reason=expected[rule.name], strict=True, raises=pytest.fail.Exception))
         name = f"{_label(source)}-{rule.name.replace(' ', '-')}"
-        yield pytest.param(RuleCheck(source, rule, checker, kind), id=name, marks=marks)
+        yield pytest.param(RuleCheck(source, rule, checker, subject), id=name, marks=marks)
 
 
 def _label(source: Source) -> str:

@@ -19,7 +19,7 @@ from bench import Optimizer, load_optimizer
 from bench.check.bias import diagnose
 from bench.check.checker import Checker
 from bench.check.conformance.rules import RULES
-from bench.check.conformance.subject import make_subject
+from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
 
 METHODS = (
@@ -105,7 +105,7 @@ class Changed:
 def verdicts(method: str, defect: str, rules: Any) -> dict[str, Verdict]:
     """Return the verdicts on a method with a defect by rule, in a process of its own."""
     kind = WithIdle if defect == "a parameter without effect" else Planted
-    checker = Checker(make_subject(kind(method, defect), {}, 0))
+    checker = Checker(Subject.of(kind(method, defect), {}, 0))
     found = {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
     checker.close()
     return found

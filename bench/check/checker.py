@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
 from typing import Any
 
-from bench.check.conformance.problem_subject import ProblemSubject, make_problem_subject
+from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.recording import LOST, explain_lost_process
 from bench.check.conformance.rules import APART, ROTATION, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
-from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, make_subject, pack, unpack
+from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, sandbox
@@ -57,11 +57,7 @@ def check_optimizer(
     Raises:
         BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
     """
-    if untrusted and not isinstance(optimizer, str):
-        raise BenchError("code that nobody trusts is checked by its name, such as path/to/file.py:Class")
-    apart = sandbox([optimizer]) if untrusted and isinstance(optimizer, str) else None
-    prepare = Subject if apart else make_subject  # which constructs it here
-    subject = prepare(optimizer, options, seed)
+    subject, apart = _prepared(Subject, optimizer, options, seed, untrusted)
     return _checkup(subject, _verdicts(subject, bias, jobs, apart), on_check)
 
 
@@ -94,13 +90,21 @@ def check_problem(
     Raises:
         BenchError: for an unknown name or option, and for an argument that is no problem.
     """
-    if untrusted and not isinstance(problem, str):
-        raise BenchError("code that nobody trusts is checked by its name, such as path/to/file.py:Mine")
-    apart = sandbox([problem]) if untrusted and isinstance(problem, str) else None
-    subject = ProblemSubject(problem, options, seed) if apart else make_problem_subject(problem, options, seed)
+    subject, apart = _prepared(ProblemSubject, problem, options, seed, untrusted)
     rules = (*TABLES["problem"], SEARCH) if search else TABLES["problem"]
     with closing(Checker(subject, apart)) as checker:
         return _checkup(subject, filter(None, map(checker.verdict, rules)), on_check)
+
+
+def _prepared(
+    kind: type[Any], plugin: object, options: dict[str, Any], seed: int, untrusted: bool
+) -> tuple[Any, Sandbox | None]:
+    """Return the subject of a check, made here once unless nobody trusts its code, and the sandbox for it, if any."""
+    if not untrusted:
+        return kind.of(plugin, options, seed), None
+    if not isinstance(plugin, str):
+        raise BenchError("code that nobody trusts is checked by its name, such as path/to/file.py:Mine")
+    return kind(plugin, options, seed), sandbox([plugin])
 
 
 def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callable[[Verdict], None] | None) -> Checkup:

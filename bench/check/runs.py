@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.check.conformance.subject import Subject, make_subject, pack, unpack
+from bench.check.conformance.subject import Subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, TIMEOUT
@@ -110,7 +110,7 @@ def _begin(
     begin: Begin, group: int, optimizer: Optimizer | Subject, tasks: list[CheckRun], limits: dict[str, Any]
 ) -> list[Future[Any]] | BenchError:
     try:
-        packed = pack(optimizer if isinstance(optimizer, Subject) else make_subject(optimizer, {}, 0))
+        packed = pack(optimizer if isinstance(optimizer, Subject) else Subject.of(optimizer, {}, 0))
     except Exception as error:  # pickling runs a plug-in's code
         return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
     return [begin(group, make_run, packed, task, **limits) for task in tasks]

@@ -182,7 +182,11 @@ def test_an_id_shows_the_parameters_that_were_set_and_repeats(optimizer, label):
     [
         ("gwo", None, "give a list of optimizers, such as ['gwo']"),
         ([], None, "give at least one optimizer to check"),
-        ([3], None, "give the name of an optimizer, an Optimizer subclass or an instance of one, not 3"),
+        (
+            [3],
+            None,
+            "give the name of a plug-in of bench.optimizers, a subclass of Optimizer or an instance of one, not 3",
+        ),
         (["gwo"], {"no-state": "known"}, "unknown rule 'no-state'; did you mean 'no state'?"),
         (["gwo"], {"silence": ""}, "expected_failures must give the reason for 'silence' as a text, not ''"),
     ],

@@ -1,18 +1,15 @@
-"""The problem under check, in a form from which another process can load it."""
+"""The problem under check, and what it returns of points as the harness evaluates them."""
 
 from __future__ import annotations
 
-import dataclasses
 import pickle
-from typing import Any, ClassVar
 
 import cloudpickle
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.check.conformance.recording import RecordedRun, seeded_global_states
-from bench.errors import BenchError
-from bench.numbers import require_seed
+from bench.check.conformance.subject import AnySubject
 from bench.objective import as_values, floats, integer_flags, repaired
 from bench.plugins.loading import load_problem
 from bench.problem import Problem, with_own_box
@@ -22,31 +19,11 @@ from bench.typing import Flags, Floats
 POINTS = 24  # of a run
 
 
-@dataclasses.dataclass(frozen=True)
-class ProblemSubject:
-    """A problem that is loaded anew for every run, so that no run depends on the state that another one left.
+class ProblemSubject(AnySubject):
+    """A problem under check; a run asks it for all that it returns of ``POINTS`` points."""
 
-    A run asks the problem for all that it returns of ``POINTS`` points.
-
-    Attributes:
-        source: its name, its class, or an instance of it.
-        options: its options, for a name or a class.
-        seed: the first seed of its points.
-        packed: the bytes from which another process unpacked it; None elsewhere.
-    """
-
-    kind: ClassVar[str] = "problem"
-    source: str | type[Problem] | Problem
-    options: dict[str, Any] = dataclasses.field(default_factory=dict)
-    seed: int = 0
-    packed: bytes | None = None
-
-    @property
-    def label(self) -> str:
-        """The name that verdicts show."""
-        if isinstance(self.source, str):
-            return self.source
-        return self.source.__name__ if isinstance(self.source, type) else str(self.source.name)
+    kind = "problem"
+    base = Problem
 
     def fresh(self) -> Problem:
         """Return a new instance with these options; raises whatever its construction raises."""
@@ -73,25 +50,6 @@ class ProblemSubject:
         """Return the problem's declaration as text."""
         names = ("name", "variables", "lower", "upper", "integer", "optimum", "features", "repairs", "noisy", "measure")
         return {name: repr(getattr(problem, name)) for name in names}
-
-
-def make_problem_subject(problem: object, options: dict[str, Any], seed: int) -> ProblemSubject:
-    """Return the subject of a name, a class or an instance.
-
-    Raises:
-        BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
-    """
-    require_seed("the seed", seed)
-    is_class = isinstance(problem, type) and issubclass(problem, Problem)
-    if not isinstance(problem, (str, Problem)) and not is_class:
-        raise BenchError(f"give the name of a problem, a Problem subclass or an instance of one, not {problem!r}")
-    if isinstance(problem, Problem) and options:
-        raise BenchError(f"{next(iter(options))!r} cannot be set: the problem is made already")
-    source: Any = problem
-    subject = ProblemSubject(source, options, seed)
-    if isinstance(problem, str):
-        subject.fresh()
-    return subject
 
 
 def sample(problem: Problem, n: int, seed: int) -> Floats:

@@ -1,11 +1,12 @@
-"""The optimizer under check, in a form from which another process can construct it."""
+"""The plug-in under check, in a form from which another process can make it; and an optimizer."""
 
 from __future__ import annotations
 
 import dataclasses
 import pickle
+from abc import ABC, abstractmethod
 from functools import lru_cache
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Self
 
 import cloudpickle
 from threadpoolctl import threadpool_limits
@@ -17,6 +18,7 @@ from bench.numbers import require_seed
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins import values
 from bench.plugins.loading import load_optimizer
+from bench.plugins.objects import title
 from bench.sandbox.server import end_if_stuck
 from bench.trial import search
 
@@ -24,62 +26,83 @@ START_SECONDS = 120.0
 """Seconds that a process may take to import the optimizer, to compile it and to make a few first runs."""
 
 
-class AnySubject(Protocol):
-    """An optimizer or a problem under check; the rules that hold for both know no more of it.
+@dataclasses.dataclass(frozen=True)
+class AnySubject(ABC):
+    """A plug-in under check, made anew for every run, so that no run depends on the state that another one left.
+
+    The rules that hold for optimizers and problems know no more of it.
 
     Attributes:
         kind: ``"optimizer"`` or ``"problem"``, whose table of rules it is checked against.
+        base: the class that all plug-ins of the kind have.
+        source: its name, its class, or an instance of it.
+        options: its parameters or options, for a name or a class.
+        seed: the first seed of its runs.
+        packed: the bytes from which :func:`unpack` made it, in a process that may be ended; None elsewhere.
     """
 
     kind: ClassVar[str]
+    base: ClassVar[type]
+    source: Any
+    options: dict[str, Any] = dataclasses.field(default_factory=dict)
+    seed: int = 0
+    packed: bytes | None = None
 
-    @property
-    def source(self) -> Any:
-        """Its name, its class, or an instance of it."""
+    @classmethod
+    def of(cls, plugin: object, options: dict[str, Any], seed: int) -> Self:
+        """Return the subject of a name, a class or an instance; what a name stands for is made once.
 
-    @property
-    def packed(self) -> bytes | None:
-        """The bytes from which :func:`unpack` made it, in a process that may be ended; None elsewhere."""
+        Raises:
+            BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
+        """
+        require_seed("the seed", seed)
+        made = isinstance(plugin, cls.base)
+        if not (made or isinstance(plugin, str) or (isinstance(plugin, type) and issubclass(plugin, cls.base))):
+            raise BenchError(
+                f"give the name of a plug-in of bench.{cls.kind}s, a subclass of {cls.base.__name__} or an instance of "
+                f"one, not {plugin!r}"
+            )
+        if made and options:
+            raise BenchError(
+                f"{next(iter(options))!r} cannot be set: the {cls.kind} is made already; give its class or name"
+            )
+        kind: Any = type(plugin) if made else plugin
+        if isinstance(kind, type) and "plugin" in vars(kind):  # made at run time, so it is loaded by its name
+            plugin, options = vars(kind)["plugin"], settings(plugin) if isinstance(plugin, Optimizer) else options
+        subject = cls(plugin, options, seed)
+        if not made and (options or isinstance(plugin, str)):
+            try:
+                subject.fresh()
+            except BenchError:
+                raise
+            except Exception:  # the first rule reports it
+                return subject
+        return subject
 
     @property
     def label(self) -> str:
         """The name that verdicts show."""
+        return self.source if isinstance(self.source, str) else title(self.source)
 
+    @abstractmethod
     def fresh(self) -> Any:
-        """Return a new instance."""
+        """Return a new instance with these options; raises whatever its construction raises."""
 
+    @abstractmethod
     def run(self, *, instance: Any = None, seed: int = 0, global_seed: int = 0) -> RecordedRun:
         """Use a new instance, or ``instance``, as a trial does, and return the record."""
 
+    @abstractmethod
     def parameters(self, plugin: Any, /) -> dict[str, str]:
         """Return the declaration of an instance as text."""
 
 
 @dataclasses.dataclass(frozen=True)
-class Subject:
-    """An optimizer that is constructed anew for every run, so that no run depends on the state that another one left.
+class Subject(AnySubject):
+    """An optimizer under check."""
 
-    Attributes:
-        source: its name, its class, or an instance of it.
-        options: its parameters, for a name or a class.
-        seed: the first seed of its runs.
-        packed: the bytes from which :func:`unpack` made it, in a process that may be ended to stop an optimizer that
-            calls the objective for ever; None elsewhere.
-    """
-
-    kind: ClassVar[str] = "optimizer"
-    source: str | type[Optimizer] | Optimizer
-    options: dict[str, Any] = dataclasses.field(default_factory=dict)
-    seed: int = 0
-    packed: bytes | None = None
-
-    @property
-    def label(self) -> str:
-        """The name that verdicts show."""
-        if isinstance(self.source, str):
-            return self.source
-        cls = self.source if isinstance(self.source, type) else type(self.source)
-        return cls.__name__
+    kind = "optimizer"
+    base = Optimizer
 
     def fresh(self) -> Optimizer:
         """Return a new instance with these parameters; raises whatever its construction raises."""
@@ -87,7 +110,8 @@ class Subject:
             return load_optimizer(self.source, **self.options)
         if isinstance(self.source, type):
             return build(self.source, self.label, self.options) if self.options else self.source()
-        return pickle.loads(cloudpickle.dumps(self.source))  # type: ignore[no-any-return]
+        copy: Optimizer = pickle.loads(cloudpickle.dumps(self.source))
+        return copy
 
     def run(
         self,
@@ -135,37 +159,6 @@ class Subject:
         return {name: repr(value) for name, value in values.items()}
 
 
-def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subject:
-    """Return the subject of a name, a class or an instance.
-
-    Raises:
-        BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
-    """
-    require_seed("the seed", seed)
-    if isinstance(optimizer, Optimizer):
-        if options:
-            raise BenchError(
-                f"{next(iter(options))!r} cannot be set: the optimizer is made already; give its class or name"
-            )
-        name = vars(type(optimizer)).get("plugin")  # of a class made at run time, which is loaded by its name
-        return Subject(name, settings(optimizer), seed) if name else Subject(optimizer, {}, seed)
-    is_class = isinstance(optimizer, type) and issubclass(optimizer, Optimizer)
-    if not isinstance(optimizer, str) and not is_class:
-        raise BenchError(
-            f"give the name of an optimizer, an Optimizer subclass or an instance of one, not {optimizer!r}"
-        )
-    source: Any = vars(optimizer).get("plugin", optimizer) if is_class else optimizer
-    subject = Subject(source, options, seed)
-    if options or isinstance(optimizer, str):
-        try:
-            subject.fresh()
-        except BenchError:
-            raise
-        except Exception:  # the rule of the parameters reports it
-            return subject
-    return subject
-
-
 def ordinary_budget(optimizer: Optimizer) -> int:
     """Return the budget of an ordinary run: a few generations, the last one cut short."""
     return max(150, 4 * optimizer.minimum_budget + 3)
@@ -174,7 +167,7 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 def pack(subject: AnySubject) -> bytes:
     """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
     try:
-        return values.pack(dataclasses.replace(subject, packed=None)).content  # type: ignore[type-var]
+        return values.pack(dataclasses.replace(subject, packed=None)).content
     except BenchError as error:
         raise error.__cause__ or error from None
 

@@ -96,7 +96,7 @@ def test_classes_of_a_script_and_of_a_function_can_be_checked(tmp_path):
         (lambda: check_optimizer(faulty.Sound(), agents=3), "'agents' cannot be set: the optimizer is made already"),
         (
             lambda: check_optimizer(3),
-            "give the name of an optimizer, an Optimizer subclass or an instance of one, not 3",
+            "give the name of a plug-in of bench.optimizers, a subclass of Optimizer or an instance of one, not 3",
         ),
         (
             lambda: check_optimizer("gwo", seed=-1),

@@ -2,7 +2,7 @@
 
 from bench.check.checker import Checker
 from bench.check.conformance.rules import RULES, judge
-from bench.check.conformance.subject import make_subject
+from bench.check.conformance.subject import Subject
 
 ALL = {rule.name for rule in RULES}
 IN_ONE_PROCESS = [rule for rule in RULES if rule.name != "processes"]
@@ -15,7 +15,7 @@ class InThisProcess(Checker):
 
 def verdicts(optimizer, rules=IN_ONE_PROCESS, **options):
     """Return the verdicts by rule."""
-    checker = InThisProcess(make_subject(optimizer, options, seed=0))
+    checker = InThisProcess(Subject.of(optimizer, options, seed=0))
     return {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.check.conformance.rules import find_rule, judge
-from bench.check.conformance.subject import make_subject
+from bench.check.conformance.subject import Subject
 from tests.bench.check import faulty
 
 
@@ -91,7 +91,7 @@ class Idle(Ranked):
 
 
 def verdict(optimizer, rule="invariances"):
-    return judge(find_rule(rule), make_subject(optimizer, {}, 0))
+    return judge(find_rule(rule), Subject.of(optimizer, {}, 0))
 
 
 def test_a_method_that_keeps_what_it_declares_passes():

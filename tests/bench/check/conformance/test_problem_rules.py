@@ -5,7 +5,7 @@ import pytest
 
 import bench
 from bench.check.conformance.problem_rules import check_search
-from bench.check.conformance.problem_subject import ProblemSubject, make_problem_subject
+from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.rules import PROBLEM_RULES, find_rule
 from tests.bench.check import faulty_problems as faulty
@@ -15,7 +15,7 @@ HERE = [rule for rule in PROBLEM_RULES if rule.name != "processes"]
 
 
 def verdicts(problem, rules=HERE):
-    checker = InThisProcess(make_problem_subject(problem, {}, seed=0))
+    checker = InThisProcess(ProblemSubject.of(problem, {}, seed=0))
     return {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
 
 
@@ -86,11 +86,14 @@ def test_equal_instances_of_a_suite_are_found():
 
 
 def test_what_cannot_be_checked_is_refused_in_a_sentence():
-    for wrong, sentence in ((3, "give the name of a problem"), ("bbob-f99-d2-i1", "has no function 'f99'")):
+    for wrong, sentence in (
+        (3, "give the name of a plug-in of bench.problems"),
+        ("bbob-f99-d2-i1", "has no function 'f99'"),
+    ):
         with pytest.raises(bench.BenchError, match=sentence):
-            make_problem_subject(wrong, {}, 0)
+            ProblemSubject.of(wrong, {}, 0)
     with pytest.raises(bench.BenchError, match="'total' cannot be set: the problem is made already"):
-        make_problem_subject(faulty.Sound(), {"total": 1}, 0)
+        ProblemSubject.of(faulty.Sound(), {"total": 1}, 0)
 
 
 def test_a_search_finds_what_lies_below_a_claimed_optimum_and_says_how_near_it_came(monkeypatch):
