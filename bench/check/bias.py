@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,6 @@ from bench.check.runs import Runs, make_runs, on_bound
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
-from bench.sandbox.bubblewrap import Sandbox
 from bench.typing import Floats
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
@@ -29,53 +29,28 @@ HALFWAY = 0.25  # mean distance of a uniform coordinate from the centre, as a sh
 PUBLISHED = "in a published algorithm, report the bias and offer a corrected version under another name, never silently"
 
 
-def diagnose(
-    optimizer: Optimizer | Subject,
-    *,
-    dimension: int = 7,
-    runs: int = 10,
-    noise_runs: int = 100,
-    n_jobs: int = -1,
-    seed: int = 0,
-    sandbox: Sandbox | None = None,
-) -> list[Verdict]:
-    """Return verdicts on an optimizer's centre bias, structural bias, boundary clamping, and starts and seeds.
+def diagnose(optimizer: Optimizer | Subject, **settings: Any) -> list[Verdict]:
+    """Return the verdicts on one optimizer; the settings are those of :func:`diagnose_all`.
 
     Example:
         >>> [verdict.check for verdict in diagnose(bench.load_optimizer("gwo")) if not verdict.passed]
 
-    Args:
-        optimizer: the optimizer with its parameters.
-        dimension: the number of variables of every function.
-        runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
-        noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
-        n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
-        seed: repeats every number.
-        sandbox: in which all runs are made.
-
     Raises:
         BenchError: when the optimizer fails on one of the functions, ends its process or prints without end.
     """
-    sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
-    (verdicts,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, sandbox=sandbox, **sizes)
+    (verdicts,) = diagnose_all([optimizer], **settings)
     if isinstance(verdicts, BenchError):
         raise verdicts
     return verdicts
 
 
-def diagnose_all(
-    optimizers: Sequence[Optimizer | Subject],
-    *,
-    dimension: int = 7,
-    runs: int = 10,
-    noise_runs: int = 100,
-    n_jobs: int = -1,
-    seed: int = 0,
-    sandbox: Sandbox | None = None,
-) -> Iterator[list[Verdict] | BenchError]:
-    """Yield the verdicts on each optimizer as soon as they are known, or why there are none; see :func:`diagnose`."""
-    sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
-    for made in make_runs(optimizers, n_jobs=n_jobs, seed=seed, sandbox=sandbox, **sizes):
+def diagnose_all(optimizers: Sequence[Optimizer | Subject], **settings: Any) -> Iterator[list[Verdict] | BenchError]:
+    """Yield verdicts on each optimizer's centre bias, structural bias, boundary clamping, and starts and seeds.
+
+    They come as soon as they are known; a BenchError stands for those on an optimizer that failed. The settings are
+    those of :func:`bench.check.runs.make_runs`.
+    """
+    for made in make_runs(optimizers, **settings):
         yield made if isinstance(made, BenchError) else [check(made) for check in CHECKS]
 
 

@@ -15,7 +15,7 @@ from bench.check.conformance.subject import Subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, TIMEOUT
-from bench.execution.safe_runs import Begin, in_order, safe_run, safe_runs
+from bench.execution.safe_runs import in_order, safe_run, safe_runs
 from bench.objective import scanner
 from bench.optimizer import Optimizer
 from bench.sandbox.bubblewrap import Sandbox
@@ -81,16 +81,25 @@ class CheckRun:
 def make_runs(
     optimizers: Sequence[Optimizer | Subject],
     *,
-    dimension: int,
-    runs: int,
-    noise_runs: int,
+    dimension: int = 7,
+    runs: int = 10,
+    noise_runs: int = 100,
     n_jobs: int = -1,
     seed: int = 0,
     sandbox: Sandbox | None = None,
 ) -> Iterator[Runs | BenchError]:
-    """Yield the runs of each optimizer, or why it failed; see :func:`bench.check.bias.diagnose`.
+    """Yield the runs of each optimizer, or why it failed.
 
     All cores stay busy to the last run of the last optimizer. No run shares a process with another optimizer's.
+
+    Args:
+        optimizers: each with its parameters.
+        dimension: the number of variables of every function.
+        runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
+        noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
+        n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
+        seed: repeats every number.
+        sandbox: in which all runs are made.
     """
     tasks = [
         CheckRun(kind, name, run, dimension, FUNCTION_BUDGET, seed)
@@ -101,19 +110,15 @@ def make_runs(
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     limits: dict[str, Any] = {"seconds": TIMEOUT, "memory": MEMORY} if sandbox else {}
     with safe_runs(n_jobs, ready, sandbox) as begin:
-        begun = [_begin(begin, number, optimizer, tasks, limits) for number, optimizer in enumerate(optimizers)]
+        begun: list[list[Future[Any]] | BenchError] = []
+        for group, optimizer in enumerate(optimizers):
+            try:
+                packed = pack(optimizer if isinstance(optimizer, Subject) else Subject.of(optimizer, {}, 0))
+                begun.append([begin(group, make_run, packed, task, **limits) for task in tasks])
+            except Exception as error:  # pickling runs a plug-in's code
+                begun.append(BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}"))
         for futures in begun:
             yield futures if isinstance(futures, BenchError) else _collect(tasks, futures)
-
-
-def _begin(
-    begin: Begin, group: int, optimizer: Optimizer | Subject, tasks: list[CheckRun], limits: dict[str, Any]
-) -> list[Future[Any]] | BenchError:
-    try:
-        packed = pack(optimizer if isinstance(optimizer, Subject) else Subject.of(optimizer, {}, 0))
-    except Exception as error:  # pickling runs a plug-in's code
-        return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
-    return [begin(group, make_run, packed, task, **limits) for task in tasks]
 
 
 def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchError:

@@ -4,38 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import pandas as pd
 
 from bench import analysis
 from bench.analysis.comparable import Comparable, comparable
 from bench.study import Entry, Study
-from bench.study.budget import Budget
-
-
-class _Results(Protocol):
-    """The part of :class:`bench.Results` that is needed here."""
-
-    study: Study
-    budgets: dict[str, Budget]
-
-    @property
-    def frame(self) -> pd.DataFrame: ...
-
-    @property
-    def traces(self) -> analysis.Traces: ...
-
-    def facts(self, label: str) -> Any: ...
-
-    def dimension(self, label: str) -> int: ...
 
 
 @dataclass(frozen=True)
 class Compared:
     """The trials of a study; every frame has the cells of the study in the study's order."""
 
-    results: _Results
+    results: Any  # bench.Results, which is made of this class, too
 
     @cached_property
     def pooled(self) -> analysis.Pooled:
@@ -54,7 +36,8 @@ class Compared:
         """The study as it is compared: a function in a dimension is one problem, whose trials are by instance."""
         entries = {entry.label: entry for entry in self.results.study.problems}
         problems = tuple(entries.get(label) or Entry(label, label) for label in self.pooled.members)
-        return replace(self.results.study, problems=problems)
+        study: Study = self.results.study
+        return replace(study, problems=problems)
 
     @cached_property
     def whole(self) -> pd.DataFrame:
