@@ -14,13 +14,14 @@ function in several dimensions, which are no independent evidence; its value is 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
 from math import factorial, inf
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import bootstrap, f, friedmanchisquare, norm, trim_mean
+from scipy.stats import bootstrap, f, friedmanchisquare, norm, studentized_range, trim_mean
 
 from bench.analysis import bounded
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
@@ -185,9 +186,9 @@ def in_sequence(p: Floats, p_further: Floats, alpha: float) -> tuple[Floats, Fla
 def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
     """Return the groups of at least two optimizers, neighbours by average rank, of which no pair differs significantly.
 
-    ``tests`` are those of :func:`across_problems`. They depend on the two optimizers alone, unlike differences of
-    average ranks (Benavoli, Corani and Mangili 2016, Journal of Machine Learning Research 17). Only the largest groups
-    are returned: the bars of a critical-difference diagram.
+    ``tests`` are those of :func:`across_problems`, or of :func:`nemenyi`. The first depend on the two optimizers alone,
+    unlike differences of average ranks (Benavoli, Corani and Mangili 2016, Journal of Machine Learning Research 17).
+    Only the largest groups are returned: the bars of a critical-difference diagram.
     """
     ordered = [str(label) for label in average_ranks.dropna().sort_values(kind="stable").index]
     first, second, clear = (tests[name] for name in ("first", "second", "significant"))
@@ -202,6 +203,25 @@ def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[
             groups.append(tuple(ordered[start:end]))
             last = end
     return groups
+
+
+def nemenyi(average_ranks: pd.Series[float], problems: int, alpha: float = ALPHA) -> tuple[float, pd.DataFrame]:
+    """Return the critical difference of average ranks by Nemenyi's test, and its pairs: first, second, significant.
+
+    Two of k optimizers differ where their average ranks over N ``problems`` do by q (k (k + 1) / 6 N)^1/2 or more, with
+    q the quantile of the studentized range for k and infinite degrees of freedom over the root of 2 (Demšar 2006,
+    section 3.2.2). The problems are taken for an independent sample, and whether two differ depends on who else is
+    compared: :func:`across_problems` does without either.
+    """
+    ranked = average_ranks.dropna()
+    optimizers = len(ranked)
+    quantile = float(studentized_range.ppf(1 - alpha, optimizers, inf)) / 2**0.5
+    difference = quantile * (optimizers * (optimizers + 1) / (6 * problems)) ** 0.5
+    rows = [
+        (first, second, bool(abs(ranked[first] - ranked[second]) >= difference))
+        for first, second in combinations(ranked.index, 2)
+    ]
+    return difference, pd.DataFrame(rows, columns=["first", "second", "significant"])
 
 
 def _by_problem(pairs: pd.DataFrame) -> tuple[pd.DataFrame, list[str], Effects]:

@@ -17,6 +17,11 @@ from bench.topics.topic import Topic
 
 TITLE = "Across problems"
 WINNER = "The pairs of a winner are significant without adjustment, as all of them must be. "
+NEMENYI = (
+    "As many papers show it (Demšar 2006). This page claims nothing by it: it takes the problems for an independent "
+    "sample, knows nothing of the number of trials, and whether two optimizers differ depends on who else is compared "
+    "(Benavoli et al. 2016)."
+)
 
 
 def section(findings: Findings) -> Section:
@@ -36,9 +41,14 @@ def section(findings: Findings) -> Section:
             f"The tests of this part leave out {count(left_out, 'problem')} on which an optimizer has no trial."
         )
     items: list[Part] = [ranking_table(findings)]
-    if len(medians) > 1 and len(optimizers) > 2 and not findings.final.subject:  # whose rivals no test joins
+    further: list[Section] = []
+    if len(medians) > 1 and len(optimizers) > 2:
         ranks = analysis.mean_ranks(findings.final.standings)
-        items.append(rank_figure(ranks, analysis.cliques(ranks, findings.final.overall)))
+        if not findings.final.subject:  # whose rivals no test joins
+            items.append(rank_figure(ranks, analysis.cliques(ranks, findings.final.overall)))
+        difference, apart = analysis.nemenyi(ranks, len(medians))
+        drawn = rank_figure(ranks, analysis.cliques(ranks, apart), difference)
+        further.append(Section("The diagram by Nemenyi’s test", (NEMENYI,), (drawn,), folded=True))
     means = _aggregate(analysis.interquartile_mean(findings.trials.frame, findings.trials.optima))
     if len(optimizers) <= MANY_OPTIMIZERS:
         items += [
@@ -46,11 +56,11 @@ def section(findings: Findings) -> Section:
             _tests(findings.final.tested_overall, findings.final.subject),
             means,
         ]
-        return Section(TITLE, tuple(text), tuple(items))
+        return Section(TITLE, tuple(text), tuple(items), sections=tuple(further))
     items += [pair_matrix(findings), means]
     tests = _tests(findings.final.tested_overall, findings.final.subject)
-    pairs = Section("Every pair of optimizers", items=(tests,), folded=True)
-    return Section(TITLE, tuple(text), tuple(items), sections=(pairs,))
+    further.append(Section("Every pair of optimizers", items=(tests,), folded=True))
+    return Section(TITLE, tuple(text), tuple(items), sections=tuple(further))
 
 
 def _friedman(test: dict[str, Any]) -> str:

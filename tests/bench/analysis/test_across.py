@@ -16,6 +16,7 @@ from bench.analysis.across import (
     friedman,
     improvement_of,
     in_sequence,
+    nemenyi,
     normalised_errors,
     places,
     ranks_by_block,
@@ -68,6 +69,31 @@ class TestDemsarsExample:
         assert row.iman_davenport > 3.69
         assert (row.problems, row.optimizers, row.df1, row.df2, row.note) == (14, 4, 3, 39, "")
         assert row.p_iman_davenport < row.p < 0.05
+
+    def test_nemenyi_s_critical_differences_and_what_he_concludes(self, demsar):
+        average = demsar.rank(axis=1).mean()
+        strict, none = nemenyi(average, 14)
+        assert round(strict, 2) == 1.25
+        assert not none["significant"].any()
+        lenient, some = nemenyi(average, 14, alpha=0.1)
+        assert round(lenient, 2) == 1.12
+        apart = some.loc[some["significant"], ["first", "second"]].to_numpy().tolist()
+        assert apart == [["C4.5", "C4.5+m"], ["C4.5", "C4.5+m+cf"]]
+        assert cliques(average, some) == [("C4.5+m+cf", "C4.5+m", "C4.5+cf"), ("C4.5+cf", "C4.5")]
+
+    @pytest.mark.parametrize(
+        ("alpha", "table"),
+        [
+            (0.05, [1.960, 2.343, 2.569, 2.728, 2.850, 2.949, 3.031, 3.102, 3.164]),
+            (0.10, [1.645, 2.052, 2.291, 2.459, 2.589, 2.693, 2.780, 2.855, 2.920]),
+        ],
+    )
+    def test_the_critical_values_are_those_of_his_table_5(self, alpha, table):
+        found = [
+            nemenyi(pd.Series(0.0, range(k)), problems=1, alpha=alpha)[0] / (k * (k + 1) / 6) ** 0.5
+            for k in range(2, 11)
+        ]
+        assert found == pytest.approx(table, abs=1.1e-3)  # he rounds some to the other side
 
 
 class TestRanks:

@@ -68,6 +68,7 @@ def every_figure(optimizers, problems=("p", "q")):
         reached_figure("targets-of-all", reached, optimizers, ends=ends, columns=2),
         scatter_figure(erts, optimizers[0], "another"),
         rank_figure(ranks, [list(ranks.index)]),
+        rank_figure(ranks, [list(ranks.index)], 1.5),
         forest_figure(improvements(optimizers)),
         timing_figure(clock(optimizers)),
     ]
