@@ -9,6 +9,7 @@ import numpy as np
 from bench import Problem
 from bench.errors import BenchError
 from bench.families import Grid, Member
+from bench.helpers.compiled import compiled
 from bench.typing import Floats
 from problems.common import Suite, SuiteProblem, features_of
 
@@ -60,12 +61,12 @@ FUNCTIONS = {
 def _problem(name: str, member: Member, rotate: object = True) -> Problem:
     if not isinstance(rotate, bool):
         raise BenchError(f"problem {name!r}: rotate must be true or false, not {rotate!r}")
-    from problems.classical import multimodal, unimodal  # the compiler is imported where a problem is loaded
-    from problems.classical.instance import instance, rotated
+    from problems.classical import multimodal, unimodal
+    from problems.classical.instance import instance, rotated  # the compiler is imported where a problem is loaded
 
     function = FUNCTIONS[member.function]
     home = unimodal if function.modality == "unimodal" else multimodal
-    compiled = getattr(home, member.function.replace("-", "_"))
+    compute = compiled(getattr(home, member.function.replace("-", "_")), "(f8[:, ::1], f8[::1])")
     lower, upper = np.full(member.dimension, function.lower), np.full(member.dimension, function.upper)
     shares, rotation = instance(*member)
     best = lower + shares * (upper - lower)
@@ -73,7 +74,8 @@ def _problem(name: str, member: Member, rotate: object = True) -> Problem:
     def evaluate(x: Floats) -> Floats:
         points = np.ascontiguousarray(x, dtype=np.float64)
         offsets = rotated(points, best, rotation) if rotate else points - best
-        values: Floats = compiled(offsets)
+        values = np.empty(len(offsets))
+        compute(offsets, values)
         return values
 
     evaluate(best[None])  # compile before processes are forked
