@@ -68,7 +68,7 @@ class CMAES(BoxedCMA):
 
     The bounds are handled as by pycma's option ``bounds``: the search runs in an unbounded space, and a periodic,
     piecewise linear and quadratic map takes its points into the box. pycma maps single points in Python; here the same
-    map, to the last bit, takes all at once. :class:`~optimizers.common.pycma.Strategy` names the other shortcuts.
+    map, to the last bit, takes all at once.
 
     Attributes:
         agents, handling, start, sigma: see :class:`BoxedCMA`.
@@ -84,7 +84,7 @@ class CMAES(BoxedCMA):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""
-        from optimizers.common.pycma import Strategy
+        from cma import CMAEvolutionStrategy
 
         box = BoxMap(objective.lower, objective.upper)
         width = objective.upper - objective.lower
@@ -102,7 +102,7 @@ class CMAES(BoxedCMA):
             step = self.sigma * float(width[0])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of flat fitness and early stops, which the harness records
-            strategy = Strategy(box.inverse(self.mean(objective)), step, options)
+            strategy = CMAEvolutionStrategy(box.inverse(self.mean(objective)), step, options)
             while not strategy.stop():
                 asked = strategy.ask()
                 f = self.evaluate(objective, box(np.asarray(asked)))

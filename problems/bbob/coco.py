@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import ctypes
-import sys
 from collections.abc import Callable
-from functools import cache, partial
 from typing import Any
-from weakref import finalize
 
 import numpy as np
-from numpy import ascontiguousarray, empty, float64
 
 from bench.errors import require
 from bench.typing import Floats
@@ -42,75 +37,8 @@ def optimum_of(number: int, instance: int) -> float:
 
 
 def evaluated(function: Any) -> Callable[[Floats], Floats]:
-    """Return a function object of COCO, which evaluates one point a call, as a function of (n, d) points.
-
-    The call itself takes longer than most functions. So where numba is loaded, as it is in trials of all but small
-    budgets, one compiled loop calls COCO's C code for all points. The values are the same to the last bit.
-    """
-    dimension: int = function.dimension
-    loop: Callable[[Floats, Floats], None] | None = None
-
-    def evaluate(x: Floats) -> Floats:
-        nonlocal loop
-        if loop is None and "numba" in sys.modules and (library := _library()):
-            loop = _loop_over(function, library)
-        if loop is None:
-            return np.fromiter(map(function, x), np.float64, len(x))
-        points = ascontiguousarray(x, float64)
-        n, d = points.shape
-        if d != dimension:  # C would read beyond the array
-            raise ValueError(f"expected points of shape (n, {dimension}), got {points.shape}")
-        values = empty(n)
-        loop(points, values)
-        return values
-
-    return evaluate
-
-
-def _loop_over(function: Any, library: ctypes.CDLL) -> Callable[[Floats, Floats], None]:
-    """Return a loop that writes the values of (n, d) points to (n,); nothing checks the types of its arguments."""
-    number, dimension, instance = map(ctypes.c_size_t, function.id_triple)
-    suite = ctypes.c_void_p(library.coco_suite(function.suite, f"instances: {instance.value}".encode(), b""))
-    problem = library.coco_suite_get_problem_by_function_dimension_instance(suite, number, dimension, instance)
-    library.coco_suite_free(suite)
-    loop = partial(_compiled_loop(), problem)
-    finalize(loop, library.coco_problem_free, ctypes.c_void_p(problem))
-    return loop
-
-
-@cache
-def _library() -> ctypes.CDLL | None:
-    """Return COCO's C code, None where its package does not export it (on Windows) or numba is not to compile."""
-    import cocoex
-    from numba import config
-
-    library = ctypes.CDLL(cocoex.interface.__file__)
-    if config.DISABLE_JIT or not hasattr(library, "coco_suite"):
-        return None
-    for name in ("coco_suite", "coco_suite_get_problem_by_function_dimension_instance"):
-        getattr(library, name).restype = ctypes.c_void_p
-    return library
-
-
-@cache
-def _compiled_loop() -> Callable[[int, Floats, Floats], None]:
-    """Compile the loop over points, or load it from numba's cache on disk."""
-    import cocoex
-    from llvmlite.binding import load_library_permanently
-    from numba import njit, types
-
-    load_library_permanently(cocoex.interface.__file__)
-    number = types.float64
-    of_pointers = types.void(types.uintp, types.CPointer(number), types.CPointer(number))
-    evaluate = types.ExternalFunction("coco_evaluate_function", of_pointers)
-
-    def loop(problem: int, points: Floats, values: Floats) -> None:
-        for row in range(len(points)):
-            evaluate(problem, points[row].ctypes, values[row:].ctypes)
-
-    of_arrays = types.void(types.uintp, number[:, ::1], number[::1])
-    made: Callable[[int, Floats, Floats], None] = njit([of_arrays], cache=True)(loop)
-    return made
+    """Return a function object of COCO, which evaluates one point a call, as a function of (n, d) points."""
+    return lambda x: np.fromiter(map(function, x), np.float64, len(x))
 
 
 # BBOB's instances are drawn by the generator of Park and Miller (1988, Communications of the ACM 31) with a shuffle of

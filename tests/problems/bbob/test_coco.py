@@ -1,16 +1,9 @@
-"""What COCO's suites share: its generator of random numbers."""
-
-import ctypes
-import gc
-import sys
-from types import SimpleNamespace
+"""What COCO's suites share: its functions, and its generator of random numbers."""
 
 import cocoex
 import numpy as np
 import pytest
 
-from bench import load_problem
-from problems.bbob import coco
 from problems.bbob.coco import evaluated, optimal_point, rotation, uniform
 from tests.problems.bbob.best import function_of
 
@@ -42,34 +35,7 @@ def test_a_rotation_is_orthonormal():
     np.testing.assert_allclose(matrix @ matrix.T, np.eye(7), atol=1e-13)
 
 
-DIMENSIONS = {"bbob": (2, 3, 5, 10, 20, 40), "bbob-boxed": (2, 10, 40), "bbob-largescale": (20, 80),
-              "bbob-constrained": (2, 5, 20), "bbob-mixint": (5, 40)}  # fmt: skip
-FUNCTIONS = {"bbob-constrained": 54}
-
-
-@pytest.mark.parametrize(("suite", "dimension"), [(suite, d) for suite in DIMENSIONS for d in DIMENSIONS[suite]])
-def test_the_compiled_loop_returns_the_bits_of_coco(suite, dimension):
-    rng = np.random.default_rng(dimension)
-    for number in range(1, FUNCTIONS.get(suite, 24) + 1):
-        theirs = function_of(suite, number, dimension, int(rng.integers(1, 100)))
-        x = rng.uniform(-6, 6, (8, dimension))  # some outside the box
-        x[0] = np.nan
-        np.testing.assert_array_equal(evaluated(theirs)(x), [theirs(row) for row in x])
-
-
-@pytest.fixture(params=["without numba", "without exports", "compiled"])
-def way(request, monkeypatch):
-    """The ways of evaluating: as in a process that has not loaded numba, as on Windows, and as elsewhere."""
-    coco._library.cache_clear()
-    if request.param == "without numba":
-        monkeypatch.delitem(sys.modules, "numba")
-    if request.param == "without exports":
-        monkeypatch.setattr(ctypes, "CDLL", lambda path: SimpleNamespace())
-    yield request.param
-    coco._library.cache_clear()
-
-
-def test_every_way_takes_any_array_and_refuses_another_dimension(way):
+def test_values_are_those_of_coco_for_any_array():
     theirs = function_of("bbob", 10, 3, 1)
     evaluate = evaluated(theirs)
     x = np.arange(12).reshape(4, 3) - 5
@@ -80,24 +46,3 @@ def test_every_way_takes_any_array_and_refuses_another_dimension(way):
     for wrong in (np.zeros((2, 2)), np.zeros((2, 4)), np.zeros((2, 3, 3))):
         with pytest.raises(ValueError):
             evaluate(wrong)
-
-
-def test_numba_that_is_loaded_between_two_calls_changes_no_bit(monkeypatch):
-    problem = load_problem("bbob-f21-d5-i3")
-    x = np.random.default_rng(0).uniform(-5, 5, (9, 5))
-    with monkeypatch.context() as without:
-        without.delitem(sys.modules, "numba")
-        before = problem.evaluate(x)
-    np.testing.assert_array_equal(problem.evaluate(x), before)
-
-
-def test_problems_that_are_dropped_are_freed(monkeypatch):
-    freed = []
-    library = coco._library()
-    monkeypatch.setattr(library, "coco_problem_free", freed.append)
-    evaluate = evaluated(function_of("bbob", 1, 2, 1))
-    evaluate(np.zeros((1, 2)))
-    assert freed == []
-    del evaluate
-    gc.collect()
-    assert len(freed) == 1
