@@ -13,12 +13,10 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from bench.errors import BenchError
-from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.typing import Floats
-from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table, wraps
+from optimizers.common.family import Constructed, Family, global_random_state, table
 
 LEAST_EPOCHS = 2
 """The shortest schedule: some formulas divide by the number of epochs less 1."""
@@ -139,14 +137,13 @@ class Mealpy(Family):
         """Return the optimizer class of a mealpy class, with the parameters of its constructor."""
         solver = self.require().get_all_optimizers(verbose=False)[member]
         accepted = constructor_parameters(solver)
-        parameters = {AGENTS.get(name, name): each for name, each in accepted.items()}
+        parameters = dict(accepted)
         if solver().is_parallelizable and member not in TABLE["no_swarm"]:
             parameters["mode"] = (Literal["single", "swarm"], "single")
         unmapped = tuple(sentence for sentence, members in TABLE["remarks"].items() if member in members)
-        return derive(
-            MealpyOptimizer, f"mealpy:{member}", parameters, self.load, __doc__=describe(solver), unmapped=unmapped,
-            **wraps("mealpy"), bibtex=works(*TABLE["works"].get(member, ()), "vanthieu2023"),
-            solver=solver, own=tuple(accepted),
+        return self.member_class(
+            MealpyOptimizer, member, parameters, (*TABLE["works"].get(member, ()), "vanthieu2023"),
+            __doc__=describe(solver), unmapped=unmapped, solver=solver, own=tuple(accepted),
         )  # fmt: skip
 
 

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.families import derive
 from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
+from bench.optimizer import Optimizer
 from bench.typing import Floats
-from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Adapter, Family, table, wraps
+from optimizers.common.family import Adapter, Family, declared, table
 
 TABLE = table("minion")
-
-LEAST_AGENTS = 4
-"""The smallest population: with 2 or 3 some algorithms loop without an end or crash the process."""
 
 Function = Callable[[list[list[float]]], list[float]]
 
@@ -34,8 +29,6 @@ class MinionOptimizer(Adapter):
     """
 
     start: ClassVar[str] = "random"  # objective.initial
-    member: ClassVar[str]  # its name in minionpy's Minimizer
-    own: ClassVar[tuple[str, ...]]  # its options, by minionpy's names
     from_point: ClassVar[bool]  # whether it starts from one point
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
@@ -81,7 +74,7 @@ class MinionOptimizer(Adapter):
         """Return minionpy's object. Its ``Minimizer`` runs JADE by that name; its class JADE runs L-SHADE."""
         from minionpy import Minimizer
 
-        options = {name: getattr(self, AGENTS.get(name, name)) for name in self.own}
+        options = self.options()
         if "population_size" in options:
             options["population_size"] = options["population_size"] or 0  # minionpy's own rule
         return Minimizer(
@@ -105,24 +98,13 @@ class Minion(Family):
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of an algorithm of minionpy."""
         entry = TABLE["members"][member]
-        defaults = entry["parameters"]
-        return derive(
-            MinionOptimizer, f"minion:{member}",
-            {AGENTS.get(name, name): declared(name, default) for name, default in defaults.items()}, self.load,
-            __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())), **wraps("minionpy"),
-            bibtex=works(*entry["works"], "muzakka2025"), member=member, own=tuple(defaults),
-            from_point=entry.get("from_point", False),
+        parameters = {
+            name: declared(default, TABLE["parameters"].get(name, {})) for name, default in entry["parameters"].items()
+        }
+        return self.member_class(
+            MinionOptimizer, member, parameters, (*entry["works"], "muzakka2025"), __doc__=entry["about"],
+            unmapped=tuple(entry.get("unmapped", ())), from_point=entry.get("from_point", False),
         )  # fmt: skip
 
 
 minion = Minion()
-
-
-def declared(name: str, default: Any) -> tuple[Any, Any]:
-    """Return type and default, with its range, of an option of minionpy."""
-    facts = TABLE["parameters"].get(name, {})
-    if name == "population_size":
-        return int | None, parameter(None, minimum=LEAST_AGENTS)
-    if "choices" in facts:
-        return Literal[tuple(facts["choices"])], default
-    return type(default), parameter(default, minimum=facts.get("minimum"), maximum=facts.get("maximum"))

@@ -10,16 +10,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
-from typing import Any, ClassVar, Literal, Union, get_args, get_origin
+from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
 from bench.errors import BenchError
-from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Adapter, Family, global_random_state, table, wraps
+from optimizers.common.family import Adapter, Family, global_random_state, table
 
 TABLE = table("nevergrad")
 SCALARS = (bool, int, float, str, types.NoneType)
@@ -40,9 +38,6 @@ class NevergradOptimizer(Adapter):
 
     workers: int = parameter(1, minimum=1)
     start: Literal["random", "midpoint"] = "random"
-
-    member: ClassVar[str]  # its name in the registry
-    own: ClassVar[tuple[str, ...]]  # its parameters, by nevergrad's names
 
     def __post_init__(self) -> None:
         """Check the parameters, by nevergrad's own rules too; raises BenchError for one that does not fit."""
@@ -91,7 +86,7 @@ class NevergradOptimizer(Adapter):
 
     def _changed(self) -> dict[str, Any]:
         """Return the settings that differ from the registry's, under nevergrad's names."""
-        chosen = {key: getattr(self, AGENTS.get(key, key)) for key in self.own}
+        chosen = self.options()
         if chosen.get("popsize", 0) is None:  # agents=None sets nothing
             del chosen["popsize"]
         settings = registered(self.member).config() if chosen else {}
@@ -187,21 +182,13 @@ class Nevergrad(Family):
             size = scalars.pop("popsize")[1]
             scalars["popsize"] = (int | None, parameter(size if isinstance(size, int) else None, minimum=4))
         kept = [key for key in settings if key not in scalars and key != "popsize"]
-        return derive(
-            NevergradOptimizer,
-            f"nevergrad:{member}",
-            {AGENTS.get(key, key): declared for key, declared in scalars.items()},
-            self.load,
-            member=member,
-            own=tuple(scalars),
-            **wraps("nevergrad") | {"libraries": ("nevergrad", "cma")},  # many members are a CMA-ES in part
-            bibtex=works(*TABLE["works"].get(type(maker).__name__, ()), "rapin2018", "bennet2021"),
-            unmapped=(
-                *TABLE["unmapped"],
-                *(f"the parameter {key!r} is no scalar and keeps nevergrad's value" for key in kept),
-            ),
-            __doc__=about(member, maker),
-        )
+        unmapped = (f"the parameter {key!r} is no scalar and keeps nevergrad's value" for key in kept)
+        return self.member_class(
+            NevergradOptimizer, member, scalars,
+            (*TABLE["works"].get(type(maker).__name__, ()), "rapin2018", "bennet2021"),
+            libraries=("nevergrad", "cma"),  # many members are a CMA-ES in part
+            unmapped=(*TABLE["unmapped"], *unmapped), __doc__=about(member, maker),
+        )  # fmt: skip
 
 
 def about(member: str, entry: Any) -> str:

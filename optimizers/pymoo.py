@@ -7,17 +7,15 @@ import warnings
 from copy import deepcopy
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.families import derive
 from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
+from bench.optimizer import Optimizer
 from bench.typing import Floats
 from optimizers.cma_es import SILENT, UNLIMITED
-from optimizers.common.base import works
-from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table, wraps
+from optimizers.common.family import Constructed, Family, declared, global_random_state, table
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 
@@ -100,24 +98,20 @@ class Pymoo(Family):
 
         Config.warnings["not_compiled"] = False  # else pymoo prints that it runs without its compiled modules
         entry = TABLE["members"][member]
-        solver, names = getattr(import_module(f"{FOLDER}.{entry['module']}"), member), tuple(entry["parameters"])
-        return derive(
-            PymooOptimizer, f"pymoo:{member}", {AGENTS.get(name, name): declared(solver, name) for name in names},
-            self.load, __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())),
-            **wraps("pymoo", *(["cma"] if member.endswith("CMAES") else [])),
-            bibtex=works(*entry.get("works", ()), "blank2020"), solver=solver, own=names,
+        solver = getattr(import_module(f"{FOLDER}.{entry['module']}"), member)
+        return self.member_class(
+            PymooOptimizer, member, {name: of_class(solver, name) for name in entry["parameters"]},
+            (*entry.get("works", ()), "blank2020"), *(["cma"] if member.endswith("CMAES") else []),
+            __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())), solver=solver,
         )  # fmt: skip
 
 
 pymoo = Pymoo()
 
 
-def declared(solver: type, name: str) -> tuple[Any, Any]:
+def of_class(solver: type, name: str) -> tuple[Any, Any]:
     """Return type and default, with its range, of a parameter of a pymoo class."""
     signatures = [inspect.signature(vars(signature)["__init__"]).parameters for signature in solver.__mro__[:-1]]
     facts = TABLE["parameters"].get(name, {})
     default = next((signature[name].default for signature in signatures if name in signature), facts.get("default"))
-    if "choices" in facts:
-        return Literal[tuple(facts["choices"])], default
-    kind = (int | None) if default is None else type(default)
-    return kind, parameter(default, minimum=facts.get("minimum"), maximum=facts.get("maximum"))
+    return declared(default, {"kind": "int", **facts} if default is None else facts)

@@ -53,7 +53,7 @@ class ScipyOptimizer(Adapter):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
         """Return the other arguments of scipy's function, which leave its length to the budget."""
 
-    def own(self, *others: str) -> dict[str, Any]:
+    def passed(self, *others: str) -> dict[str, Any]:
         """Return the parameters that scipy has too, by name: all but ``handling`` and ``others``."""
         return {name: value for name, value in settings(self).items() if name not in ("handling", *others)}
 
@@ -111,7 +111,7 @@ class DifferentialEvolution(ScipyOptimizer):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         agents = self.agents if self.agents is not None else max(5, 15 * objective.dimension)
-        return self.own("agents", "mutation_to") | {
+        return self.passed("agents", "mutation_to") | {
             "bounds": box(objective),
             "maxiter": objective.budget,
             "mutation": self.mutation if self.mutation_to is None else (self.mutation, self.mutation_to),
@@ -150,7 +150,7 @@ class DualAnnealing(ScipyOptimizer):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         x0 = objective.initial(1)[0]
-        return self.own() | {"bounds": box(objective), "maxiter": objective.budget, "maxfun": np.inf, "x0": x0}
+        return self.passed() | {"bounds": box(objective), "maxiter": objective.budget, "maxfun": np.inf, "x0": x0}
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ class Shgo(ScipyOptimizer):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         iters = objective.budget if self.iters is None else self.iters
-        return self.own() | {"bounds": box(objective), "iters": iters}
+        return self.passed() | {"bounds": box(objective), "iters": iters}
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ class Direct(ScipyOptimizer):
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
-        return self.own() | {"bounds": box(objective), "maxfun": objective.budget + 1, "maxiter": objective.budget}
+        return self.passed() | {"bounds": box(objective), "maxfun": objective.budget + 1, "maxiter": objective.budget}
 
     def reason(self, result: Any) -> str:
         """Return the criterion by which scipy ended with ``result``."""
@@ -252,7 +252,7 @@ class BasinHopping(ScipyOptimizer):
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
-        return self.own("stepsize") | {
+        return self.passed("stepsize") | {
             "x0": objective.initial(1)[0],
             "niter": objective.budget,
             "minimizer_kwargs": {"method": "L-BFGS-B", "bounds": box(objective)},

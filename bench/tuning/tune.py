@@ -7,7 +7,6 @@ seeded for each configuration from its number, so a tuning that was killed goes 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -32,6 +31,7 @@ from bench.problem import Problem
 from bench.seeds import trial_seed
 from bench.study.budget import Budget
 from bench.study.tuned import Tuned
+from bench.tuning import quiet
 from bench.tuning.run import make_run, ready
 from bench.tuning.space import Axis, space
 
@@ -133,7 +133,7 @@ def tune(
     """
     optuna = require("optuna", "optuna", "tuning needs")
     bests = []
-    with _alone(journal), _quiet(optuna), safe_runs(n_jobs, ready) as begin:
+    with _alone(journal), quiet(optuna), safe_runs(n_jobs, ready) as begin:
         storage = _storage(optuna, journal)
         for place, (name, own_axes) in enumerate(axes.items()):
             search = _Search(optuna, storage, name, own_axes, setting, problems, begin)
@@ -340,16 +340,3 @@ def _alone(journal: Path) -> Iterator[None]:
         yield
     finally:
         hold.release()
-
-
-@contextmanager
-def _quiet(optuna: Any) -> Iterator[None]:
-    """Let optuna print and warn of nothing; its level of messages is as before afterwards."""
-    level = optuna.logging.get_verbosity()
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        optuna.logging.set_verbosity(level)

@@ -5,22 +5,23 @@ from __future__ import annotations
 import random
 import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from bench.errors import BenchError, nearest, require
+from bench.families import derive
 from bench.objective import Objective
-from bench.optimizer import Optimizer, build
+from bench.optimizer import Optimizer, build, parameter
 from bench.typing import Floats
-from optimizers.common.base import Handling, confine
+from optimizers.common.base import Handling, confine, works
 
 CEILING = 1e100
 """The greatest value given to a library, also for +inf, so that its sums and weights stay finite."""
@@ -40,6 +41,13 @@ class Adapter(Optimizer):
 
     handling: Handling = "repair"
 
+    member: ClassVar[str]  # its name in the library
+    own: ClassVar[tuple[str, ...]]  # its parameters that the library takes, by the library's names
+
+    def options(self) -> dict[str, Any]:
+        """Return the parameters that the library takes, by its names."""
+        return {name: getattr(self, AGENTS.get(name, name)) for name in self.own}
+
     def values(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``, which are confined first as ``handling`` says."""
         return np.asarray(objective(confine(objective, x, self.handling)))
@@ -54,7 +62,6 @@ class Constructed(Adapter):
     """An algorithm of another library that is a class whose constructor takes its parameters."""
 
     solver: ClassVar[Any]  # the library's class
-    own: ClassVar[tuple[str, ...]]  # the parameters of its constructor, by the library's names
 
     def __post_init__(self) -> None:
         """Check every parameter, by the library's own rules too; raises BenchError for one that does not fit."""
@@ -63,9 +70,8 @@ class Constructed(Adapter):
 
     def construct(self) -> Any:
         """Return the library's object; raises BenchError for parameters that the library refuses."""
-        options = {name: getattr(self, AGENTS.get(name, name)) for name in self.own}
         try:
-            return self.solver(**options)
+            return self.solver(**self.options())
         except Exception as error:  # the libraries raise AssertionError, ValueError and plain Exception alike
             library, name = self.solver.__module__.partition(".")[0], type(self).__name__
             raise BenchError(f"{library} refuses these parameters of {name}: {error}") from error
@@ -76,9 +82,16 @@ def table(family: str) -> dict[str, Any]:
     return tomllib.loads((Path(__file__).parents[1] / f"{family}.toml").read_text(encoding="utf-8"))
 
 
-def wraps(*libraries: str) -> dict[str, Any]:
-    """Return the class attributes ``libraries`` and ``code`` of an optimizer that runs the code of these libraries."""
-    return {"libraries": libraries, "code": " and ".join(f"{library} {version(library)}" for library in libraries)}
+def declared(default: Any, facts: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Return type and default of a parameter, by the facts of a table: ``choices``, ``minimum``, ``maximum``.
+
+    A ``kind`` ("int", "float" or "bool") is the type of a parameter whose default is None.
+    """
+    if "choices" in facts:
+        return Literal[tuple(facts["choices"])], default
+    kinds: dict[str, Any] = {"int": int | None, "float": float | None, "bool": bool | None}
+    kind, default = (kinds[facts["kind"]], None) if "kind" in facts else (type(default), default)
+    return kind, parameter(default, minimum=facts.get("minimum"), maximum=facts.get("maximum"))
 
 
 class Family(ABC):
@@ -107,6 +120,33 @@ class Family(ABC):
     @abstractmethod
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of one of ``members()``; see :func:`bench.families.derive`."""
+
+    def member_class(
+        self,
+        base: type[Adapter],
+        member: str,
+        parameters: Mapping[str, tuple[Any, Any]],
+        keys: Iterable[str],
+        *others: str,
+        **attributes: Any,
+    ) -> type[Optimizer]:
+        """Return the optimizer class of a member, for ``derive``.
+
+        Args:
+            base: the class that implements ``minimize``.
+            member: the library's own name of the optimizer.
+            parameters: type and default of each parameter, by the library's names.
+            keys: of the works that the optimizer cites.
+            others: libraries beside the family's own whose code the optimizer runs.
+            attributes: further class attributes, which replace those made here.
+        """
+        libraries = (self.module, *others)
+        made = {
+            "member": member, "own": tuple(parameters), "bibtex": works(*keys), "libraries": libraries,
+            "code": " and ".join(f"{library} {version(library)}" for library in libraries),
+        }  # fmt: skip
+        renamed = {AGENTS.get(name, name): each for name, each in parameters.items()}
+        return derive(base, f"{self.name}:{member}", renamed, self.load, **made | attributes)
 
     def names(self) -> list[str]:
         """Return the full names of the members; raises BenchError, with the extra to install, for a missing library."""

@@ -11,11 +11,13 @@ from bench import BenchError, Objective, solve
 from bench.errors import ProblemError
 from bench.helpers.bibtex import parse
 from bench.seeds import streams
-from optimizers.optuna import MEMBERS, optuna
+from optimizers.optuna import TABLE, optuna
 from tests.optimizers.observed import OPTIMUM, Watched, trace
 
 library = pytest.importorskip("optuna", reason="the extra 'optuna' is not installed")
 pytest.importorskip("cmaes", reason="the extra 'optuna' is not installed")
+
+MEMBERS = TABLE["members"]
 
 
 def run(name, problem=None, *, budget=80, seed=1, **options):
@@ -105,7 +107,7 @@ def test_defaults_are_optuna_s(name):
     known = inspect.signature(getattr(library.samplers, name).__init__).parameters
     optimizer = optuna.load(f"optuna:{name}")
     ours = {each: getattr(optimizer, {"popsize": "agents", "population_size": "agents"}.get(each, each))
-            for each in MEMBERS[name].parameters}  # fmt: skip
+            for each in MEMBERS[name]["parameters"]}  # fmt: skip
     if name == "QMCSampler":
         assert ours.pop("scramble")
         assert not known["scramble"].default
