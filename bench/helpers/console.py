@@ -1,7 +1,8 @@
-"""What commands share: lines printed unchanged, errors, progress, durations as text, and options as KEY=VALUE."""
+"""What commands share: lines printed unchanged, errors, progress, durations as text, options as KEY=VALUE, silence."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -85,3 +86,16 @@ def pairs(items: list[str] | None) -> dict[str, Any]:
         except ValueError:
             options[key.strip()] = value
     return options
+
+
+@contextmanager
+def quiet(optuna: Any) -> Iterator[None]:
+    """Let optuna print and warn of nothing; its level of messages is as before afterwards."""
+    level = optuna.logging.get_verbosity()
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        optuna.logging.set_verbosity(level)

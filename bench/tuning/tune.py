@@ -22,7 +22,7 @@ from bench.analysis.cells import NO_TRACE
 from bench.analysis.target_sets import aocc
 from bench.errors import PROBLEM_FAILED, BenchError, require
 from bench.execution.safe_runs import Begin, found, safe_runs
-from bench.helpers.console import OnStep
+from bench.helpers.console import OnStep, quiet
 from bench.helpers.text import option
 from bench.objective import Trace
 from bench.optimizer import CONDITIONS
@@ -31,7 +31,6 @@ from bench.problem import Problem
 from bench.seeds import trial_seed
 from bench.study.budget import Budget
 from bench.study.tuned import Tuned
-from bench.tuning import quiet
 from bench.tuning.run import make_run, ready
 from bench.tuning.space import Axis, space
 

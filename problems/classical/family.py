@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +11,6 @@ import numpy as np
 from bench import Problem
 from bench.errors import BenchError
 from bench.families import Grid, Member
-from bench.helpers.compiled import compiled
 from bench.typing import Floats
 from problems.common import Suite, SuiteProblem, features_of
 
@@ -58,15 +59,23 @@ FUNCTIONS = {
 }
 
 
+@cache
+def _compiled(function: Callable[[Floats, Floats], None]) -> Callable[[Floats, Floats], None]:
+    from numba import njit  # where a problem is loaded, as it takes long
+
+    made: Callable[[Floats, Floats], None] = njit(function, cache=True)
+    return made
+
+
 def _problem(name: str, member: Member, rotate: object = True) -> Problem:
     if not isinstance(rotate, bool):
         raise BenchError(f"problem {name!r}: rotate must be true or false, not {rotate!r}")
     from problems.classical import multimodal, unimodal
-    from problems.classical.instance import instance, rotated  # the compiler is imported where a problem is loaded
+    from problems.classical.instance import instance, rotated
 
     function = FUNCTIONS[member.function]
     home = unimodal if function.modality == "unimodal" else multimodal
-    compute = compiled(getattr(home, member.function.replace("-", "_")), "(f8[:, ::1], f8[::1])")
+    compute = _compiled(getattr(home, member.function.replace("-", "_")))
     lower, upper = np.full(member.dimension, function.lower), np.full(member.dimension, function.upper)
     shares, rotation = instance(*member)
     best = lower + shares * (upper - lower)
