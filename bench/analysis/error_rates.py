@@ -23,9 +23,10 @@ from bench.typing import Flags, Floats
 MOST = 12  # optimizers that are simulated
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
 WORK = 50_000_000  # values of pairs of samples in all: a few seconds
-DRAWS = 1_000  # of a simulated power
+DRAWS, FEW = 20_000, 1_000  # of a simulated power, and those that find about where it is reached
+VALUES = 8_000_000  # of them in memory
 POWER = 0.8
-STEPS = 9  # of a bisection: A12 to 0.001
+STEPS = 9  # of a bisection with few draws: A12 to 0.001
 
 ON_PROBLEMS = 0.01  # of the level of all claims of a page
 COURSE = 0.005
@@ -196,47 +197,56 @@ def _pairs(stratum: Stratum, of_first: bool) -> Effects:
 
 
 @lru_cache
-def detectable_a12(trials: int, level: float, power: float = POWER, draws: int = DRAWS) -> float:
+def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
     """Return the smallest A12 that the test on a problem finds with a power; NaN where it finds none.
 
-    Assumes two normal samples of one spread, and simulates ``draws`` pairs.
+    Assumes two normal samples of one spread. The power is simulated, so that A12 has an error of 0.001.
     """
     if trials < 2 or least_p(trials) > level:
         return float("nan")
-    return _smallest(draws, trials, power, lambda effect: p_values(effect) <= level)
+    return _smallest(1, trials, power, lambda effect: p_values(effect) <= level)
 
 
 @lru_cache
-def detectable_across(trials: int, problems: int, level: float, power: float = POWER, draws: int = DRAWS) -> float:
+def detectable_across(trials: int, problems: int, level: float, power: float = POWER) -> float:
     """Return the smallest A12, the same on every problem, that the test over them finds; NaN where it finds none.
 
-    Assumes as :func:`detectable_a12` does, and simulates a fifth of ``draws`` studies or more.
+    Assumes and simulates as :func:`detectable_a12` does.
     """
-    draws = max(draws // problems, draws // 5)
 
     def rejects(effect: Effects) -> Flags:
-        shape = problems, draws
-        estimates = Effects(effect.a12.reshape(shape), effect.ratio.reshape(shape), np.full(shape, trials))
+        shape = problems, -1
+        estimates = Effects(effect.a12.reshape(shape), effect.ratio.reshape(shape), trials)
         return np.asarray(p_of_means(estimates) <= level)
 
-    return _smallest(draws * problems, trials, power, rejects)
+    return _smallest(problems, trials, power, rejects)
 
 
-def _smallest(pairs: int, trials: int, power: float, rejects: Callable[[Effects], Flags]) -> float:
-    """Return the smallest A12 of pairs of samples with which a test rejects often enough; NaN where there is none."""
-    this, other = np.random.default_rng(20_250_101).standard_normal((2, pairs, trials))
+def _smallest(problems: int, trials: int, power: float, rejects: Callable[[Effects], Flags]) -> float:
+    """Return the smallest A12 with which a test rejects often enough; NaN where there is none.
 
-    def is_found(chance: float) -> bool:
+    Few draws find about where that is, and all of them then interpolate.
+    """
+    few, draws = (max(number // problems, number // 5) for number in (FEW, DRAWS))
+    draws = max(few, min(draws, VALUES // (problems * trials)))
+    this, other = np.random.default_rng(20_250_101).standard_normal((2, problems, draws, trials))
+
+    def found(chance: float, draws: int) -> float:
         shift = np.sqrt(2) * norm.ppf(chance)
-        return bool(np.mean(rejects(effects(this, other + shift))) >= power)
+        pairs = (values[:, :draws].reshape(-1, trials) for values in (this, other + shift))
+        return float(np.mean(rejects(effects(*pairs))))
 
-    low, high = 0.5, 1.0 - 1e-6
-    if not is_found(high):
+    low, high = 0.5, (most := 1.0 - 1e-6)
+    if found(most, few) < power:
         return float("nan")
     for _ in range(STEPS):
         middle = (low + high) / 2
-        low, high = (low, middle) if is_found(middle) else (middle, high)
-    return high
+        low, high = (low, middle) if found(middle, few) >= power else (middle, high)
+    step = 0.02
+    while step > 1e-3 and found(high - step, few) < power - 0.1:
+        step /= 2
+    ends = max(high - step, 0.5), min(high + step, most)
+    return float(np.interp(power, [found(end, draws) for end in ends], ends))
 
 
 def trials_to_separate(tests: int, level: float) -> int:

@@ -29,7 +29,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 PANELS = {
-    "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
+    "Run": ("list", "new", "register", "run", "solve", "tune", "merge", "rm"),
     "Read": ("status", "report", "plan", "recommend", "similar", "describe"),
     "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
     "Share": ("export", "import_", "pack", "unpack", "site"),

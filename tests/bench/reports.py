@@ -119,7 +119,8 @@ def make():
 
     ``skip``, ``fail`` and ``raised`` hold cells (problem, optimizer) or trials (problem, optimizer, number), of which
     the problem loses those that are ``raised``; ``changes`` holds what is otherwise in the rows of an optimizer's
-    finished trials, by optimizer; ``options`` its options, likewise; ``more`` holds further fields of the study.
+    finished trials, by optimizer; ``options`` its options, likewise; ``record`` is that of the run; ``more`` holds
+    further fields of the study.
     """
 
     def write_study(
@@ -133,6 +134,7 @@ def make():
         raised=(),
         changes=None,
         options=None,
+        record=None,
         **more,
     ):
         def place_of(trial):
@@ -154,7 +156,7 @@ def make():
                 return None
             return finished(value, rng) | (changes or {}).get(trial.optimizer, {})
 
-        store(folder, study, row_of, sorted(study.plan(), key=place_of))
+        store(folder, study, row_of, sorted(study.plan(), key=place_of), record)
         return folder
 
     return write_study

@@ -4,14 +4,46 @@ from __future__ import annotations
 
 from collections import Counter
 from math import comb, isnan
+from typing import NamedTuple
 
 from bench import analysis
 from bench.report.wording import count
 from bench.study import Study
 from bench.study.blocks import pooled
 
-DRAWS = 20_000  # simulated: the power is then known to 0.006
 MORE = 10  # trials, or problems, that are added
+
+
+class Design(NamedTuple):
+    """The tests of a study before any trial, where every cell gets its trials.
+
+    Attributes:
+        optimizers: their number.
+        problems: their number; the instances of a function are one.
+        trials: of an optimizer on a problem.
+        pairs: of optimizers that are tested.
+        tests: pairs times problems.
+        levels: of the tests.
+        alone: whether only the subject's pairs are tested.
+    """
+
+    optimizers: int
+    problems: int
+    trials: int
+    pairs: int
+    tests: int
+    levels: analysis.Levels
+    alone: bool
+
+
+def design(study: Study) -> Design:
+    """Return the tests of a study that has no trial yet."""
+    instances = Counter(pooled(entry.label) for entry in study.problems)
+    k, problems, trials = len(study.optimizers), len(instances), study.trials * min(instances.values())
+    alone = bool(study.subject and not study.looks)  # looks test all pairs
+    pairs = k - 1 if alone else comb(k, 2)
+    levels = analysis.levels([trials] * problems, pairs, pairs * problems, looks=bool(study.looks))
+    return Design(k, problems, trials, pairs, pairs * problems, levels, alone)
 
 
 def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
@@ -20,12 +52,10 @@ def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
     Two normal samples of one spread are assumed, as in the part *Power* of a report. The instances of a function count
     as trials of one problem.
     """
-    instances = Counter(pooled(entry.label) for entry in study.problems)
-    k, problems, trials = len(study.optimizers), len(instances), study.trials * min(instances.values())
-    pairs = k - 1 if study.subject else comb(k, 2)
-    design = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
-    of = f", {study.subject} against each other one" if study.subject else ""
-    lines = [f"The design: {design}{of}; no result is known.", f"As it is: {_found(trials, problems, pairs, power)}."]
+    k, problems, trials, pairs, *_, alone = design(study)
+    words = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
+    of = f", {study.subject} against each other one" if alone else ""
+    lines = [f"The design: {words}{of}; no result is known.", f"As it is: {_found(trials, problems, pairs, power)}."]
     if study.looks:
         return [*lines, "Declared looks share the level between them; these numbers are those of the last look alone."]
     return [
@@ -38,10 +68,8 @@ def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
 def _found(trials: int, problems: int, pairs: int, power: float) -> str:
     """Return the smallest A12 that the tests on problems, and those over all of them, find."""
     levels = analysis.levels([trials] * problems, pairs, pairs * problems)
-    single = (
-        analysis.detectable_a12(trials, levels.problems / (pairs * problems), power, DRAWS) if levels.problems else 0.0
-    )
-    across = analysis.detectable_across(trials, problems, levels.across / pairs, power, DRAWS) if levels.across else 0.0
+    single = analysis.detectable_a12(trials, levels.problems / (pairs * problems), power) if levels.problems else 0.0
+    across = analysis.detectable_across(trials, problems, levels.across / pairs, power) if levels.across else 0.0
     parts = []
     for a12, where in ((single, "on a single problem"), (across, "on every problem, over all of them")):
         known = a12 and not isnan(a12)

@@ -10,7 +10,7 @@ from bench import Study
 from bench.analysis import detectable_a12, detectable_across, levels
 from bench.analysis.across import p_of_means
 from bench.analysis.direction import Effects, effects, p_values
-from bench.topics.trials.design import DRAWS, foreseen
+from bench.topics.trials.design import foreseen
 
 STUDY = {
     "name": "planned",
@@ -57,8 +57,8 @@ def test_too_few_trials_find_nothing_on_a_problem():
 
 def test_the_foreseen_power_is_that_of_new_draws_within_three_hundredths():
     level, rng = levels([15, 15], 3, 6), np.random.default_rng(7)
-    single = detectable_a12(15, level.problems / 6, 0.8, DRAWS)
-    across = detectable_across(15, 2, level.across / 3, 0.8, DRAWS)
+    single = detectable_a12(15, level.problems / 6, 0.8)
+    across = detectable_across(15, 2, level.across / 3, 0.8)
     assert [f"{single:.2f}", f"{across:.2f}"] == [f"{each:.2f}" for each in found(foreseen(Study.from_dict(STUDY))[1])]
 
     def drawn(a12, pairs):
