@@ -23,12 +23,13 @@ if TYPE_CHECKING:
     from bench.execution.solve import solve
     from bench.execution.supervisor import WorkerDiedError
     from bench.families import Grid
+    from bench.notebook import Results
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import list_optimizers, load_optimizer, load_problem
     from bench.plugins.selection import list_problems
     from bench.problem import FittedData, FunctionProblem, Problem
-    from bench.results.results import Results, load_results
+    from bench.results.results import load_results
     from bench.study import Study
     from bench.topics import write_report
     from bench.trial import Result
@@ -70,7 +71,7 @@ _HOMES = {
     "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "Checkup": "check",
     "FittedData": "problem", "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
     "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
-    "Results": "results.results", "Study": "study", "Trace": "objective", "Verdict": "check",
+    "Results": "notebook", "Study": "study", "Trace": "objective", "Verdict": "check",
     "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",
     "compare": "comparison", "list_optimizers": "plugins.loading",
     "list_problems": "plugins.selection", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",

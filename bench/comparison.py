@@ -15,9 +15,9 @@ from typing import Any
 from bench.errors import BenchError
 from bench.execution.runner import Outcome, run
 from bench.helpers.text import count
+from bench.notebook import Results
 from bench.plugins import objects
 from bench.plugins.objects import OptimizerLike, ProblemLike
-from bench.results.results import Results
 from bench.study import Study
 
 NAME = "comparison"

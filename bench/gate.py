@@ -15,7 +15,7 @@ from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
 from bench.errors import BenchError, nearest
 from bench.helpers.markdown import table
 from bench.report.wording import count, listing, p_text
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.storage.folder import Folder
 from bench.study import Study
 from bench.topics.findings import Findings, Trials
@@ -101,7 +101,7 @@ def _of_two(old: AnyPath, new: AnyPath, optimizer: str | None) -> tuple[Findings
     """Return the findings in two folders, and the labels of the old and the new version."""
     studies = [Folder(path).study() for path in (old, new)]
     places = [_place(study, optimizer, path) for study, path in zip(studies, (old, new), strict=True)]
-    findings = Findings(Results(old, new))
+    findings = Findings(StoredResults(old, new))
     entries = findings.results.study.optimizers  # those of the old folder first
     return findings, (entries[places[0]].label, entries[len(studies[0].optimizers) + places[1]].label)
 
@@ -112,7 +112,7 @@ def _of_one(path: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, 
     label, _, number = (optimizer or "").rpartition("@")
     if not number.isdigit() or any(entry.label == optimizer for entry in study.optimizers):
         label, number = study.optimizers[_place(study, optimizer, path)].label, ""
-    results = Results(path, versions=[label])
+    results = StoredResults(path, versions=[label])
     shown = {
         entry.label.rpartition("@")[2]: entry.label
         for entry in results.study.optimizers

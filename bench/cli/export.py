@@ -21,9 +21,9 @@ def command(
 ) -> None:
     """Write a study's results for other tools: for cocopp or IOHanalyzer, or as plain tables."""
     from bench.formats.exporting import export
-    from bench.results.results import Results
+    from bench.results.results import StoredResults
 
-    folder, results = folder or output / "export" / kind, Results(output)
+    folder, results = folder or output / "export" / kind, StoredResults(output)
     results.note_stores()
     for note in export(results, kind, folder):
         print_line(f"note: {note}", "yellow")

@@ -41,11 +41,11 @@ def command(
     if output.suffix == ".toml":
         _before(output, power)
         return
-    from bench.results.results import Results
+    from bench.results.results import StoredResults
     from bench.topics.findings import Findings
     from bench.topics.trials import section as trials
 
-    findings, console = Findings(Results(output)), Console()
+    findings, console = Findings(StoredResults(output)), Console()
     if len(findings.trials.optimizers) < 2:
         raise BenchError(f"{output} holds one optimizer only, so there is no pair to separate")
     if findings.trials.frame.empty or not len(findings.final.medians):

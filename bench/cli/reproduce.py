@@ -68,7 +68,7 @@ def command(
     from bench.reproduce.section import attach
     from bench.reproduce.table import read
     from bench.reproduce.verdict import judge
-    from bench.results.results import Results
+    from bench.results.results import StoredResults
 
     require_seed("--seed", seed)
     if trials is not None:
@@ -80,14 +80,14 @@ def command(
         sys.exit(1)
     if read_only:
         return
-    made = protocol_of(paper, trials, seed, beside=None if beside is None else Results(beside))
+    made = protocol_of(paper, trials, seed, beside=None if beside is None else StoredResults(beside))
     if made.study is None:
         reasons = "; ".join(dict.fromkeys(made.reasons.values()))
         raise BenchError(f"no cell of {table} can be {'judged' if beside else 'run'}: {reasons}")
     folder = beside or _run(made.study, output, console, jobs, timeout, untrusted)
     if beside is None:
         attach(table, folder)  # so that its report has the table
-    judgements = judge(paper, samples(paper, made, Results(folder)), made.reasons)
+    judgements = judge(paper, samples(paper, made, StoredResults(folder)), made.reasons)
     _show(judgements, console)
     _write(judgements, paper, folder)
     print_line(f"every number: {folder / 'reproduction.csv'}", console=console)

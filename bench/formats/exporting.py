@@ -9,12 +9,12 @@ from bench.errors import BenchError, nearest
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
 from bench.helpers.text import listed
-from bench.results.results import Results
+from bench.results.results import StoredResults
 
 README = "README.txt"
 
 
-def export(results: Results, kind: str, folder: Path) -> list[str]:
+def export(results: StoredResults, kind: str, folder: Path) -> list[str]:
     """Write the results into ``folder`` in one of ``bench.formats.EXPORTABLE``; the same results give the same bytes.
 
     An earlier export of the same format is replaced as a whole. Returns sentences on damaged trials and on what the
@@ -44,7 +44,7 @@ def export(results: Results, kind: str, folder: Path) -> list[str]:
     return notes
 
 
-def _controls(results: Results) -> list[str]:
+def _controls(results: StoredResults) -> list[str]:
     """Return the sentence on the trials of controls, which are in no export; none without any."""
     left = len(results.controls)
     names = listed([entry.label for entry in results.study.controls])

@@ -15,7 +15,7 @@ from bench.analysis.cells import variables
 from bench.errors import BenchError
 from bench.helpers.text import file_name, unique
 from bench.objective import Trace
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.typing import Floats
 
 OTHERS = "other-problems"
@@ -33,8 +33,8 @@ class FormatWriter:
         holds_failures: whether the files contain failed trials.
     """
 
-    files: Callable[[Results], Iterator[tuple[str, str | bytes]]]
-    about: Callable[[Results], str]
+    files: Callable[[StoredResults], Iterator[tuple[str, str | bytes]]]
+    about: Callable[[StoredResults], str]
     holds_failures: bool = False
 
 
@@ -58,7 +58,7 @@ class ExportedTrial:
         return np.union1d(self.trace.evaluations, [1, self.nfev]).astype(np.int64)
 
 
-def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, list[ExportedTrial]]]:
+def by_function(results: StoredResults, places: Mapping[str, Any]) -> list[tuple[str, list[ExportedTrial]]]:
     """Return for each optimizer and function the beginning of its files' paths and its finished trials.
 
     The beginning is the folder of the suite with a slash, "" where all problems are of one. Trials are in the order of
@@ -96,7 +96,7 @@ def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, 
     ]
 
 
-def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str, str]:
+def folders_of(results: StoredResults, rename: Callable[[str], str] = str) -> dict[str, str]:
     """Return the folder of each optimizer, by label: its file name, changed by ``rename`` and made unique."""
     labels = [entry.label for entry in results.study.optimizers]
     return dict(zip(labels, unique(rename(file_name(label)) for label in labels), strict=True))

@@ -12,7 +12,7 @@ from bench.helpers.text import slug
 from bench.plugins import loading
 from bench.reproduce.names import load_problem, optimizer_of, problem_of
 from bench.reproduce.table import PaperCell, PaperTable
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.study import Study
 from bench.typing import Floats
 
@@ -33,7 +33,7 @@ class Protocol:
 
 
 def protocol_of(
-    table: PaperTable, trials: int | None = None, seed: int = 0, *, beside: Results | None = None
+    table: PaperTable, trials: int | None = None, seed: int = 0, *, beside: StoredResults | None = None
 ) -> Protocol:
     """Return the protocol of a table: as many runs and evaluations as it prints, or ``trials`` runs.
 
@@ -89,7 +89,7 @@ def protocol_of(
     return made
 
 
-def _optimizer(table: PaperTable, printed: str, beside: Results | None) -> dict[str, Any]:
+def _optimizer(table: PaperTable, printed: str, beside: StoredResults | None) -> dict[str, Any]:
     """Return what a study's table of an optimizer holds; raises BenchError where it is not there, or not in results."""
     if beside is not None:
         known = {entry.name: entry.label for entry in beside.study.optimizers}
@@ -104,7 +104,7 @@ def _optimizer(table: PaperTable, printed: str, beside: Results | None) -> dict[
     return chosen
 
 
-def samples(table: PaperTable, made: Protocol, results: Results) -> dict[PaperCell, Floats]:
+def samples(table: PaperTable, made: Protocol, results: StoredResults) -> dict[PaperCell, Floats]:
     """Return the final values of our trials by cell, on the scale of the table; reasons are added for cells without.
 
     Errors are values less the optimum, and those below the table's ``zero`` are 0, as the rules of CEC have them.

@@ -25,7 +25,7 @@ from bench.reproduce.verdict import (
     shown,
     unjudged,
 )
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.topics import Findings, Topic
 
 FILES = ("published.csv", "published.toml")
@@ -66,7 +66,7 @@ def sections(findings: Findings) -> list[Section]:
     return made
 
 
-def section(results: Results, table: PaperTable, title: str, name: str) -> Section:
+def section(results: StoredResults, table: PaperTable, title: str, name: str) -> Section:
     """Return the section on a table: the verdict, why cells are not judged, and a row a cell."""
     made = protocol_of(table, beside=results)
     judgements = judge(table, samples(table, made, results), made.reasons)

@@ -8,11 +8,10 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, cached_property
-from importlib import import_module
 from itertools import compress
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pandas as pd
 
@@ -24,7 +23,6 @@ from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
-from bench.results import shown
 from bench.results.compared import Compared
 from bench.results.sources import Source, by_label, sources
 from bench.results.tidy import Tidy
@@ -63,7 +61,7 @@ class ProblemFacts:
         return {name: ends for name, ends in self.box.items() if name not in self.integers}
 
 
-class Results:
+class StoredResults:
     """The contents of a study's folder, or of several that can be compared, read lazily and once.
 
     Several folders make one study of all their problems and optimizers. An optimizer's label that occurs in several
@@ -126,9 +124,7 @@ class Results:
         """Whether this is another view than that of the folders as they are: a selection, or with earlier versions."""
         return self.study is not self.whole or bool(self._versions)
 
-    def select(
-        self, *, optimizers: Patterns = None, problems: Patterns = None, dimensions: Dimensions = None
-    ) -> Results:
+    def select(self, *, optimizers: Patterns = None, problems: Patterns = None, dimensions: Dimensions = None) -> Self:
         """Return the results of some optimizers on some problems, read anew.
 
         Whoever chooses after a look at the results chooses among claims, so a report of a selection says what it is
@@ -142,7 +138,7 @@ class Results:
         Raises:
             BenchError: for a pattern or a dimension that no optimizer or problem has, and where nothing is selected.
         """
-        chosen = Results(*self.paths, versions=self._versions)
+        chosen = type(self)(*self.paths, versions=self._versions)
         chosen._problem, chosen._facts = self._problem, self._facts
         chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
         kept, labels = ({entry.label for entry in group} for group in (chosen.study.optimizers, chosen.study.problems))
@@ -158,40 +154,7 @@ class Results:
         return chosen
 
     def __repr__(self) -> str:
-        return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
-
-    def __str__(self) -> str:
-        """Return the verdict, as a report begins with it, and its table."""
-        return shown.as_text(self._answer)
-
-    def _repr_html_(self) -> str:
-        """Return the verdict with its table, and the numbers of trials, for a notebook."""
-        return shown.as_html(self._answer) + shown.counts(self.study, self._sources)
-
-    @cached_property
-    def _answer(self) -> dict[str, Any]:
-        return shown.answer(self)
-
-    @property
-    def plot(self) -> shown.Plots:
-        """What draws the results, such as ``results.plot.ranks()`` (:class:`bench.results.shown.Plots`)."""
-        return shown.Plots(self.study, lambda: self.frame, lambda: self.traces, self.pooled)
-
-    def report(self, output: AnyPath | None = None, **settings: object) -> Path:
-        """Write the report and return the path of its page.
-
-        Args:
-            output: the folder to write into; by default the study's own. A selection needs one.
-            settings: further arguments of :func:`bench.write_report`.
-
-        Raises:
-            BenchError: as :func:`bench.write_report`.
-        """
-        if self.study is not self.whole:
-            chosen = {"optimizers": self.study.optimizers, "problems": self.study.problems}
-            settings = {key: [entry.label for entry in entries] for key, entries in chosen.items()} | settings
-        page: Path = import_module("bench").write_report(*self.paths, output=output, **settings)
-        return page
+        return f"{type(self).__name__}({', '.join(repr(str(path)) for path in self.paths)})"
 
     def save(self, path: AnyPath) -> Path:
         """Copy the folder, such as that of a comparison without an output, and return the new one.
@@ -420,9 +383,10 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     left out, with a warning that names them.
 
     Raises:
-        BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
+        BenchError: when a folder holds no study or no trials, or the folders cannot be compared
+            (:class:`StoredResults`).
     """
-    results = Results(path, *others)
+    results = StoredResults(path, *others)
     for sentence in results.damage:
         warnings.warn(sentence, stacklevel=2)
     return results.frame

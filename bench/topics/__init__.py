@@ -5,10 +5,11 @@ A topic is registered by an entry point of ``bench.report_sections``, those of t
 a list of them, or None for a study of another kind.
 """
 
+from bench.results.results import StoredResults
 from bench.study.descriptions import repairing
 from bench.topics.findings import Findings
 from bench.topics.time.figures import timing_figure
 from bench.topics.topic import Topic
 from bench.topics.write import write_report
 
-__all__ = ["Findings", "Topic", "repairing", "timing_figure", "write_report"]
+__all__ = ["Findings", "StoredResults", "Topic", "repairing", "timing_figure", "write_report"]

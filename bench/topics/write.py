@@ -19,7 +19,7 @@ from bench.report.latex import journal_of
 from bench.report.parts import Figure, Section
 from bench.report.wording import count
 from bench.report.write import MANIFEST, Chapter, Writer
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.study.rope import Rope
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import Targets
@@ -83,7 +83,7 @@ def write_report(
     chosen = None if targets is None else Targets.read(targets, "the targets of a report")
     document = journal_of(journal)
     equal = None if rope is None else Rope.read(rope, "the rope of a report")
-    results = Results(path, *others, versions=versions)
+    results = StoredResults(path, *others, versions=versions)
     if (optimizers, problems, dimensions) != (None, None, None):
         results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
     findings = Findings(results, chosen, equal, beside_best, subject)
@@ -150,7 +150,7 @@ def lead(findings: Findings) -> str:
     return f"{text} {findings.selection}".rstrip()
 
 
-def _folder(results: Results, output: Path | None) -> Path:
+def _folder(results: StoredResults, output: Path | None) -> Path:
     paths = results.paths
     own = {path.resolve() for path in paths}
     if results.partial and (output is None or output.resolve() in own):

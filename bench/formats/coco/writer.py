@@ -36,7 +36,7 @@ from bench.formats.trials import (
     folders_of,
     readme,
 )
-from bench.results.results import ProblemFacts, Results
+from bench.results.results import ProblemFacts, StoredResults
 from bench.typing import Floats
 
 SUITES = {
@@ -88,7 +88,7 @@ class AssumedOptimum:
     source: str
 
 
-def files(results: Results) -> Iterator[tuple[str, str]]:
+def files(results: StoredResults) -> Iterator[tuple[str, str]]:
     """Return the path and the text of every file, one after the other.
 
     Raises:
@@ -107,7 +107,7 @@ def _algorithm(label: str, folders: Mapping[str, str]) -> str:
     return label if re.fullmatch(r"[\w .:+()\[\]/-]+", label, re.ASCII) else folders[label]
 
 
-def about(results: Results) -> str:
+def about(results: StoredResults) -> str:
     """Return the export's README."""
     places = places_in_coco(results)
     suites: dict[str, set[int]] = {}
@@ -127,7 +127,7 @@ def about(results: Results) -> str:
     )
 
 
-def places_in_coco(results: Results) -> dict[str, Place]:
+def places_in_coco(results: StoredResults) -> dict[str, Place]:
     """Return the place of each problem, by label, in the study's order.
 
     Raises:
@@ -156,7 +156,7 @@ def own_place(facts: ProblemFacts) -> Place | None:
     return Place(suite, number, instance, own=True)
 
 
-def optimizer_folders(results: Results) -> dict[str, str]:
+def optimizer_folders(results: StoredResults) -> dict[str, str]:
     """Return the folder of each optimizer, by label.
 
     cocopp names an algorithm after its folder, without the words ``data`` and ``noiseless``. A hyphen within these
@@ -165,7 +165,7 @@ def optimizer_folders(results: Results) -> dict[str, str]:
     return folders_of(results, lambda name: re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", name))
 
 
-def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
+def assumed_optima(results: StoredResults) -> dict[str, AssumedOptimum]:
     """Return the f_opt of each problem of a suite, and of the others the known optimum or the lowest value found.
 
     The lowest value is over the trials of all optimizers, so that all are compared with the same value. It stands for

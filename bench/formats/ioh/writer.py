@@ -33,7 +33,7 @@ from bench.formats.trials import (
 )
 from bench.helpers.text import file_name
 from bench.objective import Trace
-from bench.results.results import Results
+from bench.results.results import StoredResults
 
 VERSION = "0.3.22"  # of the format
 LARGEST = 2**16 - 1  # readers store numbers of functions and instances in 16 bits
@@ -71,7 +71,7 @@ class Place(NamedTuple):
         return OTHERS if self.optimum is None else file_name(self.suite.lower())
 
 
-def files(results: Results) -> Iterator[tuple[str, str]]:
+def files(results: StoredResults) -> Iterator[tuple[str, str]]:
     """Return the path and the text of every file, one after the other.
 
     Raises:
@@ -88,13 +88,13 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     )
 
 
-def about(results: Results) -> str:
+def about(results: StoredResults) -> str:
     """Return the export's README."""
     places = {(place.suite, place.function): place for place in places_in_ioh(results).values()}
     return readme("ioh", places=places.values(), folders=folders_of(results))
 
 
-def places_in_ioh(results: Results) -> dict[str, Place]:
+def places_in_ioh(results: StoredResults) -> dict[str, Place]:
     """Return the place of each problem, by label: in its suite where its label is its name there, else in the study."""
     numbers: dict[tuple[str, str], int] = {}
     places = {}

@@ -14,7 +14,7 @@ from bench.columns import FRAME
 from bench.errors import require
 from bench.formats.trials import FormatWriter, readme
 from bench.objective import Trace
-from bench.results.results import Results
+from bench.results.results import StoredResults
 
 TEXTS, COUNTS = (tuple(column.name for column in FRAME if column.kind is kind) for kind in (str, int))
 WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {
@@ -24,7 +24,7 @@ WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {
 NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
-def files(results: Results, kind: str) -> Iterator[tuple[str, str | bytes]]:
+def files(results: StoredResults, kind: str) -> Iterator[tuple[str, str | bytes]]:
     """Return the path and the content of every file of the ``kind`` csv or parquet; a number keeps all its digits.
 
     Raises:
@@ -39,12 +39,12 @@ def files(results: Results, kind: str) -> Iterator[tuple[str, str | bytes]]:
     )
 
 
-def about(results: Results) -> str:
+def about(results: StoredResults) -> str:
     """Return the export's README."""
     return readme("tables", budget=results.study.budget_words)
 
 
-def trials(results: Results) -> pd.DataFrame:
+def trials(results: StoredResults) -> pd.DataFrame:
     """Return the tidy frame with texts as ``string`` and counts as ``Int64``, so that neither becomes a float.
 
     Line ends within an error's text are written as ``\\n``: in a CSV file a lone carriage return would end the row.
@@ -54,7 +54,7 @@ def trials(results: Results) -> pd.DataFrame:
     return frame.assign(**texts, **{name: frame[name].astype("Int64") for name in COUNTS})
 
 
-def improvements(results: Results) -> pd.DataFrame:
+def improvements(results: StoredResults) -> pd.DataFrame:
     """Return one row an improvement: problem, optimizer, trial, evaluations (from 1) and the best-so-far value."""
     keys = results.frame[["problem", "optimizer", "trial"]]
     traces = [results.traces.get(key, NO_TRACE) for key in keys.itertuples(index=False, name=None)]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.study import Study
 from bench.study.blocks import pooled
 from bench.study.descriptions import Descriptions, noted
@@ -53,7 +53,7 @@ class Findings:
         asked_subject: the optimizer that the page is about, other than the study's own.
     """
 
-    results: Results
+    results: StoredResults
     asked: Checked[Targets | None] = Checked(Targets.read)
     asked_rope: Checked[Rope | None] = Checked(Rope.read)
     beside_best: bool = False

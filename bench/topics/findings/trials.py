@@ -13,7 +13,7 @@ from bench import analysis
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.report.wording import count
 from bench.results.compared import Compared
-from bench.results.results import ProblemFacts, Results
+from bench.results.results import ProblemFacts, StoredResults
 from bench.study.descriptions import repairing
 from bench.topics.findings.replication import Replication, replications
 
@@ -25,7 +25,7 @@ MANY_PROBLEMS = 20
 class Trials(Compared):
     """The trials of a study, and what is known of its problems and budgets."""
 
-    results: Results
+    results: StoredResults
 
     @cached_property
     def controls(self) -> pd.DataFrame:

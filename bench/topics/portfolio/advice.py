@@ -16,7 +16,7 @@ from bench.errors import BenchError
 from bench.plugins.loading import is_imported, load_problem
 from bench.problem import Problem
 from bench.report.wording import count, listing
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.study import Study
 from bench.study.budget import Budget
 from bench.topics.findings import Findings
@@ -71,7 +71,7 @@ def recommend(
     asked = Budget.read(budget, "--budget")
     loaded = load_problem(problem, **options or {})
     spent, cost = asked.evaluations(loaded.dimension), sample(loaded.dimension)
-    findings = Findings(Results(*folders))
+    findings = Findings(StoredResults(*folders))
     choice = Choice(findings, asked)
     notes = _budget_notes(choice, asked.words)
     if len(findings.trials.optimizers) < 2:

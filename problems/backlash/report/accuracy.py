@@ -10,15 +10,15 @@ import matplotlib.figure
 import pandas as pd
 from matplotlib.axes import Axes
 
-from bench import Results
 from bench.plots import style
 from bench.report import listing
+from bench.topics import StoredResults
 
 LEFT, ACROSS = 0.45, 0.1  # inches
 LABEL = 18  # characters of a dataset's name, such as "noisy-02 high"
 
 
-def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
+def expected_values(results: StoredResults) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return problem, metric, expected value and tolerance of every known truth, in the study's order.
 
     The second part says by problem why its truth is not known here: its data changed, or its plug-in is missing.

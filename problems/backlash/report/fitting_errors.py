@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from bench import Results, Study
+from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
 from bench.report import Section, Table, count, leaders
 from bench.reproduce.section import section
 from bench.reproduce.table import PaperTable, read
+from bench.topics import StoredResults
 
 TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
@@ -22,7 +23,7 @@ ORDER = ("gwo", "alo", "da", "goa")  # from the best to the worst, as published
 PUBLISHED_TRIALS, PUBLISHED_BUDGET, PUBLISHED_AGENTS = 30, 60_000, 300
 
 
-def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
+def sections(results: StoredResults, frame: pd.DataFrame) -> list[Section]:
     """Return the section on Table 7.2, none without one of its algorithms or with errors in another unit than rpm."""
     study = results.study
     columns, rows = algorithms(study), datasets(study)

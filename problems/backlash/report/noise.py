@@ -6,8 +6,9 @@ import re
 
 import pandas as pd
 
-from bench import Results, Study
+from bench import Study
 from bench.report import Section, Table, count, listing
+from bench.topics import StoredResults
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.recordings import Recording
 from problems.backlash.report.accuracy import estimates
@@ -22,7 +23,7 @@ HEALTHY = 0.02  # rps; the largest |A| accepted without backlash, about twice th
 COLUMNS = {"theoretical": "A", "noise": "noise", "mean": "mean |A|", "stdev": "stdev", "error": "error %"}
 
 
-def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
+def sections(results: StoredResults, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
     """Return the section on Table 7.3, none for a study without noisy problems or without any amplitude of them."""
     noisy = noisy_problems(results.study)
     data = estimates(frame, truths, "amplitude_rpm")
@@ -105,7 +106,7 @@ def published() -> pd.DataFrame:
     return table.rename_axis("dataset").astype(float)
 
 
-def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
+def best_fits(results: StoredResults, cells: pd.DataFrame) -> pd.DataFrame:
     """Return the amplitudes inferred from the best fit, a row a problem.
 
     Columns: problem, dataset, noise level, theoretical, mean (the fit's |A|), error, estimate (the virtual sensor's
@@ -119,7 +120,7 @@ def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
     return rows.dropna(subset="mean")
 
 
-def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
+def _amplitudes_of_best(results: StoredResults, label: str) -> tuple[float, float]:
     """Return |A| in rps of the best fit inside the box, which CMA-ES searched for, and the sensor's amplitude."""
     problem = results.problem(label).unscored
     if not isinstance(problem, SignatureFit):

@@ -6,10 +6,10 @@ import math
 
 import pandas as pd
 
-from bench import Results, Study
+from bench import Study
 from bench.analysis import labels, scores
 from bench.report import Section, Table, count, listing
-from bench.topics import repairing
+from bench.topics import StoredResults, repairing
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 
@@ -27,7 +27,7 @@ Outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation (300
 """
 
 
-def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
+def sections(results: StoredResults, frame: pd.DataFrame) -> list[Section]:
     """Return the section on the reference fit, none for a study without a signature problem that can be loaded."""
     problems = signature_problems(results, frame)
     if not problems:
@@ -42,7 +42,7 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     return [Section(TITLE, text, (_by_optimizer(trials, constrained), _by_dataset(trials), _fits(fits, problems)))]
 
 
-def signature_problems(results: Results, frame: pd.DataFrame) -> dict[str, SignatureFit]:
+def signature_problems(results: StoredResults, frame: pd.DataFrame) -> dict[str, SignatureFit]:
     """Return the signature problems of a frame that can be loaded, by label."""
     loaded = {
         label: results.problem(label).unscored for label in labels(frame, "problem") if not results.facts(label).reason

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench import Results
 from bench.report import Section, Table
+from bench.topics import StoredResults
 from problems.backlash.report.accuracy import estimates
 from problems.backlash.signature import wrist
 
@@ -18,7 +18,7 @@ CHOSEN = (
 )
 
 
-def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
+def sections(results: StoredResults, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
     """Return the section on section 8.3, none for a study without the problems ``wrist-…``."""
     names = {entry.label: entry.name for entry in results.study.problems if entry.name.startswith("wrist-")}
     data = estimates(frame, truths, "amplitude_rpm")

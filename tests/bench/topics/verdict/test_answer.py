@@ -6,7 +6,7 @@ from io import StringIO
 from rich.console import Console
 
 from bench.cli.answer import as_lines, read
-from bench.results.results import Results
+from bench.results.results import StoredResults
 from bench.storage.folder import ANSWER
 from bench.topics.findings import Findings
 from bench.topics.verdict import section as verdict
@@ -14,7 +14,7 @@ from bench.topics.verdict.answer import MOST, answer
 
 
 def noted(folder):
-    findings = Findings(Results(folder))
+    findings = Findings(StoredResults(folder))
     return answer(findings, verdict.section(findings))
 
 
@@ -35,7 +35,7 @@ def test_it_has_the_first_sentence_and_the_optimizers_in_their_order(make, tmp_p
 
 
 def test_a_selection_names_what_it_leaves_out_in_its_answer_and_among_the_limits_of_its_verdict(make, tmp_path):
-    findings = Findings(Results(make(tmp_path / "s")).select(optimizers=["a", "c"], problems="q"))
+    findings = Findings(StoredResults(make(tmp_path / "s")).select(optimizers=["a", "c"], problems="q"))
     section = verdict.section(findings)
     found = answer(findings, section)
     assert found["selection"] == (
