@@ -30,7 +30,7 @@ app = typer.Typer(
 )
 PANELS = {
     "Run": ("list", "new", "register", "run", "solve", "tune", "merge", "rm"),
-    "Read": ("status", "report", "plan", "recommend", "similar", "describe"),
+    "Read": ("status", "report", "plan", "recommend", "similar", "describe", "complexity"),
     "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
     "Share": ("export", "import_", "pack", "unpack", "site"),
 }
