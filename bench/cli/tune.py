@@ -92,12 +92,15 @@ def command(
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a tuning like Ctrl-C, and its processes
     with interruptible("configuration"), steps(console, "tune") as on_progress:
         bests = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
+    for best in bests:
+        print_line(gained(best, OBJECTIVES[objective]), console=console)
+    if not any(best.options for best in bests):
+        print_line("no study is written, as it would compare the defaults with themselves", console=console)
+        return
     about = {"left_out": leave_out or "", "method": method(optuna)}
     written = studies.tuned(output.stem, testing, bests, setting, **about)
     with replacing(output) as temporary:
         temporary.write_text(written.to_toml(), encoding="utf-8")
-    for best in bests:
-        print_line(gained(best, OBJECTIVES[objective]), console=console)
     print_line(f"study: {output}; test it with: bench run {output}", console=console)
 
 

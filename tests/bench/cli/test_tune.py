@@ -12,14 +12,32 @@ AGENTS = ("--condition", "agents")
 TRAIN = ("--train", "sphere-3", "--test", "sphere-2")
 
 
+CORNER = """
+from dataclasses import dataclass
+
+from bench import Optimizer, parameter
+
+
+@dataclass(frozen=True)
+class Corner(Optimizer):
+    width: float = parameter(1e-9, minimum=0, tune=(0.5, 1.0))
+
+    def minimize(self, objective, rng):
+        while True:
+            points = self.width * rng.random((5, objective.dimension))
+            objective(objective.lower + points * (objective.upper - objective.lower))
+"""
+"""An optimizer whose defaults search a corner of the box alone: whatever tuning tries is better."""
+
 SIZES = ("--configurations", "4", "--trials", "1", "--budget", "60", "--jobs", "1")
 
 
 def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, tmp_path):
-    command = ("tune", "scatter", *TRAIN, *AGENTS, *SIZES)
+    (tmp_path / "corner.py").write_text(CORNER)
+    command = ("tune", "corner.py:Corner", *TRAIN, *SIZES)
     first = bench_here(*command, cwd=tmp_path)
     assert first.returncode == 0, first.stderr
-    assert "scatter: agents 5 to 60 (log)" in first.stdout
+    assert "corner.py:Corner: width 1e-09 to 1" in first.stdout
     assert "4 configurations of each optimizer, 1 trial on each of 1 training problem" in first.stdout
     assert "study: tuned.toml; test it with: bench run tuned.toml" in first.stdout
     written = (tmp_path / "tuned.toml").read_text()
@@ -38,6 +56,15 @@ def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, 
     assert "were tuned on 'sphere-3', so it cannot be a test problem" in refused.stderr
 
 
+def test_a_tuning_that_found_nothing_says_so_and_writes_no_study(bench_here, tmp_path):
+    done = bench_here("tune", "scatter", *TRAIN, *AGENTS, *SIZES, cwd=tmp_path)  # whose agents change no point
+    assert done.returncode == 0, done.stderr
+    last = done.stdout.splitlines()[-2:]
+    assert last[0].endswith("and nothing tried is better")
+    assert last[1] == "no study is written, as it would compare the defaults with themselves"
+    assert not (tmp_path / "tuned.toml").exists()
+
+
 @pytest.mark.parametrize(
     ("scores", "options", "said"),
     [([0.7596, 0.8], {}, "1 - AOCC 0.7596 by default, and nothing tried is better"),
@@ -50,7 +77,8 @@ def test_what_was_gained_is_not_the_defaults_beside_themselves(scores, options, 
 
 @pytest.mark.slow  # the sentence itself is tested with the studies and with the section
 def test_a_record_of_the_tuning_that_was_edited_or_deleted_is_believed_nowhere(bench_here, tmp_path):
-    assert bench_here("tune", "scatter", *TRAIN, *AGENTS, *SIZES, cwd=tmp_path).returncode == 0
+    (tmp_path / "corner.py").write_text(CORNER)
+    assert bench_here("tune", "corner.py:Corner", *TRAIN, *SIZES, cwd=tmp_path).returncode == 0
     written = (tmp_path / "tuned.toml").read_text()
     (tmp_path / "tuned.toml").write_text(written.replace('train = [\n    "sphere-3"', 'train = [\n    "sphere-4"'))
     edited = bench_here("run", "tuned.toml", "--trials", "6", "--jobs", "1", "--output", "edited", cwd=tmp_path)
