@@ -223,7 +223,6 @@ def _caches() -> Iterator[Finding]:
     compiled = os.environ.get("NUMBA_CACHE_DIR")
     places = [Path(compiled)] if compiled else [beside, user_cache_path("numba", False)]
     for name, variable, folders in (
-        ("recordings", "BENCH_CACHE", [Path(os.environ.get("BENCH_CACHE") or user_cache_path("backlash-bench"))]),
         ("compiled code", "NUMBA_CACHE_DIR", places),
         ("temporary files", "TMPDIR", [Path(tempfile.gettempdir())]),
     ):

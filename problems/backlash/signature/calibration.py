@@ -25,10 +25,9 @@ from bench.errors import BenchError, nearest
 from bench.helpers import replacing
 from bench.numbers import is_finite, require_positive
 from bench.typing import Floats
-from problems.backlash import LEVELS
-from problems.backlash.joint import Joint, half_gap
+from problems.backlash.joint import Joint
 from problems.backlash.joint.parameters import described, read_toml
-from problems.backlash.signature.datasets import DEFAULT, simulated
+from problems.backlash.signature.datasets import simulated
 
 # The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first.
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
@@ -277,10 +276,10 @@ def calibrate(joint: Joint, half_gaps: Sequence[float]) -> Calibration:
 def default_calibration() -> Calibration:
     """Return the calibration of the default joint, from no gap to beyond level 20, whose fits scatter to both sides.
 
-    Its lower end is the joint's own disturbance without backlash.
+    Its lower end is the joint's own disturbance without backlash; above its upper one the motion is irregular. It is of
+    the thesis's levels and is stored, as every trial needs it.
     """
-    beyond = (half_gap(LEVELS[-1]) + 0.0004 * step for step in range(1, 6))  # above 6e-3 rad the motion is irregular
-    return calibrate(DEFAULT, [0.0, *map(half_gap, LEVELS), *beyond])
+    return load_calibration(Path(__file__).with_name("default_calibration.toml"))
 
 
 @cache

@@ -1,26 +1,14 @@
-"""Simulate recordings, such as the twenty of section 7.2.1 and, with noise, those of section 7.3.
+"""Simulate recordings, such as the twenty of section 7.2.1 and, with noise, those of section 7.3."""
 
-A signal is simulated on first use and kept in ``$BENCH_CACHE`` or the user's cache folder. A file's name is a hash of
-everything that determines its content, the simulator's source included, so a changed simulator never reads old signals.
-A damaged file is detected by the checksums of its zip format and replaced.
-"""
-
-import hashlib
-import json
-import os
-from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from platformdirs import user_cache_dir
 
 from bench.errors import BenchError
-from bench.helpers import replacing
 from bench.numbers import require_whole
 from problems.backlash import LEVELS
-from problems.backlash.joint import Joint, half_gap, parameters, simulate, simulator, with_noise
+from problems.backlash.joint import Joint, half_gap, simulate, with_noise
 from problems.backlash.recordings import Recording
 
 DEFAULT = Joint()
@@ -72,34 +60,10 @@ def noisy(level: int, noise: str = "low", draw: int = 0) -> Recording:
 
 
 def simulated(gap: float, joint: Joint = DEFAULT) -> Recording:
-    """Return a joint's recording at a half-gap in rad, from the cache if it is there and undamaged.
-
-    It has 2401 samples at 500 Hz, or two load turns if these take longer.
+    """Return a joint's recording at a half-gap in rad: 2401 samples at 500 Hz, or two load turns if these take longer.
 
     Raises:
         BenchError: as :func:`problems.backlash.joint.simulate`.
     """
-    folder = Path(os.environ.get("BENCH_CACHE") or user_cache_dir("backlash-bench"))
-    path = folder / f"joint-{_address(gap, joint)}.npz"
-    with suppress(Exception), np.load(path, allow_pickle=False) as stored:  # a damaged file may raise nearly anything
-        if stored.zip.testzip() is None:
-            return Recording(0.0, 1 / RATE, stored["speed"], peak=float(stored["peak"]), half_gap=gap)
     made = simulate(joint, half_gap=gap, duration=max(4.8, 2 * joint.turn), rate=RATE)
-    with suppress(OSError, BenchError):  # a read-only cache is not an error
-        folder.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as temporary:  # no worker reads half a file
-            np.savez(temporary, speed=made.speed, peak=made.peak)
     return Recording(0.0, 1 / RATE, made.speed, peak=made.peak, half_gap=gap)
-
-
-@cache
-def _sources() -> str:
-    """Return a hash of the modules that determine a signal; this module is one, for the arguments of `simulate`."""
-    files = (Path(__file__), *(Path(str(module.__file__)) for module in (parameters, simulator)))
-    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
-
-
-def _address(gap: float, joint: Joint) -> str:
-    parameters = {name: float(value) for name, value in asdict(joint).items()}
-    content = json.dumps({"joint": parameters, "half_gap": gap, "sources": _sources()}, sort_keys=True)
-    return hashlib.sha256(content.encode()).hexdigest()[:24]

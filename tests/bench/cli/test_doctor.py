@@ -103,10 +103,10 @@ def test_extras_that_are_not_installed_are_one_line_under_the_table(bench_here, 
 @pytest.mark.usefixtures("without_the_broken_plugin")
 def test_a_cache_that_cannot_be_written_is_broken(states, monkeypatch, tmp_path):
     (tmp_path / "file").touch()
-    monkeypatch.setenv("BENCH_CACHE", str(tmp_path / "file" / "below"))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file" / "below"))
     code, found = states()
     assert code == 1
-    assert found["caches", "recordings"]["remedy"] == "set BENCH_CACHE to a folder that can be written"
+    assert found["caches", "compiled code"]["remedy"] == "set NUMBA_CACHE_DIR to a folder that can be written"
 
 
 @pytest.mark.usefixtures("without_the_broken_plugin")

@@ -17,14 +17,6 @@ from problems.backlash.signature.calibration import EQUATION_4_7, default_calibr
 from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES
 
 
-@pytest.fixture
-def empty_cache(tmp_path, monkeypatch):
-    monkeypatch.setenv("BENCH_CACHE", str(tmp_path / "cache"))
-    datasets.dataset.cache_clear()
-    yield tmp_path / "cache"
-    datasets.dataset.cache_clear()
-
-
 def write(path, time, speed, header="time_s,speed_rps"):
     lines = [header] if header else []
     path.write_text("\n".join([*lines, *(f"{t:.9g},{v:.9g}" for t, v in zip(time, speed, strict=True))]) + "\n")
@@ -99,34 +91,6 @@ def test_the_calibration_is_near_the_thesis_s_cubic_where_that_was_fitted():
     assert np.isnan(calibration.backlash(0.1))
     between = np.linspace(calibration.amplitude[0], calibration.amplitude[-1], 500)
     assert (np.diff([calibration.backlash(a) for a in between]) > 0).all()
-
-
-def test_the_cache_is_used_and_a_damaged_file_made_again(empty_cache, monkeypatch):
-    first = datasets.dataset(4)
-    (path,) = empty_cache.glob("*.npz")
-    whole = path.read_bytes()
-
-    def no_simulation(**_):
-        raise AssertionError("simulated although cached")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(datasets, "simulate", no_simulation)
-        datasets.dataset.cache_clear()
-        np.testing.assert_array_equal(datasets.dataset(4).speed, first.speed)
-    middle = len(whole) // 2
-    for damage in (whole[:-200], b"", whole[:middle] + bytes([whole[middle] ^ 0xFF]) + whole[middle + 1 :]):
-        path.write_bytes(damage)
-        datasets.dataset.cache_clear()
-        np.testing.assert_array_equal(datasets.dataset(4).speed, first.speed)
-        assert path.read_bytes() == whole
-
-
-def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("")
-    monkeypatch.setenv("BENCH_CACHE", str(tmp_path / "file"))
-    datasets.dataset.cache_clear()
-    assert len(datasets.dataset(3).speed) == 2401
-    datasets.dataset.cache_clear()
 
 
 @pytest.mark.parametrize("header", ["time_s,speed_rps", "", "t [s];v [rps]"])
