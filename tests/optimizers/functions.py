@@ -4,7 +4,7 @@ Each is 0 at its optimum, which is not the centre of the box, and positive elsew
 """
 
 from functools import cache
-from math import cos, e, expm1, pi, sqrt
+from math import cos, pi
 
 import numpy as np
 from numba import njit
@@ -36,29 +36,7 @@ def rosenbrock(x):
     return total
 
 
-def ackley(x):
-    """The exponentials less 1, as ``expm1`` has them, keep the sum from falling below 0 by rounding."""
-    squares, cosines = 0.0, 0.0
-    for k in range(D):
-        y = x[k] - (15 - 4.5 * k)
-        squares += y**2
-        cosines += cos(2 * pi * y)
-    return -20 * expm1(-0.2 * sqrt(squares / D)) - e * expm1(cosines / D - 1)
-
-
-def ellipsoid(x):
-    """Condition number 1e6, mirrored at the plane across (1, 2, …, 7), so that no axis is a coordinate's."""
-    along = 0.0
-    for k in range(D):
-        along += (k + 1) * (x[k] - (3.2 - k))
-    total = 0.0
-    for k in range(D):
-        z = x[k] - (3.2 - k) - along / 70 * (k + 1)  # 2 / (1 + 4 + … + 49)
-        total += 10.0**k * z**2
-    return total
-
-
-BOXES = {sphere: (-10, 10), rastrigin: (-5.12, 5.12), rosenbrock: (-5, 10), ackley: (-32, 32), ellipsoid: (-6, 6)}
+BOXES = {sphere: (-10, 10), rastrigin: (-5.12, 5.12), rosenbrock: (-5, 10)}
 FUNCTIONS = {f.__name__: f for f in BOXES}
 
 
@@ -79,17 +57,6 @@ def rows(f):
 PROBLEMS = {
     name: FunctionProblem(rows(f), [BOXES[f][0]] * D, [BOXES[f][1]] * D, name=name) for name, f in FUNCTIONS.items()
 }
-
-# What is sampled: every algorithm, and each variant, on every function.
-VARIANTS = [
-    ("gwo", "code"),
-    ("gwo", "cascade"),
-    ("alo", "code"),
-    ("alo", "paper"),
-    ("goa", "code"),
-    ("goa", "full-distance"),
-    ("da", "code"),
-]
 
 
 class Quick:

@@ -3,8 +3,6 @@
 Each algorithm makes ``T`` generations from the (N, d) start ``x`` and returns the (N, d) batches it evaluated. ``f``
 maps one point to its value, ``confine`` brings a whole batch back (clip, then repair), ``rng`` is drawn from in the
 order in which the optimizers draw. Nothing here is shared with the code under test.
-
-The longest loops are functions of their own, which sample.py compiles as they stand to draw thousands of runs.
 """
 
 from collections import Counter
@@ -174,12 +172,8 @@ def grasshoppers(x, target, groups, lower, upper, c):
     return moved
 
 
-def da(f, confine, lower, upper, x, T, rng, variant="code", seen=None):
-    """As the others; ``seen``, a Counter, counts the branches that were taken.
-
-    With ``variant="synchronous"`` a dragonfly sees its neighbours where they were before the generation's moves: the
-    mistake of a vectorised implementation, which a test must distinguish from the author's algorithm.
-    """
+def da(f, confine, lower, upper, x, T, rng, seen=None):
+    """As the others; ``seen``, a Counter, counts the branches that were taken."""
     seen = Counter() if seen is None else seen
     N, d = x.shape
     span = upper - lower
@@ -206,32 +200,29 @@ def da(f, confine, lower, upper, x, T, rng, variant="code", seen=None):
         rand = rng.random((N, d, 3))
         normal = rng.standard_normal((N, d, 2))
         x = x.copy()
-        others, steps = (x.copy(), V.copy()) if variant == "synchronous" else (x, V)
         for i in range(N):
-            if (others == x[i]).any(axis=1).sum() > 1:
+            if (x == x[i]).any(axis=1).sum() > 1:
                 seen["equal in a component"] += 1
-            far, swarm, threatened = dragonfly(
-                x, V, i, others, steps, food, enemy, r, weights, lower, upper, rand[i], normal[i]
-            )
+            far, swarm, threatened = dragonfly(x, V, i, food, enemy, r, weights, lower, upper, rand[i], normal[i])
             seen[("far" if far else "close") + (", swarm" if swarm else ", alone")] += 1
             seen["threatened" if threatened else "safe"] += 1
         x = confine(x)
     return batches
 
 
-def dragonfly(x, V, i, others, steps, food, enemy, r, weights, lower, upper, rand, normal):
+def dragonfly(x, V, i, food, enemy, r, weights, lower, upper, rand, normal):
     """Move dragonfly i, and say whether it was far from the food, in a swarm, and near the enemy."""
     N, d = x.shape
     s, a, c, weight_food, e, w = weights
-    near = [j for j in range(N) if is_neighbour(x[i], others[j], r)]
+    near = [j for j in range(N) if is_neighbour(x[i], x[j], r)]
     S, A, C, F, E = np.zeros(d), V[i].copy(), np.zeros(d), np.zeros(d), np.zeros(d)
     if len(near) >= 2:
         for k in range(d):
             apart, along, centre = 0.0, 0.0, 0.0
             for j in near:
-                apart += others[j, k] - x[i, k]
-                along += steps[j, k]
-                centre += others[j, k]
+                apart += x[j, k] - x[i, k]
+                along += V[j, k]
+                centre += x[j, k]
             S[k], A[k], C[k] = -apart, along / len(near), centre / len(near) - x[i, k]
     far, threatened = False, True
     for k in range(d):
@@ -267,13 +258,3 @@ def is_neighbour(p, q, r):
         if gap > r[k] or gap == 0:
             return False
     return True
-
-
-def final_best(f, lower, upper, d, algorithm, variant, seed, agents, generations):
-    """Return the best value that one run finds, from a uniform start in the box [lower, upper]^d."""
-    rng = np.random.default_rng(seed)
-    low, high = np.full(d, float(lower)), np.full(d, float(upper))
-    start = low + (high - low) * rng.random((agents, d))
-    run = {"gwo": gwo, "alo": alo, "goa": goa, "da": da}[algorithm]
-    batches = run(f, lambda x: np.clip(x, low, high), low, high, start, generations, rng, variant=variant)
-    return float(min(f(point) for batch in batches for point in batch))

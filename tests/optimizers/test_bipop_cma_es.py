@@ -98,12 +98,6 @@ def test_the_variant_pycma_makes_runs_of_cma_es_fast():
     assert not np.array_equal(paper.trace.values, fast.trace.values)
 
 
-def test_a_seed_repeats_a_run():
-    first, again, other = (solve(problem(), BIPOPCMAES(), budget=4000, seed=seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(first.trace.values, again.trace.values)
-    assert not np.array_equal(first.trace.values, other.trace.values)  # both may end in the same optimum
-
-
 def run(d=2, agents=6, mean=0.0, sigma=0.2):
     """A run in [-5, 5]^d; its first points have been drawn."""
     begun = Run(NearestPoint(np.full(d, -5.0), np.full(d, 5.0)), np.full(d, mean), sigma, agents,

@@ -120,42 +120,6 @@ def test_stops_by_tolerance_are_declared():
     assert result.fun < 1e-10
 
 
-def test_repaired_points_alone_are_evaluated():
-    class Diagonal(FunctionProblem):
-        seen: list = []  # noqa: RUF012
-
-        def repair(self, x):
-            x = np.clip(x, self.lower, self.upper)
-            return np.minimum(x, x[:, ::-1].max(axis=1, keepdims=True) * 0 + 1.0)
-
-        def evaluate(self, x):
-            self.seen.append(x)
-            return super().evaluate(x)
-
-    problem = Diagonal(lambda x: ((x - 0.5) ** 2).sum(axis=1), [-5, -5], [5, 5])
-    assert solve(problem, CMAES(agents=10, handling="repair"), budget=2000, seed=1).fun < 1e-8
-    assert np.vstack(problem.seen).max() <= 1.0
-
-
-@pytest.mark.parametrize("dimension", [1, 2, 50])
-def test_exact_budget_in_any_dimension(dimension):
-    problem = FunctionProblem(lambda x: np.abs(x).sum(axis=1), [-5] * dimension, [5] * dimension)
-    assert solve(problem, CMAES(agents=20), budget=110, seed=0).nfev == 110
-
-
-def test_infinite_values_and_plateaus_end_without_an_error():
-    for value in (np.inf, 1.0):
-        flat = FunctionProblem(lambda x, value=value: np.full(len(x), value), [0, 0], [1, 1])
-        assert solve(flat, CMAES(agents=12), budget=3000, seed=0).nfev <= 3000
-
-
-def test_numpy_s_global_state_is_left_alone():
-    np.random.seed(7)  # noqa: NPY002 - it is the global state that is looked at
-    before = np.random.get_state()[1].tolist()  # noqa: NPY002
-    solve("signature-03", CMAES(agents=30), budget=600)
-    assert np.random.get_state()[1].tolist() == before  # noqa: NPY002
-
-
 def test_start_is_the_midpoint_or_a_random_feasible_point():
     problem = FunctionProblem(lambda x: (x**2).sum(axis=1), [0, 0], [1, 1])
 

@@ -166,30 +166,12 @@ def test_the_stored_runs_are_still_pycma_s(cell):
     assert again["early"] == pytest.approx(row.early, rel=1e-5)  # later values depend on the machine's LAPACK
 
 
-@pytest.mark.slow
-def test_a_seed_repeats_a_run():
-    first, again, other = (solve("signature-03", CMAESFast(), budget=900, seed=seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(first.trace.values, again.trace.values)
-    assert first.fun != other.fun
-
-
 @pytest.mark.parametrize("dimension", [1, 2, 3, 50])
 @pytest.mark.parametrize("agents", [None, 300])
 def test_any_dimension_is_solved_or_ends_with_the_budget(dimension, agents):
     problem = FunctionProblem(lambda x: ((x - 1) ** 2).sum(axis=1), [-5] * dimension, [5] * dimension)
     result = solve(problem, CMAESFast(agents=agents), budget=30_000, seed=0)
     assert result.fun < 1e-10 if result.nfev < 30_000 else result.stop == "budget"
-
-
-def test_repaired_points_alone_are_evaluated():
-    class Ordered(Recorded):
-        def repair(self, x):
-            return np.sort(super().repair(x), axis=1)
-
-    for handling, ordered in (("repair", True), ("box", False)):
-        problem = Ordered(lambda x: ((x - [2, 1]) ** 2).sum(axis=1), [-5, -5], [5, 5])
-        solve(problem, CMAESFast(handling=handling), budget=300, seed=1)
-        assert (np.diff(np.vstack(problem.batches)) >= 0).all() == ordered
 
 
 def test_fewer_than_six_agents_are_refused():

@@ -1,9 +1,7 @@
 """mealpy's algorithms spend the budget to the evaluation, follow the seed alone, and are mealpy's own."""
 
-import random
 import warnings
 from dataclasses import dataclass
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.mealpy import TABLE, TWO_VARIABLES, MealpyOptimizer, mealpy
-from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Watched
 
 library = pytest.importorskip("mealpy", reason="the extra 'mealpy' is not installed")
 
@@ -52,21 +50,6 @@ def test_the_budget_is_spent_to_the_evaluation(name, budget):
     result = run(name, problem, budget=budget)
     assert (result.nfev, result.stop) == (budget, "budget")
     assert sum(map(len, problem.batches)) == budget
-
-
-@pytest.mark.parametrize("name", ["OriginalGWO", "OriginalABC", "SAP_DE", "OriginalPSO"])
-def test_a_seed_repeats_a_run_and_another_does_not(name):
-    first = trace(run(name))
-    random.seed(99)
-    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
-    assert trace(run(name)) == first
-    assert trace(run(name, seed=2)) != first
-
-
-def test_the_global_random_states_are_left_alone():
-    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
-    run("OriginalWOA")
-    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
 
 
 @pytest.mark.parametrize(
@@ -134,22 +117,6 @@ def test_the_schedule_ends_with_the_budget(name, planned, monkeypatch):
         assert {last for _, last in seen} == planned
 
 
-@pytest.mark.parametrize("name", ["OriginalABC", "BaseGA", "OriginalPFA", "OriginalWCA", "OriginalDE"])
-@pytest.mark.parametrize("value", [np.inf, 3.0])
-def test_infinite_values_and_plateaus_do_no_harm(name, value):
-    assert run(name, Watched(lambda x: np.full(len(x), value)), budget=250).nfev == 250
-
-
-def test_points_are_repaired_or_only_clipped_as_asked():
-    highest = {}
-    for handling in ("repair", "box"):
-        problem = Ordered(lambda x: -x[:, 0])
-        assert run("OriginalPSO", problem, budget=300, agents=20, handling=handling).outside_box == 0
-        highest[handling] = np.vstack(problem.batches)[20:, 0].max()
-    assert highest["repair"] == 3.0
-    assert highest["box"] > 4.0
-
-
 def test_a_parameter_changes_the_run():
     assert run("OriginalABC", n_limits=1, budget=2000).fun != run("OriginalABC", n_limits=50, budget=2000).fun
 
@@ -202,7 +169,3 @@ def test_a_search_that_evaluates_nothing_more_is_declared():
 
     result = solve(Watched(), IdleOptimizer(), budget=400, seed=1)
     assert (result.nfev, result.stop) == (100, "no evaluation in 1000 epochs")
-
-
-def test_the_family_is_found_where_its_entry_point_says():
-    assert import_module("optimizers.mealpy").mealpy is mealpy

@@ -1,17 +1,14 @@
 """minionpy's algorithms spend the budget to the evaluation, follow the seed alone, and are minionpy's own."""
 
-import random
-import threading
 from importlib import import_module
 
 import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Objective, solve
-from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.minion import TABLE, minion
-from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Watched, trace
 
 library = pytest.importorskip("minionpy", reason="the extra 'minion' is not installed")
 
@@ -41,47 +38,6 @@ def test_every_algorithm_of_minionpy_is_a_member_or_left_out():
     known = {"about", "works", "parameters", "unmapped", "from_point"}
     assert all(entry.keys() <= known for entry in MEMBERS.values())
     assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= TABLE["parameters"].keys()
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_a_member_is_silent_and_spends_the_budget_or_declares_its_tolerance(name, capfd):
-    optimizer = minion.load(f"minion:{name}")
-    for budget in (1, 7, 150):
-        problem = Watched()
-        result = solve(problem, optimizer, budget=budget, seed=2)
-        assert sum(map(len, problem.batches)) == result.nfev <= budget
-        assert (result.stop == "budget") == (result.nfev == budget)
-        assert result.stop == "budget" or "tolerance" in result.stop or "onverge" in result.stop
-        assert result.outside_box == 0
-    assert capfd.readouterr() == ("", "")
-    assert [each.key for each in parse(optimizer.bibtex)][-1] == "muzakka2025"
-    assert len(parse(optimizer.bibtex)) >= 2
-    assert optimizer.code.startswith("minionpy 1.")
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_a_seed_repeats_a_run_and_another_does_not(name):
-    problem, again = Watched(), Watched()
-    first = run(name, problem, budget=230)
-    random.seed(99)
-    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
-    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
-    assert trace(run(name, again, budget=230)) == trace(first)
-    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
-    np.testing.assert_array_equal(evaluated(again), evaluated(problem))
-    assert trace(run(name, budget=230, seed=2)) != trace(first)
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_all_points_are_evaluated_in_the_caller_s_thread(name):
-    threads = set()
-
-    def sphere(x):
-        threads.add(threading.get_ident())
-        return ((x - OPTIMUM) ** 2).sum(axis=1)
-
-    run(name, Watched(sphere), budget=150)
-    assert threads == {threading.get_ident()}
 
 
 @pytest.mark.parametrize("name", POPULATIONS)
@@ -142,17 +98,6 @@ def test_jade_is_not_the_l_shade_that_minionpy_s_class_of_this_name_runs():
     assert trace(run("JADE", agents=30)) != trace(run("LSHADE", agents=30, archive_size_ratio=1.0))
 
 
-def test_an_error_of_the_problem_arrives_as_it_is():
-    def broken(x):
-        raise KeyError("broken")
-
-    for name in ("LSHADE", "NLSHADE_RSP", "CMAES"):  # minionpy hands some on, and renames others
-        with pytest.raises(KeyError, match="broken"):
-            minion.load(f"minion:{name}").minimize(
-                Objective(Watched(broken), 100, np.random.default_rng(0)), np.random.default_rng(1)
-            )
-
-
 def test_a_stop_by_a_tolerance_is_declared_and_can_be_turned_off():
     assert "onverge" in run("LSHADE", FunctionProblem(lambda x: x[:, 0] ** 2, [-2.0], [5.0]), budget=3000).stop
     slope = run("LSRTDE", FunctionProblem(lambda x: x[:, 0], [-2.0], [5.0]), budget=3000)
@@ -160,29 +105,6 @@ def test_a_stop_by_a_tolerance_is_declared_and_can_be_turned_off():
     assert slope.stop == "for no reason that minionpy names"  # it says that the evaluations are spent
     assert run("CMAES", budget=3000).nfev < 3000
     assert run("CMAES", budget=3000, x_tol=-1.0).nfev == 3000
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-@pytest.mark.parametrize("value", [np.inf, 3.0])
-def test_infinite_values_and_plateaus_do_no_harm(name, value):
-    result = run(name, Watched(lambda x: np.full(len(x), value)), budget=250)
-    assert result.nfev == 250 or result.stop not in ("budget", "undeclared")
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_one_variable_suffices(name):
-    line = FunctionProblem(lambda x: (x[:, 0] - 2.3) ** 2, [1.0], [5.0])
-    assert run(name, line, budget=250).fun < 0.01
-
-
-def test_points_are_repaired_or_only_clipped_as_asked():
-    highest = {}
-    for handling in ("repair", "box"):
-        problem = Ordered(lambda x: -x[:, 0])
-        assert run("LSHADE", problem, budget=300, agents=20, handling=handling).outside_box == 0
-        highest[handling] = evaluated(problem)[20:, 0].max()
-    assert highest["repair"] == 3.0
-    assert highest["box"] > 4.0
 
 
 @pytest.mark.parametrize(

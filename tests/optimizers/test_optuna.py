@@ -1,18 +1,16 @@
 """optuna's samplers spend the budget to the evaluation, follow the seed alone, and are optuna's own."""
 
 import inspect
-import random
 import warnings
 
 import numpy as np
 import pytest
 
 from bench import BenchError, Objective, solve
-from bench.errors import ProblemError
 from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.optuna import TABLE, optuna
-from tests.optimizers.observed import OPTIMUM, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Watched
 
 library = pytest.importorskip("optuna", reason="the extra 'optuna' is not installed")
 pytest.importorskip("cmaes", reason="the extra 'optuna' is not installed")
@@ -50,19 +48,6 @@ def test_a_member_is_silent_and_spends_the_budget(name, capfd, tmp_path, monkeyp
     optimizer = optuna.load(f"optuna:{name}")
     assert [each.key for each in parse(optimizer.bibtex)][-1] == "akiba2019"
     assert optimizer.code.startswith("optuna ")
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_a_seed_repeats_a_run_and_another_does_not(name):
-    problem, again = Watched(), Watched()
-    first = run(name, problem)
-    random.seed(99)
-    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
-    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
-    assert trace(run(name, again)) == trace(first)
-    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
-    np.testing.assert_array_equal(evaluated(again), evaluated(problem))
-    assert trace(run(name, seed=2)) != trace(first)
 
 
 @pytest.mark.parametrize(
@@ -115,20 +100,6 @@ def test_defaults_are_optuna_s(name):
     if theirs.get("multivariate") is False:  # in older versions, where None means the same
         theirs["multivariate"] = None
     assert ours == theirs
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_infinite_values_end_no_run(name):
-    result = run(name, Watched(lambda x: np.where(x[:, 0] > 2, np.inf, x[:, 0])))
-    assert result.nfev == 80
-
-
-def test_an_error_of_the_problem_arrives_as_it_is():
-    def broken(x):
-        raise KeyError("broken")
-
-    with pytest.raises(ProblemError, match="broken"):
-        run("TPESampler", Watched(broken))
 
 
 def test_parameters_out_of_range_are_refused():

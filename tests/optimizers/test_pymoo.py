@@ -2,24 +2,19 @@
 
 import inspect
 import random
-import warnings
 from importlib import import_module
 from pkgutil import iter_modules
 
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, Objective, solve
-from bench.helpers.bibtex import parse
+from bench import BenchError, Objective, solve
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.pymoo import FOLDER, TABLE, prepare, pymoo
-from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
-
-library = pytest.importorskip("pymoo", reason="the extra 'pymoo' is not installed")
+from tests.optimizers.observed import OPTIMUM, Watched, trace
 
 MEMBERS, PARAMETERS = TABLE["members"], TABLE["parameters"]
-TOLERANCES = {"BIPOPCMAES", "CMAES", "NelderMead", "SimpleCMAES"}
 
 
 def run(name, problem=None, *, budget=400, seed=1, **options):
@@ -53,23 +48,6 @@ def test_what_de_takes_by_keywords_has_pymoo_s_defaults():
     assert {name: known[name].default for name in given} == given
 
 
-@pytest.mark.parametrize("name", MEMBERS)
-def test_a_member_is_silent_and_spends_the_budget_or_declares_its_tolerance(name, capfd, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    optimizer = pymoo.load(f"pymoo:{name}")
-    for budget in (1, 150):
-        problem = Watched()
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            result = solve(problem, optimizer, budget=budget, seed=2)
-        assert sum(map(len, problem.batches)) == result.nfev
-        assert (result.nfev, result.stop) == (budget, "budget") or (name in TOLERANCES and "tol" in result.stop)
-    assert capfd.readouterr() == ("", "")
-    assert list(tmp_path.iterdir()) == []
-    assert [each.key for each in parse(optimizer.bibtex)][-1] == "blank2020"
-    assert optimizer.code.startswith("pymoo 0.")
-
-
 def variants():
     """Every member, and with each choice of each parameter that has choices."""
     for name, entry in MEMBERS.items():
@@ -90,13 +68,6 @@ def test_a_seed_repeats_a_run_and_another_does_not(name, options):
     np.random.seed(99)  # noqa: NPY002 - the global state must not matter
     assert trace(run(name, budget=230, **options)) == first
     assert trace(run(name, budget=230, seed=2, **options)) != first
-
-
-@pytest.mark.parametrize("name", ["CMAES", "DE"])
-def test_the_global_random_states_are_left_alone(name):
-    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
-    run(name)
-    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
 
 
 @pytest.mark.parametrize(
@@ -184,29 +155,6 @@ def test_nrbo_plans_as_many_generations_as_the_budget_allows(monkeypatch):
     monkeypatch.setattr(solver, "_infill", watched)
     run("NRBO", budget=390, agents=20)
     assert seen[-1] == (20, 20)
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-@pytest.mark.parametrize("value", [np.inf, 3.0])
-def test_infinite_values_and_plateaus_do_no_harm(name, value):
-    result = run(name, Watched(lambda x: np.full(len(x), value)), budget=250)
-    assert result.nfev == 250 or name in TOLERANCES
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_one_variable_suffices(name):
-    line = FunctionProblem(lambda x: (x[:, 0] - 2.3) ** 2, [1.0], [5.0])
-    assert run(name, line, budget=250).fun < 0.01
-
-
-def test_points_are_repaired_or_only_clipped_as_asked():
-    highest = {}
-    for handling in ("repair", "box"):
-        problem = Ordered(lambda x: -x[:, 0])
-        assert run("PSO", problem, budget=300, agents=20, handling=handling).outside_box == 0
-        highest[handling] = np.vstack(problem.batches)[20:, 0].max()
-    assert highest["repair"] == 3.0
-    assert highest["box"] > 4.0
 
 
 @pytest.mark.parametrize("options", [{"F": 0.9}, {"CR": 0.9}, {"variant": "DE/rand/2/exp"}, {"prob_mut": 0.0}])

@@ -52,13 +52,6 @@ def traces(results):
     return {key: (each.evaluations.tobytes(), each.values.tobytes()) for key, each in results.traces.items()}
 
 
-def change_record(path, **changes):
-    """Change the first environment's record in the store of a folder."""
-    folder = Folder(path)
-    with folder.store.writer() as writer:
-        writer.change(1, folder.environments()[0] | changes)
-
-
 def change_data(path, data):
     """Have the trials of a folder be of problems with other data, by the hash of each."""
     store = Folder(path).store

@@ -57,13 +57,6 @@ def test_a_selection_replaces_no_report_of_the_whole_folder(folder, output):
     assert not (folder / "report.html").exists()
 
 
-def test_a_selection_says_so_in_the_lead_of_its_page_and_in_its_methods(folder, tmp_path):
-    page = write_report(folder, optimizers="early", output=tmp_path / "out", n_jobs=1)
-    sentence = "Selected from 2 optimizers and 1 problem after the results were seen; left out: 1 optimizer (scatter)."
-    assert f"evaluations a trial. {sentence}</p>" in text_of(page)
-    assert sentence in text_of(page.parent / "methods.md")
-
-
 def test_a_problem_that_raises_leaves_a_report_that_says_so(folder, monkeypatch, tmp_path):
     def fail(self, label):
         raise ZeroDivisionError("boom")

@@ -31,19 +31,6 @@ def written(path, noted=True):
     return Findings(Results(store(path, study, row_of, fingerprints=known)))
 
 
-def test_the_share_of_trials_with_a_feasible_point(testing_plugins, tmp_path):
-    (section,) = feasibility.sections(written(tmp_path / "s"))
-    (text,) = section.text
-    assert text == (
-        "1 problem with constraints, handled by 'lexicographic'. Only feasible points are recorded. 1 of 8 trials "
-        "found no feasible point and score worse than any other."
-    )
-    (table,) = section.items
-    assert table.frame.loc["ring-2"].tolist() == [75.0, 100.0]
-    assert table.lost.loc["ring-2"].tolist() == [True, False]
-    assert table.data["first"].tolist() == [1.0, 1.0]
-
-
 def test_without_handled_constraints_there_is_none(testing_plugins, make, tmp_path):
     assert feasibility.sections(Findings(Results(make(tmp_path / "s")))) == ()
     old = written(tmp_path / "old", noted=False)  # begun before constraints were handled: nothing can be said

@@ -56,24 +56,6 @@ def test_each_kind_of_study_has_the_committed_sentences(committed):
     committed("conditions-cases", "\n".join(lines))
 
 
-def test_the_thesis_s_study_differs_in_handling_and_start_and_not_in_agents():
-    differing, _ = sentences(CASES["the thesis"]).limits
-    assert "handling and start are box, midpoint for cma-es" in differing
-    assert "agents" not in differing
-
-
-def test_what_is_usual_or_the_same_limits_no_claim():
-    assert not sentences(CASES["all options alike"]).limits
-    assert not sentences(CASES["populations of their own"]).limits
-    assert sentences(CASES["another handling"]).limits
-
-
-@pytest.mark.parametrize("kind", ["tuned on these problems", "an edited record of the tuning"])
-def test_only_a_sound_record_shows_that_other_problems_were_tuned_on(kind):
-    assert "on other problems" in f"{sentences(CASES['tuned on other problems'])}"
-    assert "on other problems" not in f"{sentences(CASES[kind])}"
-
-
 def test_the_populations_of_the_equal_study_are_the_same_for_each():
     labels = [entry.label for entry in CASES["its equal populations"].optimizers]
     for agents in (30, 100, 300):

@@ -83,12 +83,6 @@ def test_controls_are_in_no_ranking_and_in_no_frame(made):
     assert len(findings.trials.controls) == 2 * 2 * 5
 
 
-def test_the_table_has_no_chance_where_a_rival_lacks_the_option_or_the_trials(made):
-    (table,) = matched.section(made()).items
-    assert table.frame.loc["gwo", "as reported"].startswith("0.88 [")
-    assert table.frame.loc["random-search", "handling = box, start = midpoint"] == "–"
-
-
 def test_without_shared_conditions_there_is_a_cost_and_no_section(made):
     findings = made(controls=())
     assert matched.section(findings) is None

@@ -3,7 +3,7 @@
 import re
 import shutil
 import subprocess
-from dataclasses import fields, replace
+from dataclasses import replace
 from difflib import unified_diff
 
 import pandas as pd
@@ -35,7 +35,6 @@ from bench.topics.methods.methods import (
     templates,
     write,
 )
-from bench.topics.verdict.winner import winner_rule
 
 ENVIRONMENT = {
     "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},
@@ -203,25 +202,6 @@ class TestMethods:
         names = [work.author_year for work in parse(found.bibtex)]
         assert all(re.search(rf"[(;] ?{re.escape(name)}[);]", "".join(found.text)) for name in names)
 
-    def test_only_imported_trials_have_no_seed_of_ours(self):
-        assert "seed of the study" not in said(CASES["imported"])
-        assert "seed of the study" in said(CASES["imported beside others"])
-
-    def test_tuning_on_a_problem_of_the_study_claims_no_other_problems(self):
-        assert "not among the test problems" in said(full(tuning=TUNING))
-        assert "not among the test problems" not in said(full(tuning=TRAINED))
-
-    def test_undeclared_extensions_are_called_optional_stopping(self):
-        assert "optional stopping" in said(full(**CASES["extended"]))
-        assert "optional stopping" not in said(full())
-
-    def test_the_resamples_of_the_bootstrap_are_those_of_the_number_of_optimizers(self):
-        for facts, numbers in ((full(), ("999", "9,999", "1,999")), (full(**MANY), ("199", "999", "1,999"))):
-            assert re.findall(r"([\d,]+) (?:bootstrap )?resamples", said(facts)) == list(numbers)
-
-    def test_the_rule_for_a_winner_is_the_verdict_s(self):
-        assert winner_rule(looks=False) in said(full())
-
     def test_unreadable_bibtex_is_told_and_costs_nothing_else(self):
         found = methods(full(descriptions=described("gwo") | {"alo": Description("@misc{a, title={")}))
         assert len(found.warnings) == 1
@@ -239,13 +219,6 @@ class TestMethods:
         assert found.latex.replace("\n", "").isascii()
         assert found.latex.count("\n\n") == len(found.text)
         assert found.markdown.count("\n---\n") == 1
-
-    def test_built_in_optimizers_cite_themselves(self):
-        for name in ("alo", "cma-es", "da", "goa", "gwo"):
-            optimizer = registry.load("optimizers", name)
-            assert all("doi = {10." in work.fields for work in parse(optimizer.bibtex))
-            assert optimizer() == optimizer()
-            assert "bibtex" not in [field.name for field in fields(optimizer)]
 
 
 def test_works_under_one_key_are_told_apart():

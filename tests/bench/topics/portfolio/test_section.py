@@ -50,11 +50,6 @@ def test_failed_trials_reach_nothing_and_missing_ones_leave_the_problem_out(sect
     assert "Left out: 1 problem" in sections(skip=[("q", "b")]).text[4]
 
 
-def test_equal_trials_are_ties(sections):
-    section = sections(changes={each: {"fun": 5.0} for each in "abc"})
-    assert "no gap" in section.text[1] or "0.0" in section.text[1]
-
-
 def test_sets_of_many_optimizers_are_not_all_compared_and_the_section_says_so(sections):
     section = sections(optimizers=tuple(f"o{number}" for number in range(14)), trials=2)
     assert "one after the other, so a smaller set may exist" in section.text[2]

@@ -16,7 +16,6 @@ from bench.topics.subject.against import Against, Rival, against, first_screen
 from bench.topics.trials.power import error_text
 from bench.topics.verdict import section as verdict
 
-NAN = float("nan")
 PARTS = pd.DataFrame(columns=["kind", "part", "rival", "outcome"])
 
 
@@ -41,13 +40,6 @@ FOUR = (
 
 def lines(facts):
     return {line.label: line.text for line in first_screen(facts).lines}
-
-
-def test_the_headline_says_whom_it_beats_whom_it_loses_to_and_what_is_open():
-    assert first_screen(known(*FOUR)).headline == (
-        "rDE beats 2 of 4 rivals, loses to BIPOP-CMA-ES, is open against L-SHADE on these 24 problems at 1,000 d "
-        "evaluations."
-    )
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, run
-from bench.analysis import PRECISIONS
 from bench.analysis import table as table_of
 from bench.report.latex import to_latex
 from bench.topics import write_report
@@ -104,12 +103,6 @@ def test_the_map_of_a_suite_has_a_row_a_function(findings, monkeypatch):
     assert (found.bold.shape, found.shades.shape, found.marks.shape) == ((2, 4),) * 3
 
 
-def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):
-    curves = items["targets-by-group"].data
-    assert curves["problem"].nunique() == 6
-    assert curves["per_dimension"].max() == pytest.approx(2000)  # ten times the budget, by simulated restarts
-
-
 def test_running_times_are_shown_over_the_dimension(findings, items):
     table = items["scaling"].data.set_index(["problem", "dimension", "optimizer"])["ert"]
     hits = findings.anytime.hits
@@ -176,19 +169,6 @@ def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, mon
 
 def test_a_study_of_one_kind_has_no_overview(make, tmp_path):
     assert suite.section(Findings(Results(make(tmp_path / "s")))) is None
-
-
-def test_expected_running_times_are_given_to_coco_s_precisions(findings):
-    table = findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
-    pooled, paid, solved = findings.trials.pooled, 0, 0
-    for (problem, optimizer, _), trace in pooled.traces.items():
-        if (problem, optimizer) == ("classical-sphere-d2", "cma-es-fast"):
-            hits = trace.evaluations[trace.values <= 0.1]
-            paid, solved = paid + (hits[0] if len(hits) else 60), solved + (len(hits) > 0)
-    row = table.loc["classical-sphere-d2", "cma-es-fast", 0.1]
-    assert (row["trials"], row["successes"]) == (6, solved)
-    assert row["ert"] == paid / solved
-    assert table.index.get_level_values("precision").unique().tolist() == list(PRECISIONS)
 
 
 def test_a_function_s_own_section_has_its_expected_running_times(findings):

@@ -34,15 +34,6 @@ def test_pairs_that_are_not_separated_are_listed_with_the_trials_that_would(fold
     assert shown[columns].to_numpy().tolist() == [["b", "c", 12, ">1,000", ""]] * 2
 
 
-def test_looks_stop_the_cells_that_are_decided(folder):
-    known = findings_of(folder, looks=(6, 10, 12))
-    assert set(known.trials.decisions.stopped) == {("p", "a"), ("q", "a")}
-    assert trials.section(known).items[0].frame["cells decided"].to_dict() == {6: 0, 10: 2, 12: 0}
-    assert set(known.final.pairs["look"]) == {0, 10}
-    assert trials.NOT_ADJUSTED in verdict.section(known).cards[2].text
-    assert "looks" not in str(verdict.section(findings_of(folder)).cards)
-
-
 def test_a_cell_that_a_look_stopped_is_complete(folder):
     known = findings_of(folder, looks=(6, 10, 12))
     missing = known.results.frame[~((known.results.frame["optimizer"] == "a") & (known.results.frame["trial"] >= 10))]
@@ -72,15 +63,6 @@ def test_trials_that_were_added_to_complete_ones_are_said_once_in_each_part(fold
     early = findings_of(folder, records=[{"trials": 12, "extends": 3}, {"started": "of an older version"}])
     assert trials.extension_text(early) == []
     assert findings_of(folder, looks=(8, 12), records=[record]).trials.extensions == []
-
-
-def test_nothing_to_compare(make, tmp_path):
-    for cells in ({"optimizers": ("a",)}, {"skip": [("p", "b"), ("q", "b")], "optimizers": ("a", "b")}):
-        found = trials.section(Findings(Results(make(tmp_path / str(len(cells)), **cells))))
-        assert (found.text, found.items) == (
-            ("There is nothing to compare, so no number of trials can be judged.",),
-            (),
-        )
 
 
 def test_how_many_trials_would_separate_pairs_is_said_as_committed(committed):

@@ -42,31 +42,12 @@ def test_a_study_that_was_not_tuned_has_no_section(section):
     assert section(replace(TUNED, optimizers=(replace(OWN, default="z"),))) is None
 
 
-def test_what_was_tuned_what_it_cost_and_what_it_gained_is_stated(section):
-    what, cost, gained = section(optimizers=("b", "a")).text  # tuned 5, default 6
-    assert "No problem of this report was tuned on." in what
-    assert "4,000 evaluations and 12.5 s of runs" in cost
-    assert "is 1.00, in the mean over 7 problems" in gained
-    assert "separably lower on 7 and separably higher on 0 of 7 problems" in gained
-
-
 @pytest.mark.parametrize("record", [TUNED, replace(SEALED, train=["f-i1"]), replace(SEALED, seed=2)])
 def test_an_edited_record_or_one_without_a_hash_is_reported_and_claims_nothing_of_the_problems(section, record):
     found = section(record)
     assert "was tuned on" not in found.text[0]
     assert found.warnings[0].startswith("The record of the tuning ")
     assert "so it does not show on which problems the optimizers were tuned" in found.warnings[0]
-
-
-def test_the_tables_and_the_figure_show_whole_configurations(section):
-    results, parameters, figure = section().items
-    assert results.frame.iloc[0][["tried", "stopped early", "failed runs"]].tolist() == [4, 1, 1]
-    assert results.frame.iloc[0][["score of the defaults", "best score"]].tolist() == [0.5, 0.4]  # 0.3 was stopped
-    assert results.frame.iloc[0][["lower on", "higher on"]].tolist() == [0, 7]
-    assert parameters.frame[["default", "tuned"]].to_numpy().tolist() == [["automatic", "9"], ["x", "y"]]
-    assert parameters.frame["tried"].tolist() == ["5 to 300 (log)", "x | y"]
-    own = figure.data[figure.data["parameter"] == "agents"]
-    assert own["kind"].tolist() == ["default", "best", ""]
 
 
 def test_a_tuning_that_made_it_worse_or_changed_nothing_is_said_to(section):

@@ -40,11 +40,6 @@ def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
     assert not (ranks.bold & (ranks.marks == "≈")).any(axis=None)
 
 
-def test_no_rank_is_marked_where_nothing_is_tested(make, tmp_path):
-    ranks = verdict.section(Findings(Results(make(tmp_path / "s", trials=3)))).items[1]
-    assert set(ranks.marks.to_numpy().ravel()) == {""}
-
-
 def test_where_every_trial_failed_none_finished(make, tmp_path):
     lost = [(problem, optimizer) for problem in "pq" for optimizer in "abc"]
     shown = verdict.section(Findings(Results(make(tmp_path / "s", fail=lost))))

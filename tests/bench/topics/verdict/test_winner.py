@@ -128,39 +128,6 @@ def details(known):
     return " ".join(verdict(known).details)
 
 
-@pytest.mark.parametrize(
-    ("name", "clear"),
-    [("a winner", True), ("looks", True), ("a winner against all but one", False), ("unlike conditions", False),
-     ("one trial", False), ("several share the lead", False), ("all are level", False)],
-)  # fmt: skip
-def test_a_claim_needs_every_rival_beaten_under_like_conditions(name, clear):
-    assert verdict(CASES[name]).clear == clear
-
-
-def test_further_problems_are_claimed_only_where_their_test_shows_them():
-    assert "and on further ones" in verdict(CASES["a winner"]).headline
-    for name in ("a winner, but not for further problems", "a winner, nothing tested on problems", "a sweep"):
-        assert "further" not in verdict(CASES[name]).headline
-
-
-def test_a_sweep_speaks_for_no_further_problems():
-    assert "further" not in details(CASES["a sweep"])
-    assert SWEEP in details(CASES["a sweep"])
-
-
-def test_a_selection_after_the_results_claims_no_level():
-    assert "no level holds" in lines(CASES["selected"])["how sure"]
-
-
-def test_who_is_not_shown_to_be_beaten_is_named():
-    assert "to end lower than gwo." in verdict(CASES["a winner against all but one"]).headline
-
-
-def test_effects_that_looks_biased_are_not_given():
-    assert "by how much" not in lines(CASES["looks without effects"])
-    assert "probability" not in details(CASES["looks without effects"])
-
-
 @pytest.mark.parametrize("second", ["goa", "de"])
 def test_optimizers_that_share_the_second_rank_are_all_named(second):
     known, other = CASES["two share the second place"], {"goa": "de", "de": "goa"}[second]
