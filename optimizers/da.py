@@ -61,8 +61,8 @@ class DA(Population):
             best = int(np.argmin(fitness))
             if fitness[best] < food_fitness:
                 food, food_fitness = x[best].copy(), fitness[best]
-            worst = find_worst_inside(x, fitness, lower, upper)
-            if worst >= 0 and fitness[worst] > enemy_fitness:
+            inside = np.flatnonzero(((lower < x) & (x < upper)).all(axis=1))  # strictly (DA.m)
+            if len(inside) and fitness[worst := inside[np.argmax(fitness[inside])]] > enemy_fitness:
                 enemy, enemy_fitness = x[worst].copy(), fitness[worst]
             r = span / 4 + span * (t / T) * 2  # the neighbourhood's radius (DA.m)
             w = 0.9 - t * ((0.9 - 0.4) / T)  # inertia (DA.m)
@@ -74,19 +74,6 @@ class DA(Population):
             moved = x.T.copy()
             fly(moved, v, food, enemy, r, weights, lower, upper, uniforms, normals)
             x = self.confine(objective, moved.T.copy())
-
-
-@compiled
-def find_worst_inside(x: Floats, fitness: Floats, lower: Floats, upper: Floats) -> int:
-    """Return the first index of the greatest fitness among the (N, d) points strictly inside (DA.m), or -1."""
-    worst = -1
-    for i in range(len(x)):
-        inside = True
-        for k in range(len(lower)):
-            inside &= lower[k] < x[i, k] < upper[k]
-        if inside and (worst < 0 or fitness[i] > fitness[worst]):
-            worst = i
-    return worst
 
 
 @compiled

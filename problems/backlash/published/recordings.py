@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 from zipfile import ZipFile
 
 import numpy as np
@@ -15,33 +14,22 @@ from problems.backlash.published.download import require
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.tables import first_sheet
 
-
-class Row(NamedTuple):
-    """A row of Table 7.3: 30 runs of CMA-ES on one noisy dataset, in rps.
-
-    Attributes:
-        theoretical: the positive peak of the undecimated disturbance, which is the expected A.
-        noise: amplitude of the uniform noise, half of its peak-to-peak value.
-        mean: mean of the A of the runs.
-        stdev: their standard deviation.
-        error: |mean - theoretical| / theoretical in percent, None without backlash.
-    """
-
-    theoretical: float
-    noise: float
-    mean: float
-    stdev: float
-    error: float | None
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @cache
-def table_7_3() -> dict[int, Row]:
+def table_7_3() -> pd.DataFrame:
     """Return Table 7.3 of Giovannitti, "Virtual measurement of backlash in industrial manipulators", by dataset.
 
-    Dataset 0 is noise without backlash. The table names no datasets; its theoretical values are those of 2 to 11.
+    Dataset 0 is noise without backlash. The table names no datasets; its theoretical values are those of 2 to 11. It is
+    of 30 runs of CMA-ES on one noisy dataset each, in rps: ``theoretical``, the positive peak of the undecimated
+    disturbance, which is the expected A; ``noise``, half of its peak-to-peak value; ``mean`` and ``stdev`` of the A of
+    the runs; and ``error``, |mean - theoretical| / theoretical in percent, NaN without backlash.
     """
-    _, *rows = csv.reader(Path(__file__).with_name("table_7_3.csv").read_text(encoding="utf-8").splitlines())
-    return {int(row[0]): Row._make(float(number) if number else None for number in row[1:]) for row in rows}
+    import pandas as pd
+
+    return pd.read_csv(Path(__file__).with_name("table_7_3.csv"), index_col="dataset")
 
 
 def read(file: str, member: str, level: int) -> Recording:
@@ -62,5 +50,5 @@ def read(file: str, member: str, level: int) -> Recording:
     content = path.read_bytes() if not member else ZipFile(path).read(member)
     time, speed = first_sheet(content).iloc[1:].to_numpy(dtype=np.float64).T
     start, dt = float(time[0]), float(time[-1] - time[0]) / (len(time) - 1)
-    peak = table_7_3()[level].theoretical if level in table_7_3() else None
+    peak = table_7_3()["theoretical"].get(level)
     return Recording(start, dt, np.ascontiguousarray(speed), peak=peak, half_gap=half_gap(level))

@@ -100,12 +100,6 @@ def relative(error: pd.Series[float], theoretical: pd.Series[float]) -> pd.Serie
     return 100 * error.abs() / theoretical.where(theoretical > 0)
 
 
-def published() -> pd.DataFrame:
-    """Return Table 7.3 as printed, by dataset: theoretical, noise, mean, stdev (rps) and error (percent)."""
-    table = pd.DataFrame.from_dict(table_7_3(), orient="index", columns=list(COLUMNS))
-    return table.rename_axis("dataset").astype(float)
-
-
 def best_fits(results: StoredResults, cells: pd.DataFrame) -> pd.DataFrame:
     """Return the amplitudes inferred from the best fit, a row a problem.
 
@@ -148,7 +142,7 @@ def sentences(cells: pd.DataFrame, best: pd.DataFrame, level: str) -> list[str]:
 
 def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
     """Return a sentence on how many errors are below the published ones; none without a published row."""
-    both = rows.merge(published()["error"], on="dataset", suffixes=("", " published"))
+    both = rows.merge(table_7_3()["error"], on="dataset", suffixes=("", " published"))
     both = both.dropna(subset=["error", "error published"])
     if both.empty:
         return []
@@ -169,7 +163,7 @@ def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
 def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
     sizes = rows.loc[rows["dataset"] == 0, "mean"]
     return [
-        f"Without backlash {who} of {value:.4f} rps (published {table_7_3()[0].mean:.4f} at low noise), which is "
+        f"Without backlash {who} of {value:.4f} rps (published {table_7_3()['mean'].loc[0]:.4f} at low noise), which is "
         f"{'within' if value <= HEALTHY else 'above'} the {HEALTHY:g} rps asked for."
         for value in sizes
     ]
@@ -177,7 +171,7 @@ def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
 
 def side_by_side(cells: pd.DataFrame, level: str) -> Table:
     """Return Table 7.3 at a noise level, each column beside the published one."""
-    printed = published().reindex(cells["dataset"]).set_index(cells.index)
+    printed = table_7_3().reindex(cells["dataset"]).set_index(cells.index)
     columns: dict[str, pd.Series[float]] = {}
     for name, title in COLUMNS.items():
         columns |= {f"{title} published": printed[name], title: cells[name]}
@@ -199,7 +193,7 @@ def side_by_side(cells: pd.DataFrame, level: str) -> Table:
 
 def beside_best(best: pd.DataFrame) -> Table:
     """Return the table of the best fits, each beside the published error."""
-    printed = published()["error"].reindex(best["dataset"]).set_axis(best.index)
+    printed = table_7_3()["error"].reindex(best["dataset"]).set_axis(best.index)
     columns = {
         "A": best["theoretical"], "|A| of best fit": best["mean"], "error %": best["error"],
         "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": printed,

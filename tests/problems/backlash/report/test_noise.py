@@ -87,7 +87,7 @@ def test_the_error_is_that_of_the_mean_and_single_runs_have_their_own(tmp_path):
     assert row["single runs %"] == pytest.approx(10)
     assert row["noise"] == pytest.approx(0.1079, abs=1e-4)
     printed = [row[f"{name} published"] for name in ("A", "noise", "mean |A|", "stdev", "error %")]
-    assert printed == list(table_7_3()[2])
+    assert printed == table_7_3().loc[2].tolist()
     assert "it is 10.00% on average" in words(results)
 
 
@@ -103,7 +103,7 @@ def test_how_many_rows_are_below_the_published_error_is_said_by_name(tmp_path):
 
 
 def test_an_error_as_large_as_the_published_one_is_not_below_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(noise, "relative", lambda error, theoretical: 0 * theoretical + table_7_3()[2].error)
+    monkeypatch.setattr(noise, "relative", lambda error, theoretical: 0 * theoretical + table_7_3().at[2, "error"])
     assert "below the published one in 0 of 1 row." in words(make(tmp_path / "s", [at(2)], lambda a, trial: a))
 
 
@@ -191,8 +191,8 @@ def test_the_shipped_study_has_the_rows_of_table_7_3_at_both_levels():
     study = Study.load("noise")
     assert (study.trials, study.budget) == (30, 60_000)
     rows = noise.noisy_problems(study)
-    assert sorted(rows[rows["noise level"] == "low"]["dataset"]) == sorted(table_7_3())
-    assert sorted(rows[rows["noise level"] == "high"]["dataset"]) == sorted(table_7_3())
+    assert sorted(rows[rows["noise level"] == "low"]["dataset"]) == sorted(table_7_3().index)
+    assert sorted(rows[rows["noise level"] == "high"]["dataset"]) == sorted(table_7_3().index)
     assert {entry.options["unit"] for entry in study.problems} == {"rps"}
     assert {re.search("high", entry.label) is None for entry in study.problems} == {True, False}
     assert set(noise.noisy_problems(Study.load("noise-start"))["noise level"]) == {
