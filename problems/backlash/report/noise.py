@@ -163,7 +163,7 @@ def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
 def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
     sizes = rows.loc[rows["dataset"] == 0, "mean"]
     return [
-        f"Without backlash {who} of {value:.4f} rps (published {table_7_3()['mean'].loc[0]:.4f} at low noise), which is "
+        f"Without backlash {who} of {value:.4f} rps (published {table_7_3()['mean'][0]:.4f} at low noise), which is "
         f"{'within' if value <= HEALTHY else 'above'} the {HEALTHY:g} rps asked for."
         for value in sizes
     ]
