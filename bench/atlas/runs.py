@@ -45,10 +45,6 @@ eighths of the budget of log10 of the best value so far; and the final best valu
 evaluations has G of them in ``start`` and the 2 G after these in ``next``."""
 
 
-SIZES = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "cpu_s": 1}
-"""The numbers of a run's record, by name."""
-
-
 @dataclass(frozen=True)
 class AtlasRun:
     """One run: its problem, budget, seed, and the evaluations of a generation."""
@@ -155,18 +151,21 @@ def _collect(
     """Wait for the calls of an implementation; the first run that fails ends the others."""
     if surveyed.failed:
         return surveyed
-    rows = []
+    records = []
     try:
-        for row in in_order(runs, _arrays_of):
+        for record in in_order(runs, dict):
             on_made(surveyed.implementation.key)
-            rows.append(row)
+            records.append(record)
     except BenchError as error:
         for probed in probes.values():
             probed.cancel()
         return replace(surveyed, failed=str(error))
-    points, numbers = _columns(rows)
-    *trials, again = points
-    repeatable = again == trials[PROBLEMS.index(PROBES[0]) * len(trials) // len(PROBLEMS)]
+    again, shape = records.pop(), (len(PROBLEMS), len(records) // len(PROBLEMS), -1)
+    repeatable = again["points"] == records[PROBLEMS.index(PROBES[0]) * shape[1]]["points"]
+    numbers: dict[str, Floats] = {
+        name: np.array([record[name] for record in records], dtype=np.float64).reshape(shape)
+        for name in ("measures", "behaviour", "clamped", "evaluations", "cpu_s")
+    }
     tried = {name: _without_effect(probed) for name, probed in probes.items()}
     return replace(
         surveyed,
@@ -178,21 +177,6 @@ def _collect(
         dead={name: values for name, values in tried.items() if values and repeatable},
         microseconds=float(np.median(1e6 * numbers["cpu_s"] / numbers["evaluations"])),
     )
-
-
-def _columns(rows: Sequence[dict[str, Any]]) -> tuple[list[str], dict[str, Floats]]:
-    """Return the hashes of all runs, and (problems, trials, numbers) of all but the last one, by name."""
-    shape = len(PROBLEMS), (len(rows) - 1) // len(PROBLEMS)
-    return [row["points"] for row in rows], {
-        name: np.array([row[name] for row in rows[:-1]], dtype=np.float64).reshape(*shape, size)
-        for name, size in SIZES.items()
-    }
-
-
-def _arrays_of(record: dict[str, Any]) -> dict[str, Any]:
-    """Return the record of a run with arrays of its numbers; raises ValueError, TypeError or KeyError for none."""
-    sized = {name: np.asarray(record[name], dtype=np.float64).reshape(size) for name, size in SIZES.items()}
-    return sized | {"points": str(record["points"])}
 
 
 def _without_effect(probed: Future[Any]) -> str:
