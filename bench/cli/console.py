@@ -7,15 +7,20 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
 from bench.helpers.console import print_error
 from bench.numbers import require_jobs, span
+from bench.study import Study
+
+if TYPE_CHECKING:
+    from bench.execution.runner import Outcome
 
 STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
 """The headings under which the help of a command with many options has them."""
@@ -25,10 +30,8 @@ Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.
 
 @contextmanager
 def interruptible(what: str) -> Iterator[None]:
-    """End the command with a sentence and exit code 130 where Ctrl-C interrupts it; ``what`` of it is kept.
-
-    A command also takes SIGTERM for Ctrl-C, so that its processes end: ``signal.default_int_handler``.
-    """
+    """End the command with a sentence and exit code 130 where Ctrl-C or SIGTERM interrupts it; ``what`` is kept."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that its processes end
     try:
         yield
     except KeyboardInterrupt:
@@ -36,6 +39,23 @@ def interruptible(what: str) -> Iterator[None]:
             signal.signal(number, signal.SIG_IGN)  # once is enough
         print_error(f"interrupted; every finished {what} is kept: run the same command again to continue")
         sys.exit(130)
+
+
+def run_shown(study: Study, output: Path | None, console: Console, **settings: Any) -> Outcome:
+    """Run a study with settings of :func:`bench.execution.runner.run`, and display its progress.
+
+    The command ends where it is interrupted, and where a worker dies.
+    """
+    from bench.execution.progress import Display
+    from bench.execution.runner import run
+    from bench.execution.supervisor import WorkerDiedError
+
+    try:
+        with interruptible("trial"), Display(console) as display:
+            return run(study, output, on_plan=display.plan, on_trial=display.trial, on_look=display.look, **settings)
+    except WorkerDiedError as error:
+        print_error(str(error))
+        sys.exit(1)
 
 
 def checked_jobs(value: int | None) -> int | None:

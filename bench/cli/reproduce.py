@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,18 +11,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Jobs, Untrusted, interruptible
+from bench.cli.console import Jobs, Untrusted, run_shown
 from bench.cli.console import table as rich_table
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
-from bench.helpers.console import print_error, print_line
+from bench.helpers.console import print_line
 from bench.helpers.text import count
 from bench.numbers import require_seed, require_whole
 
 if TYPE_CHECKING:
     from bench.reproduce.table import PaperTable
     from bench.reproduce.verdict import Judgement
-    from bench.study import Study
 
 
 def command(
@@ -84,8 +82,9 @@ def command(
     if made.study is None:
         reasons = "; ".join(dict.fromkeys(made.reasons.values()))
         raise BenchError(f"no cell of {table} can be {'judged' if beside else 'run'}: {reasons}")
-    folder = beside or _run(made.study, output, console, jobs, timeout, untrusted)
-    if beside is None:
+    folder = beside
+    if folder is None:
+        folder = run_shown(made.study, output, console, jobs=jobs, timeout=timeout, untrusted=untrusted).folder
         attach(table, folder)  # so that its report has the table
     judgements = judge(paper, samples(paper, made, StoredResults(folder)), made.reasons)
     _show(judgements, console)
@@ -120,27 +119,6 @@ def _criticised(paper: PaperTable, console: Console) -> bool:
     said = f"{wrong} of {cells} contradict themselves, each other or the problem"
     print_line(said if wrong else f"no contradiction in {cells}", console=console)
     return bool(wrong)
-
-
-def _run(
-    study: Study, output: Path | None, console: Console, jobs: int, timeout: float | None, untrusted: bool
-) -> Path:
-    """Run the study, or what its folder lacks of it, and return the folder."""
-    from bench.execution.progress import Display
-    from bench.execution.runner import run
-    from bench.execution.supervisor import WorkerDiedError
-
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
-    try:
-        with interruptible("trial"), Display(console) as display:
-            outcome = run(
-                study, output, jobs=jobs, timeout=timeout, untrusted=untrusted,
-                on_plan=display.plan, on_trial=display.trial,
-            )  # fmt: skip
-    except WorkerDiedError as error:
-        print_error(str(error))
-        sys.exit(1)
-    return outcome.folder
 
 
 def _show(judgements: list[Judgement], console: Console) -> None:

@@ -30,7 +30,7 @@ from bench.cli.console import (
     Subject,
     Targets,
     Untrusted,
-    interruptible,
+    run_shown,
 )  # fmt: skip
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
@@ -139,9 +139,7 @@ def command(
     The same command continues where the last one ended: every finished trial is kept. An optimizer that raises, hangs
     or crashes loses only its own trials: they count as failed, and the next run tries them again.
     """
-    from bench.execution.progress import Display
-    from bench.execution.runner import plan, run
-    from bench.execution.supervisor import WorkerDiedError
+    from bench.execution.runner import plan
 
     if study is None:
         raise BenchError(
@@ -181,16 +179,12 @@ def command(
             planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
         _show_estimate(planned, jobs, console, untrusted, seconds_per_evaluation)
         return
-    try:
-        with interruptible("trial"), Display(console) as display, _folders(reuse or []) as others:
-            outcome = run(
-                chosen, output, jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
-                scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
-                verify=verify is None, reuse=others, on_plan=display.plan, on_trial=display.trial, on_look=display.look,
-            )  # fmt: skip
-    except WorkerDiedError as error:
-        print_error(str(error))
-        sys.exit(1)
+    with _folders(reuse or []) as others:
+        outcome = run_shown(
+            chosen, output, console, jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
+            scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
+            verify=verify is None, reuse=others,
+        )  # fmt: skip
     unsound = check and not check_folder(outcome.folder, console, jobs, untrusted=untrusted)
     if verify:
         try:

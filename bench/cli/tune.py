@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -89,7 +88,6 @@ def command(
         print_line(f"{name}: {'; '.join(map(str, own_axes))}", console=console)
     size = f"{count(configurations, 'configuration')} of each optimizer, {count(trials, 'trial')} on each of "
     print_line(f"{size}{count(len(training), 'training problem')}", console=console)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a tuning like Ctrl-C, and its processes
     with interruptible("configuration"), steps(console, "tune") as on_progress:
         bests = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
     for best in bests:
