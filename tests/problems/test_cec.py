@@ -1,14 +1,13 @@
 """The families of the CEC competitions against minionpy and the organisers' own code."""
 
 import json
-import sys
 
 import minionpy
 import numpy as np
 import pytest
 from scipy.linalg import invhilbert
 
-from bench import BenchError, load_problem
+from bench import load_problem
 from bench.plugins import registry
 from tests.problems.suites import assert_pure_and_reloadable, best_found
 
@@ -144,29 +143,3 @@ def test_a_problem_says_its_suite_function_and_group(year, groups):
     found = [each["group"] for each in features]
     assert {group: found.count(group) for group in found} == groups
     assert grid(year).titles.keys() == grid(year).functions.keys()
-
-
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        ("cec2017-f02-d10", "cec2017 has no function 'f02'; it has f01 to f30 without f02"),
-        ("cec2011-f04-d1", "cec2011 has no function 'f04'; it has f01 to f20 without f04"),
-        ("cec2011-f21-d26", "cec2011 has no function 'f21'; it has f01 to f20 without f04"),
-        ("cec2022-f13-d10", "cec2022 has no function 'f13'; it has f01 to f12"),
-        ("cec2022-f05-d30", "f05 of cec2022 has no dimension 30; it has 10, 20"),
-        ("cec2020-f06-d5", "f06 of cec2020 has no dimension 5; it has 10, 15, 20"),
-        ("cec2019-f01-d10", "f01 of cec2019 has no dimension 10; it has 9"),
-        ("cec2022-f05-d20-i1", "the problems of cec2022 have names such as 'cec2022-f01-d10'"),
-        ("cec2013-f01-d10", "unknown problem 'cec2013-f01-d10'; did you mean 'cec201"),
-    ],
-)
-def test_one_sentence_names_what_there_is(wrong, sentence):
-    with pytest.raises(BenchError) as caught:
-        load_problem(wrong)
-    assert sentence in str(caught.value)
-
-
-def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "minionpy", None)
-    with pytest.raises(BenchError, match=r"'cec2022-f05-d10' needs minionpy; install it with: .*\[suites\]"):
-        load_problem("cec2022-f05-d10")

@@ -1,15 +1,14 @@
 """GNBG-II against the package iohgnbg."""
 
 import inspect
-import sys
 import textwrap
 
 import numpy as np
 import pytest
 
-from bench import BenchError, Study, load_problem
+from bench import Study, load_problem
 from problems import studies
-from tests.problems.suites import assert_pure_and_reloadable, best_found
+from tests.problems.suites import best_found
 
 iohgnbg = pytest.importorskip("iohgnbg", reason="the extra ioh is not installed")
 
@@ -64,10 +63,6 @@ def test_no_search_beats_the_optimum(number, theirs):
     assert best_found(problem, start=theirs(number).OptimumPosition[0] + 1e-3, points=500) >= problem.optimum
 
 
-def test_values_depend_on_the_point_alone():
-    assert_pure_and_reloadable(load_problem("gnbg-f20-d30"))
-
-
 def test_the_studies_have_the_rule_of_the_competition(theirs):
     seen = []
     for path in (studies.gnbg_f01_f15, studies.gnbg_f16_f24):
@@ -84,9 +79,3 @@ def test_the_studies_have_the_rule_of_the_competition(theirs):
 def test_a_problem_says_what_it_is():
     groups = [load_problem(f"gnbg-f{number:02d}-d30").features["group"] for number in NUMBERS]
     assert [groups.count(group) for group in dict.fromkeys(groups)] == [6, 9, 9]
-
-
-def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "iohgnbg", None)
-    with pytest.raises(BenchError, match=r"'gnbg-f01-d30' needs iohgnbg; install it with: .*\[ioh\]"):
-        load_problem("gnbg-f01-d30")

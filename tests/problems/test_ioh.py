@@ -1,13 +1,11 @@
 """sbox-cost, ma-bbob and star-discrepancy against the package ioh."""
 
-import sys
-
 import numpy as np
 import pytest
 
-from bench import BenchError, load_problem
+from bench import load_problem
 from problems.ioh import DISCREPANCIES, ma_bbob
-from tests.problems.suites import assert_pure_and_reloadable, best_found
+from tests.problems.suites import best_found
 
 ioh = pytest.importorskip("ioh", reason="the extra ioh is not installed")
 
@@ -88,11 +86,6 @@ def test_no_search_beats_the_optimum(name):
     assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
 
 
-@pytest.mark.parametrize("name", ["sbox-cost-f21-d3-i2", "ma-bbob-f0003-d5", "star-discrepancy-sobol-50-d5-i1"])
-def test_values_depend_on_the_point_alone(name):
-    assert_pure_and_reloadable(load_problem(name))
-
-
 def test_problems_say_what_they_are():
     assert [load_problem(name).features for name in ("sbox-cost-f08-d5-i3", "ma-bbob-f0003-d5")] == [
         {"suite": "sbox-cost", "function": "f08", "instance": 3, "group": "low or moderate conditioning"},
@@ -104,10 +97,3 @@ def test_problems_say_what_they_are():
     }  # fmt: skip
     assert star.measure == "minus the local star discrepancy"
     assert len(ma_bbob.grid.functions) == 1000
-
-
-@pytest.mark.parametrize("name", ["sbox-cost-f01-d2-i1", "ma-bbob-f0001-d2", "star-discrepancy-sobol-10-d2-i1"])
-def test_without_the_extra_one_sentence_says_what_to_install(name, monkeypatch):
-    monkeypatch.setitem(sys.modules, "ioh", None)
-    with pytest.raises(BenchError, match=rf"'{name}' needs ioh; install it with: .*\[ioh\]"):
-        load_problem(name)

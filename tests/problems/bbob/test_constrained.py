@@ -6,7 +6,6 @@ import pytest
 from bench import load_problem
 from bench.scoring import scored
 from tests.problems.bbob.best import function_of, name
-from tests.problems.suites import assert_pure_and_reloadable
 
 CASES = [
     *(("bbob-constrained", function, 5, 3) for function in range(1, 55)),
@@ -35,13 +34,3 @@ def test_no_feasible_point_beats_the_optimum(function):
     found = problem.evaluate(np.vstack([start, x]))
     assert np.isfinite(found[0])
     assert found.min() >= problem.optimum - 1e-12 * abs(problem.optimum)
-
-
-def test_values_depend_on_the_point_alone():
-    assert_pure_and_reloadable(load_problem(name("bbob-constrained", 14, 5, 2)))
-
-
-def test_a_problem_says_what_it_is():
-    assert load_problem(name("bbob-constrained", 14, 5, 2)).features == {
-        "suite": "bbob-constrained", "function": "f14", "instance": 2, "group": "rotated ellipsoid", "constraints": 3,
-    }  # fmt: skip

@@ -5,7 +5,6 @@ import pytest
 
 from bench import load_problem, solve
 from tests.problems.bbob.best import function_of, name
-from tests.problems.suites import assert_pure_and_reloadable
 
 CASES = [
     *(("bbob-mixint", function, 5, 3) for function in range(1, 25)),
@@ -24,10 +23,6 @@ def test_values_box_and_optimum_are_those_of_coco(case, best):
     np.testing.assert_array_equal(problem.evaluate(x), [function(row) for row in x])
     assert problem.optimum == pytest.approx(function(best[case]), rel=1e-12, abs=1e-12)
     assert problem.evaluate(x).min() >= problem.optimum
-
-
-def test_values_depend_on_the_point_alone():
-    assert_pure_and_reloadable(load_problem(name("bbob-mixint", 8, 10, 2)))
 
 
 def test_a_search_finds_whole_numbers():

@@ -1,15 +1,13 @@
 """The families bbob, bbob-boxed and bbob-largescale against COCO's own package."""
 
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
-from bench import BenchError, load_problem
+from bench import load_problem
 from tests.problems.bbob.best import function_of, name
-from tests.problems.suites import assert_pure_and_reloadable, best_found
+from tests.problems.suites import best_found
 
 CASES = [
     *(("bbob", function, 5, instance) for function in range(1, 25) for instance in (1, 15)),
@@ -45,11 +43,6 @@ def test_no_search_beats_the_optimum(function, best):
     assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
 
 
-@pytest.mark.parametrize("case", [("bbob", 3, 10, 2), ("bbob-boxed", 7, 5, 1), ("bbob-largescale", 21, 40, 1)])
-def test_values_depend_on_the_point_alone(case):
-    assert_pure_and_reloadable(load_problem(name(*case)))
-
-
 def test_a_problem_says_its_suite_function_instance_and_group():
     groups = [load_problem(name("bbob", function, 2, 4)).features["group"] for function in range(1, 25)]
     assert [groups.count(each) for each in dict.fromkeys(groups)] == [5, 4, 5, 5, 5]
@@ -75,41 +68,3 @@ def test_loading_leaves_no_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     load_problem("bbob-f20-d3-i9").evaluate(np.zeros((1, 3)))
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        ("bbob-f25-d5-i1", "bbob has no function 'f25'; it has f01 to f24"),
-        ("bbob-f8-d5-i1", "bbob has no function 'f8'; it has f01 to f24"),
-        ("bbob-f08-d7-i1", "f08 of bbob has no dimension 7; it has 2, 3, 5, 10, 20, 40"),
-        ("bbob-f08-d5-i0", "the instance of 'bbob-f08-d5-i0' must be a whole number from 1 to 200000, not 0"),
-        ("bbob-f08-d5-i999999", "must be a whole number from 1 to 200000, not 999999"),
-        ("bbob-f08-d5-i01", "have names such as 'bbob-f01-d2-i1'"),
-        ("bbob-f08-d5", "have names such as 'bbob-f01-d2-i1'"),
-        ("bbob-largescale-f08-d5-i1", "f08 of bbob-largescale has no dimension 5; it has 20, 40, 80, 160, 320, 640"),
-        ("bbob-boxed", "the problems of bbob-boxed have names such as"),
-    ],
-)
-def test_one_sentence_names_what_there_is(wrong, sentence):
-    with pytest.raises(BenchError) as caught:
-        load_problem(wrong)
-    assert sentence in str(caught.value)
-
-
-def test_an_option_is_refused():
-    with pytest.raises(BenchError, match="'bbob-f08-d5-i1' has no option 'rotate'; there are none"):
-        load_problem("bbob-f08-d5-i1", rotate=True)
-
-
-def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "cocoex", None)
-    with pytest.raises(BenchError, match=r"'bbob-f08-d5-i1' needs cocoex; install it with: .*backlash-bench\[suites\]"):
-        load_problem("bbob-f08-d5-i1")
-
-
-def test_names_are_listed_without_the_package():
-    code = "import sys; from bench.plugins import registry as r; print(len(r.load('problems', 'bbob').names())); "
-    code += "print(*{'cocoex', 'minionpy', 'numba', 'pandas'} & {*sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [str(24 * 6)]

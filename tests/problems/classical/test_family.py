@@ -1,16 +1,14 @@
 """The family classical: names, instances, features and the contract."""
 
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
-from bench import BenchError, load_problem
+from bench import load_problem
 from problems.classical.family import DIMENSIONS, FUNCTIONS, classical
 from problems.classical.instance import MARGIN, instance
-from tests.problems.suites import assert_pure_and_reloadable, best_found
+from tests.problems.suites import best_found
 
 
 def place(problem):
@@ -37,11 +35,6 @@ def test_no_search_beats_the_optimum(function, options):
     problem = load_problem(f"classical-{function}-d5-i1", **options)
     best, _ = place(problem)
     assert best_found(problem, start=best + 1e-3, points=10_000) >= (-1e-9 if function == "schwefel-2-26" else 0.0)
-
-
-@pytest.mark.parametrize("function", FUNCTIONS)
-def test_values_depend_on_the_point_alone(function):
-    assert_pure_and_reloadable(load_problem(f"classical-{function}-d10-i4"))
 
 
 def test_an_unrotated_problem_is_reloaded_unrotated():
@@ -109,27 +102,3 @@ def test_a_problem_says_its_suite_function_instance_and_group():
     assert load_problem("classical-rastrigin-d30-i2", rotate=False).features["group"] == "multimodal, separable"
     assert load_problem("classical-sphere-d2-i1").features["group"] == "unimodal, separable"
     assert load_problem("classical-zakharov-d2-i1", rotate=False).features["group"] == "unimodal, non-separable"
-
-
-@pytest.mark.parametrize(
-    ("name", "options", "sentence"),
-    [
-        ("classical-rastrign-d30-i2", {}, "classical has no function 'rastrign'; did you mean 'rastrigin'?"),
-        ("classical-rastrigin-d4-i2", {}, "rastrigin of classical has no dimension 4; it has 2, 3, 5, 10"),
-        ("classical-rastrigin-d5-i0", {}, "must be a whole number from 1 to 200000, not 0"),
-        ("classical-rastrigin-d5", {}, "have names such as 'classical-sphere-d2-i1'"),
-        ("classical-rastrigin-d5-i1", {"rotated": True}, "no option 'rotated'; did you mean 'rotate'?"),
-        ("classical-rastrigin-d5-i1", {"rotate": "no"}, "rotate must be true or false, not 'no'"),
-    ],
-)
-def test_one_sentence_names_what_there_is(name, options, sentence):
-    with pytest.raises(BenchError) as caught:
-        load_problem(name, **options)
-    assert sentence in str(caught.value)
-
-
-def test_names_are_listed_without_the_compiler():
-    code = "import sys; from problems.classical.family import classical; "
-    code += "print(len(classical.names()), 'numba' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [str(len(FUNCTIONS) * len(DIMENSIONS)), "False"]

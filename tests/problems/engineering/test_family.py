@@ -140,17 +140,3 @@ def test_a_discrete_variable_is_rounded():
         17.4,
         17.0,
     ]
-
-
-def test_a_problem_says_its_suite_function_and_group():
-    assert load_problem("engineering-spring").features == {
-        "suite": "engineering", "function": "spring", "group": "constrained",
-    }  # fmt: skip
-    assert load_problem("engineering-gear-train").features["group"] == "constrained, mixed-integer"
-
-
-def test_wrong_names_and_options_are_refused():
-    with pytest.raises(BenchError, match="'engineering-welded-bem'; did you mean 'engineering-welded-beam'"):
-        load_problem("engineering-welded-bem")
-    with pytest.raises(BenchError, match="has no option 'penalty'; there are none"):
-        load_problem("engineering-spring", penalty=1)

@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 import numpy as np
-import pandas as pd
 import pytest
 from scipy.stats import ks_2samp
 
@@ -91,83 +90,6 @@ def test_the_calibration_is_near_the_thesis_s_cubic_where_that_was_fitted():
     assert np.isnan(calibration.backlash(0.1))
     between = np.linspace(calibration.amplitude[0], calibration.amplitude[-1], 500)
     assert (np.diff([calibration.backlash(a) for a in between]) > 0).all()
-
-
-@pytest.mark.parametrize("header", ["time_s,speed_rps", "", "t [s];v [rps]"])
-def test_a_csv_recording_is_read_with_or_without_a_header(tmp_path, header):
-    t, v = signal()
-    problem = load_problem(write(tmp_path / "a.csv", t, v, header.replace(";", ",")))
-    np.testing.assert_allclose(problem.time, t, atol=1e-12)
-    np.testing.assert_allclose(problem.signal, v - v.mean(), atol=1e-6)
-    assert problem.expected == {}
-    assert "amplitude_error_rpm" not in problem.describe(problem.upper)
-
-
-def test_semicolons_and_decimal_commas_are_read(tmp_path):
-    t, v = signal()
-    rows = [f"{a:.6f};{b:.9f}".replace(".", ",") for a, b in zip(t, v, strict=True)]
-    (tmp_path / "de.csv").write_text("Zeit [s];Drehzahl [1/s]\n" + "\n".join(rows))
-    np.testing.assert_allclose(load_problem(f"recording:{tmp_path / 'de.csv'}").signal, v - v.mean(), atol=1e-8)
-
-
-def test_an_xlsx_recording_is_read(tmp_path):
-    t, v = signal()
-    pd.DataFrame({"time": t, "speed": v}).to_excel(tmp_path / "a.xlsx", index=False)
-    np.testing.assert_allclose(load_problem(f"recording:{tmp_path / 'a.xlsx'}").signal, v - v.mean(), atol=1e-9)
-
-
-def _nan(t, v):
-    v[100:140] = np.nan
-
-
-def _backwards(t, v):
-    t[50:52] = t[51], t[50]
-
-
-def _gap(t, v):
-    t[700:] += 0.01
-
-
-def _constant(t, v):
-    v[:] = 100.0
-
-
-@pytest.mark.parametrize(
-    ("spoil", "message"),
-    [
-        (_nan, "line 102 has no number"),
-        (_backwards, "time stands still or runs backwards in"),
-        (_gap, "line 702: time is not uniform in column"),
-        (_constant, "the speed is constant"),
-    ],
-)
-def test_a_spoilt_recording_is_named(tmp_path, spoil, message):
-    t, v = signal()
-    spoil(t, v)
-    with pytest.raises(BenchError) as caught:
-        load_problem(write(tmp_path / "bad.csv", t, v))
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_other_recordings_that_cannot_be_used(tmp_path):
-    t, v = signal(n=150)
-    with pytest.raises(BenchError, match=r"lasts 0\.298 s, less than one load turn of 0\.4 s"):
-        load_problem(write(tmp_path / "short.csv", t, v))
-    (tmp_path / "one.csv").write_text("speed\n" + "\n".join("100.1" for _ in range(500)))
-    with pytest.raises(BenchError, match="has no two columns"):
-        load_problem(f"recording:{tmp_path / 'one.csv'}")
-    with pytest.raises(BenchError, match="there is no such file"):
-        load_problem(f"recording:{tmp_path / 'none.csv'}")
-    (tmp_path / "a.mat").write_text("")
-    with pytest.raises(BenchError, match=r"unknown kind of file '\.mat'"):
-        load_problem(f"recording:{tmp_path / 'a.mat'}")
-    (tmp_path / "bad.xlsx").write_text("not a workbook")
-    with pytest.raises(BenchError, match="cannot be read"):
-        load_problem(f"recording:{tmp_path / 'bad.xlsx'}")
-    (tmp_path / "empty.csv").write_text("")
-    with pytest.raises(BenchError, match=r"cannot be read|column"):
-        load_problem(f"recording:{tmp_path / 'empty.csv'}")
 
 
 @pytest.mark.parametrize(
