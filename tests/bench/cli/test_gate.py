@@ -103,13 +103,9 @@ def test_an_optimizer_is_chosen_by_its_label(bench_here, folders):
     [
         (("two", "old"), "two holds 2 optimizers (mine and scatter); choose one with --optimizer"),
         (("old", "same", "--optimizer", "mime"), "old holds no optimizer 'mime'; did you mean 'mine'?"),
-        (("old", "short"), "only runs of one budget can be compared"),
         (("old", "fewer"), "there are no trials on sphere-3 of mine (fewer); run them, or compare"),
-        (("old", "elsewhere", "--common"), "mine (old) and mine (elsewhere) have no problem in common"),
-        (("old", "nowhere"), "nowhere holds no study.toml"),
         (("old", "old"), "old is given twice"),
         (("old", "same", "--not-worse-than", "5"), "the margin is 5.0, but must be above 0 and below 0.5"),
-        (("old", "same", "--target", "0"), "the target is 0.0, but must be a positive precision"),
         (("unknown", "unknown-too", "--target", "1"), "no target can be set on p, whose optimum is unknown or beaten"),
     ],
 )
