@@ -82,7 +82,7 @@ def compare(
 
 
 def _listed(given: Any) -> list[Any]:
-    """Return what was given as a list of names, objects and tables."""
+    """Return one name, object or table, several, or a mapping by label, as a list."""
     if isinstance(given, Mapping):
         return [
             {**(thing if isinstance(thing, Mapping) else {"name": thing}), "label": label}

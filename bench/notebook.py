@@ -63,7 +63,7 @@ class Results(StoredResults):
 
     @property
     def plot(self) -> Plots:
-        """What draws the results, such as ``results.plot.ranks()`` (:class:`bench.notebook.Plots`)."""
+        """Plots of the results, such as ``results.plot.ranks()`` (:class:`bench.notebook.Plots`)."""
         return Plots(self)
 
     def report(self, output: AnyPath | None = None, **settings: Any) -> Path:

@@ -213,7 +213,7 @@ class Objective:
 
     @property
     def logged(self) -> Logs:
-        """What was logged so far."""
+        """The log so far."""
         return self._log.values
 
     def stop(self, reason: str) -> None:

@@ -111,7 +111,7 @@ class RuleCheck:
         return f"<check of {_label(self.source)}: {self.rule}>"
 
     def __call__(self) -> None:
-        """Return where the plug-in keeps the rule, and fail the test where it breaks the rule.
+        """Return if the plug-in keeps the rule; fail the test if it breaks the rule.
 
         The test is skipped where the rule cannot be checked because another one is broken.
 

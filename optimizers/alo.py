@@ -137,7 +137,7 @@ def walk_ants(
 
 @compiled
 def random_walks(steps: Bytes, t: int, T: int) -> tuple[Floats, Floats]:
-    """Return where walks of T fair +-1 steps are after t - 1 of them (eq. 2.1), above their minimum, and their widths.
+    """Return positions above the minimum of walks of T fair +-1 steps after t - 1 of them (eq. 2.1), and their widths.
 
     Both are (n,), of n walks; ``steps`` (n, at least T / 8) are their bits.
     """

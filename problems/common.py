@@ -1,4 +1,4 @@
-"""What the families of benchmark suites share: problems on a grid of functions, dimensions and instances."""
+"""Problems on a grid of functions, dimensions and instances, for all families of benchmark suites."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def leads(
     dimensions: Mapping[str, int] | None = None,
     pairs: Sequence[tuple[str, str]] | None = None,
 ) -> pd.DataFrame:
-    """Return where the curves of two optimizers part: first, second, evaluations, difference, low, high and ahead.
+    """Return the ranges in which pairs of curves part: first, second, evaluations, difference, low, high and ahead.
 
     The bands of the differences hold for all budgets and all pairs of optimizers together, so that pairs may be chosen
     after the results were seen. ``ahead`` is the optimizer that has

@@ -95,7 +95,7 @@ def variables(trials: pd.DataFrame) -> list[str]:
 
 
 def stopped_early(frame: pd.DataFrame) -> pd.Series[bool]:
-    """Return which trials ended by a stopping criterion that the optimizer declared."""
+    """Return a flag for each trial: True where a stopping criterion that the optimizer declared ended it."""
     stop = frame["stop"]
     return (frame["status"] == "ok") & stop.notna() & ~stop.isin(("budget", "undeclared"))
 

@@ -156,7 +156,7 @@ def _in_turn(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _subsets(n: int, sizes: NDArray[np.int_], subsets: int, rng: np.random.Generator) -> Floats:
-    """Return which of n values count, (n, sizes x (1 + subsets)): the first ones, and random subsets of each size."""
+    """Return flags of subsets of n values, (n, sizes x (1 + subsets)): for each size the first, then random ones."""
     place = np.arange(n)
     orders = np.stack([place, *(rng.permutation(n) for _ in range(subsets))], axis=1)
     counted = orders[:, np.newaxis, :] < sizes[np.newaxis, :, np.newaxis]

@@ -71,7 +71,7 @@ def common_budgets(frame: pd.DataFrame, allowed: Budgets) -> dict[str, int]:
 
 
 def blames_problem(frame: pd.DataFrame) -> pd.Series[bool]:
-    """Return which trials were lost because the problem's own code raised, as their ``error`` says."""
+    """Return a flag for each trial: True where its ``error`` says that the problem's own code raised."""
     if "error" not in frame:
         return pd.Series(False, index=frame.index)
     lost = frame["status"] != "ok"

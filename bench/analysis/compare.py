@@ -173,7 +173,7 @@ def _tied(values: pd.DataFrame) -> pd.DataFrame:
 
 
 def _lowest(values: pd.DataFrame) -> pd.DataFrame:
-    """Return which cells hold the lowest value of their row, ties included; none where that is not finite."""
+    """Return flags of the cells with the lowest value of their row, ties included; none where it is not finite."""
     tied = _tied(values)
     lowest = tied.min(axis=1)
     return tied.eq(lowest.where(np.isfinite(lowest)), axis=0)

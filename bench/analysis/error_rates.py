@@ -147,7 +147,7 @@ def _rates(problems: Iterable[Sequence[Stratum]], level: Levels, parts: Parts | 
 def claims(
     problems: Iterable[Sequence[Stratum]], level: Levels, tied: int | None = None, parts: Parts | None = None
 ) -> tuple[Flags, Flags, Flags]:
-    """Return which studies claim any difference on a problem, any over all problems, and a winner, (studies,) each.
+    """Return three flags (studies,): a claim on any problem, a claim over all problems, a winner.
 
     The claims are those of a report: by Holm's method any difference is claimed where the smallest p is, and a winner
     needs no adjustment, since all of its tests must reject. With ``parts`` the first optimizer is a subject: only its

@@ -79,7 +79,7 @@ class Evidence:
 def judge(
     trials: pd.DataFrame, bad: pd.Series[bool], verdict: Verdict, did: str, meaning: str = "", *, well: str
 ) -> CheckResult:
-    """Return a finding on what the ``bad`` trials ``did``, where, and what it means, or a pass if no trial is bad."""
+    """Return the finding on the ``bad`` trials: what they ``did``, their cells, its meaning; a pass if none is bad."""
     if not bad.any():
         return CheckResult("pass", well)
     text = f"{bad.sum():,} of {len(trials):,} trials {did}, in {where(trials[bad])}. {meaning}"

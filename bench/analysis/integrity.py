@@ -205,7 +205,7 @@ def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
 
 
 def _trait(name: str, diagnoses: Diagnoses) -> CheckResult:
-    """Return which optimizers have a trait that ``bench check`` looks for."""
+    """Return the finding on a trait that ``bench check`` tests, with the optimizers that have it."""
     trait = TRAITS[name]
     diagnosed = [(label, check) for label, checks in diagnoses.items() for check in checks if check["check"] == name]
     if not diagnosed:

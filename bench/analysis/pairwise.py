@@ -97,7 +97,7 @@ def adjusted(pairs: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd
 
 
 def of_subject(pairs: pd.DataFrame, subject: str) -> Flags:
-    """Return which rows, with columns first and second, have the subject; all without one."""
+    """Return a flag for each row: True where the subject is first or second; all True without a subject."""
     if not subject:
         return np.ones(len(pairs), dtype=bool)
     return ((pairs["first"] == subject) | (pairs["second"] == subject)).to_numpy(dtype=bool)

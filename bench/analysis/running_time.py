@@ -97,7 +97,7 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
 
 
 def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
-    """Return where one optimizer is faster to a target than each other one: problem, tau, optimizer and p.
+    """Return the targets to which one optimizer is faster than each other one: problem, tau, optimizer and p.
 
     The one with the lowest ERT is compared with each rival by the rank-sum test of the times of trials, an unsuccessful
     one later than any other (:func:`bench.analysis.rank_sum`). ``p`` is the largest of these, adjusted by Holm's method

@@ -1,4 +1,4 @@
-"""Who leads when: the ranks of the optimizers after shares of the budget, and the budget that they left unused."""
+"""Rank the optimizers after shares of the budget, and measure the budget that they left unused."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def earlier_leads(
     level: float = LEVEL,
     shares: Sequence[float] = SHARES,
 ) -> pd.DataFrame:
-    """Return who is lower than the leader after smaller shares of the budget: share, optimizer, probability, p, shown.
+    """Return optimizers below the leader at smaller shares of the budget: share, optimizer, probability, p, shown.
 
     One row a share below 1 and rival. ``probability`` is that of a run of the rival to end lower, the mean of A12 over
     the problems of :func:`stage_ranks` and the strata of each (:mod:`bench.analysis.strata`); ``p`` is of the

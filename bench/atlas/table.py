@@ -1,4 +1,4 @@
-"""The table of an atlas: which implementations each method has, with which parameters, and what is known of them.
+"""The table of an atlas: the implementations of each method, their parameters, and their documented differences.
 
 Tables are TOML files. Packages offer them by the entry-point group ``bench.atlases``; a user gives a file.
 """

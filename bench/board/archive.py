@@ -118,7 +118,7 @@ class Archive:
 
     @property
     def provenance(self) -> dict[str, str]:
-        """Where the trials come from, in words, for every row of a table; the seed of imported trials is unknown."""
+        """The origin of the trials in words, for every row of a table; the seed of imported trials is unknown."""
         return {
             "seed": "unknown" if self.study.imported else str(self.study.seed), "versions": self.versions,
             "date": self.date, "made again": self.verified, "SHA-256": self.sha256,
@@ -134,7 +134,7 @@ class Archive:
 
     @property
     def date(self) -> str:
-        """The day on which the last run ended, or began where that is not noted."""
+        """The day of the last run's end, or of its start where no end is noted."""
         times = (record.get("ended") or record.get("started") for record in self.records)
         return max((printable(str(time), 10).rstrip("…") for time in times if time), default="unknown")
 

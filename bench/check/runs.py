@@ -166,7 +166,7 @@ def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
 
 
 def on_bound(x: Floats) -> NDArray[np.bool_]:
-    """Return where points, as shares of the box, lie exactly on a bound, as a clip leaves them in these boxes."""
+    """Return flags of coordinates, given as shares of the box, that lie exactly on a bound, as a clip leaves them."""
     return np.asarray((x == 0) | (x == 1))
 
 

@@ -44,7 +44,7 @@ def summary(comparisons: Sequence[Comparison], suite: str) -> list[str]:
 
 
 def versions(comparisons: Sequence[Comparison], suite: str) -> list[str]:
-    """Return a line for each function of which there are several versions: who computes which."""
+    """Return a line for each function with several versions: the implementations of each."""
     lines: dict[str, dict[str, list[str]]] = {}
     for each in by_function(comparisons):
         if each.letter:

@@ -42,7 +42,7 @@ VERDICTS = ("bits", "rounding", "transformed", "different", "missing")
 
 @dataclass(frozen=True)
 class Sample:
-    """What one implementation returned of a function.
+    """The values that one implementation returned for a function.
 
     Attributes:
         box: (2, d) its bounds.

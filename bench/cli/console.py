@@ -1,4 +1,4 @@
-"""What commands share: arguments, options, and the sentences of usage errors."""
+"""Arguments, options and usage errors that several commands share."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def command(
     ] = None,
     csv: Annotated[Path | None, typer.Option(help="Write all digits into this file, a row a problem.")] = None,
 ) -> None:
-    """Print what kind of problems these are: features of their landscapes from a seeded sample of points.
+    """Print features of the problems' landscapes, estimated from a seeded sample of points.
 
     Distribution of the values, linear and quadratic models, dispersion of the best points, nearest-better clustering,
     information content and fitness-distance correlation, named as in flacco. No optimizer runs.

@@ -61,7 +61,7 @@ def command(
 
 
 def examine(folder: Path | None = None) -> Iterator[Finding]:
-    """Yield what is found of the program, its requirements, the machine, and the store of a study's folder."""
+    """Yield the findings on the program, its requirements, the machine, and the store of a study's folder."""
     for part in (_program, _names, _requirements, _machine, _plugins, _caches, _sandbox):
         try:
             yield from part()

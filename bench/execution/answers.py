@@ -121,7 +121,7 @@ def _metrics(answer: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _log(answer: Mapping[str, Any], nfev: int) -> Logs:
-    """Return what an optimizer logged; refuse what :class:`bench.objective.Log` does not keep."""
+    """Return the log of an optimizer; refuse one that :class:`bench.objective.Log` would not keep."""
     log = answer.get("log")
     if not isinstance(log, dict) or len(log) > LOGGED // 10:
         raise RefusedError("its log cannot be read")

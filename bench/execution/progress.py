@@ -49,7 +49,7 @@ class Display:
         self._present = self._count(plan)
 
     def look(self, look: int, plan: Plan) -> None:
-        """Print what a look decided, and take the trials that are not needed any more out of the bars."""
+        """Print the decisions of a look, and remove the trials that it stopped from the bars."""
         now = [cell for cell, most in plan.stopped.items() if most == look]
         print_line(f"look at {look} trials: {_decided(now, plan, look)}", console=self._console)
         self._count(plan)

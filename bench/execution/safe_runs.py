@@ -91,7 +91,7 @@ def found(begun: Future[Any], read: Callable[[dict[str, Any]], Found], what: str
 
 
 def in_order(begun: Sequence[Future[Any]], read: Callable[[dict[str, Any]], Found]) -> Iterator[Found]:
-    """Yield what :func:`found` returns of one optimizer's runs; after the first that fails, the others are given up."""
+    """Yield the results of one optimizer's runs by :func:`found`; the first failure ends the others."""
     try:
         for run in begun:
             yield found(run, read)

@@ -1,4 +1,4 @@
-"""What readers of formats share: one run of another tool's results, and the checks of what a file holds."""
+"""One run of another tool's results, and the checks of files that all readers of formats share."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Reading:
     notes: list[str] = field(default_factory=list)
 
     def each(self, parts: Iterable[Part], read: Callable[[Part], Iterable[Found]]) -> Iterator[Found]:
-        """Yield what each part holds, whole or not at all; raises BenchError unless parts may be left out."""
+        """Yield the content of each part that can be read whole; raises BenchError unless parts may be left out."""
         for part in parts:
             try:
                 contents = list(read(part))

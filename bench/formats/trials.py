@@ -1,4 +1,4 @@
-"""What writers of formats share: the finished trials, each from evaluation 1 to its last; the READMEs."""
+"""The finished trials, each from evaluation 1 to its last, and the READMEs that all writers of formats share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What commands share: lines printed unchanged, errors, progress, durations as text, options as KEY=VALUE, silence."""
+"""Print lines unchanged, errors and progress; write durations as text; read options as KEY=VALUE; keep silent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Read the JSON and TOML that users give or that may be damaged; whatever is wrong with a text is a ValueError."""
+"""Read JSON and TOML that users give or that may be damaged; every fault of a text is a ValueError."""
 
 from __future__ import annotations
 

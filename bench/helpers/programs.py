@@ -68,7 +68,7 @@ class ProgramCommand(NamedTuple):
 
     @property
     def title(self) -> str:
-        """What a message calls the program."""
+        """The name of the program in messages."""
         return " ".join(Path(word).name for word in self.words[:2])
 
 
@@ -135,7 +135,7 @@ class Talk:
             raise self.error(f"wrote {short(line[: 2 * SHOWN].decode(errors='replace'))}") from None
 
     def error(self, what: str, wanted: str = "") -> BenchError:
-        """Return an error that says what the program did and what is wanted instead."""
+        """Return an error with the program's fault and the expected behaviour."""
         return BenchError(f"the program {self._name} {what}; wanted is {wanted or self._wanted}{self._said()}")
 
     def _end(self) -> None:

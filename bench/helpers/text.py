@@ -56,7 +56,7 @@ def is_formula(text: str) -> bool:
 
 
 def said(value: object) -> str:
-    """Return a plug-in's value as text, which its own code makes; where that raises, the name of its type."""
+    """Return a plug-in's value as the text that its own code makes; if that raises, the name of its type."""
     try:
         return str(value)
     except Exception:

@@ -1,4 +1,4 @@
-"""How probable it is that the first of two optimizers is better, that both are equal, and that the second is better."""
+"""Draw the probabilities that the first of two optimizers is better, that both are equal, that the second is better."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the values of a swept parameter change, and how much of the variance each parameter and each pair explains."""
+"""Draw the effects of a swept parameter's values, and the variance that each parameter and each pair explains."""
 
 from __future__ import annotations
 

@@ -309,7 +309,7 @@ def spread(count: int) -> np.ndarray:
 
 
 def drawable(values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which values an axis can show: finite ones smaller than :data:`HUGE`."""
+    """Return flags of the values that an axis can show: finite ones smaller than :data:`HUGE`."""
     sizes: NDArray[np.float64] = np.abs(np.asarray(values, dtype=np.float64))
     return sizes < HUGE
 

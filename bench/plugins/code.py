@@ -164,7 +164,7 @@ def _trace(wanted: Iterable[str], places: Sequence[str], read: Callable[[Path], 
 
 
 def _spec(name: str, places: Sequence[str], package: ModuleSpec | None) -> ModuleSpec | None:
-    """Return where Python finds a module whose package is known, None for one of those that count for no optimizer.
+    """Return Python's spec of a module whose package is known; None for a module that counts for no optimizer.
 
     Unlike :func:`importlib.util.find_spec`, it imports no package.
     """
@@ -195,7 +195,7 @@ def _found_in(name: str, places: Iterable[str]) -> ModuleSpec | None:
 
 
 def _places(*last: Path) -> list[str]:
-    """Return where the processes of trials search for modules, in order: what is installed, and only then the rest."""
+    """Return the folders in which the processes of trials search for modules: installed packages first."""
     first = {str(Path(place).absolute()) for place in os.environ.get("PYTHONPATH", "").split(os.pathsep) if place}
     first |= {place for place in sys.path if place.startswith(_LIBRARY) or is_installed(Path(place))}
     path = sorted(sys.path, key=lambda place: place not in first)

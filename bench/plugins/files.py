@@ -70,7 +70,7 @@ class ContentLoader(SourceFileLoader):
 
 
 class _Finder:
-    """Finds modules that plug-ins import where Python would, with the content that was taken.
+    """Finds the modules of plug-ins where Python would, and loads the content that the run has read once.
 
     It finds those whose file is gone by now, too.
     """

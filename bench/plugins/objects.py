@@ -66,7 +66,7 @@ def among(optimizers: Iterable[str], problems: Iterable[str]) -> Objects:
 
 
 class Named(NamedTuple):
-    """An object by name: what loads it, what it is called, and the options that go with it."""
+    """An object by name: the name that loads it, its label and its options."""
 
     name: str
     label: str
@@ -152,7 +152,7 @@ def _load(kind: str, name: str) -> Any:
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
-    """Return the optimizer of that name with these parameters; raises BenchError where that is not held."""
+    """Return the optimizer of that name with these parameters; raises BenchError if the session does not hold it."""
     return as_optimizer(_load("optimizers", name), name, options)
 
 
@@ -197,7 +197,7 @@ def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None =
 def as_problem(
     thing: Any, bounds: Sequence[tuple[float, float]] | None = None, options: Mapping[str, Any] | None = None
 ) -> Problem:
-    """Return the problem that an object is, that a class makes, or that a function with bounds is.
+    """Return a problem: the object itself, an instance of the class, or the function with its bounds.
 
     Raises:
         BenchError: for anything else, for bounds that are no box, and for options that a class does not take.
@@ -228,7 +228,7 @@ def as_problem(
 
 
 def title(thing: Any) -> str:
-    """Return what an object is called: a problem by its name, all else by that of its class or function."""
+    """Return the title of an object: the name of a problem, of a class or of a function."""
     if isinstance(thing, Problem):
         return str(thing.name)
     function = getattr(thing, "func", thing)  # of a functools.partial

@@ -28,7 +28,7 @@ class Facts(NamedTuple):
     exports: tuple[str, ...] = ()
 
     def imported(self, package: str) -> Iterator[str]:
-        """Yield the full names of all that a module of that package imports; what looks like one may be no module."""
+        """Yield the full names of a module's imports; a name may be that of an attribute and no module."""
         parents = package.split(".") if package else []
         for level, module, names in self.imports:
             if level > len(parents):

@@ -139,7 +139,7 @@ class _Hasher(NumpyHasher):  # type: ignore[misc]
             super().memoize(thing)
 
     def reducer_override(self, thing: Any) -> Any:
-        """Return what stands for an object in the hash, as a pickler takes it; its state comes last, after itself."""
+        """Return the form of an object in the hash, as a pickler takes it; its state comes last, after itself."""
         match thing:
             case type() if thing is str:  # which all that stand for others are made of
                 return NotImplemented
@@ -202,6 +202,6 @@ def _globals(code: CodeType) -> Iterator[str]:
 
 
 def _of_class(kind: type) -> dict[str, Any]:
-    """Return what a class holds, without what says no more of it, such as its slots."""
+    """Return the attributes of a class, without those that follow from others, such as its slots."""
     made = (GetSetDescriptorType, MemberDescriptorType)
     return {name: value for name, value in vars(kind).items() if name not in _NO_CODE and not isinstance(value, made)}

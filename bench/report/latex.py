@@ -27,7 +27,7 @@ WIDEST = 1.5  # lines; the type of a wider table would be too small to read wher
 
 
 class Journal(NamedTuple):
-    """What a document class leaves for a table.
+    """The space that a document class leaves for a table.
 
     Attributes:
         document: the class that it was measured in.

@@ -75,7 +75,7 @@ def p_text(p: float) -> str:
 
 
 def leaders(marks: pd.DataFrame, feature: str) -> str:
-    """Return who has a feature on how many problems: ``"a had the lowest median on 3 of 4 problems and b on 1"``.
+    """Return names with their counts: ``"a had the lowest median on 3 of 4 problems and b on 1"``.
 
     Args:
         marks: problems by optimizers, true where the optimizer has the feature; a row without any mark is left out.

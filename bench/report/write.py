@@ -29,7 +29,7 @@ PROBLEM = "problem"  # of the sections on one problem
 
 @dataclass(frozen=True)
 class Chapter:
-    """Sections that are made together; where that fails, the page has a warning in their place.
+    """Sections that are made together; if one fails, a warning takes their place.
 
     Attributes:
         name: of the plug-in that makes them, for the warning.

@@ -29,7 +29,7 @@ class Remark(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """What a check knows of a cell beside its numbers: the lowest value, whose it is, whether values are counts."""
+    """Facts on a cell beside its numbers: the lowest possible value and its source, and whether values are counts."""
 
     lowest: float
     counts: bool

@@ -90,7 +90,7 @@ def protocol_of(
 
 
 def _optimizer(table: PaperTable, printed: str, beside: StoredResults | None) -> dict[str, Any]:
-    """Return what a study's table of an optimizer holds; raises BenchError where it is not there, or not in results."""
+    """Return a study's table of an optimizer; raises BenchError for one that is not installed or not in results."""
     if beside is not None:
         known = {entry.name: entry.label for entry in beside.study.optimizers}
         known |= {label: label for label in known.values()}

@@ -72,7 +72,7 @@ class Printed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PaperCell:
-    """What a table prints of an optimizer on a function; ``numbers`` by statistic, ``reasons`` why others are missing.
+    """The printed numbers of an optimizer on a function, by statistic, and the ``reasons`` of those that are missing.
 
     Attributes:
         line: its line in the file.
@@ -95,7 +95,7 @@ class PaperCell:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What identifies the cell in its table."""
+        """The identity of the cell in its table."""
         return self.suite, self.function, self.dimension, self.instance, self.budget, self.optimizer
 
     @property
@@ -144,7 +144,7 @@ class PaperTable:
 
     @property
     def lowest(self) -> float:
-        """The value below which none can be, by what the table says of itself; -inf where it says nothing."""
+        """The lowest possible value according to the table; -inf where it names none."""
         return float(self.settings.get("lowest", 0.0 if self.errors else -math.inf))
 
 

@@ -42,7 +42,7 @@ SHOWN = 6
 
 
 class Comparison(NamedTuple):
-    """What the tests of cells show: their p together, whether the means are near, and by which number they differ."""
+    """The outcome of a cell's tests: the joint p, whether the means are near, and the number that differs."""
 
     p: Floats
     near: NDArray[np.bool_]
@@ -122,7 +122,7 @@ def _judged(cell: PaperCell, values: Floats, lowest: float, zero: float) -> Judg
 
 
 def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: float = -math.inf) -> Comparison:
-    """Return what the tests of a cell show; without an SD, they show of means alone that ours are larger.
+    """Return the outcome of a cell's tests; without an SD they can only show that our mean is larger.
 
     Args:
         numbers: printed numbers by statistic, a mean, best, median or worst among them.

@@ -1,1 +1,1 @@
-"""What folders hold, read as frames: one study or several, the trials as they are and as they are compared."""
+"""Read the results of one folder or several as frames: all trials, and those that are compared."""

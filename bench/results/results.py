@@ -213,7 +213,7 @@ class StoredResults:
         return [f"{source.name}: {source.found.sentence}" for source in self._read_sources if not source.found.sound]
 
     def note_stores(self) -> None:
-        """Note in each folder that can be written that its store was checked, and with what outcome."""
+        """Note the outcome of the check of its store in each folder that can be written."""
         for source in self._read_sources:
             source.folder.note_store(source.found)
 
@@ -271,7 +271,7 @@ class StoredResults:
 
     @cached_property
     def logs(self) -> pd.DataFrame:
-        """What optimizers logged (:meth:`bench.Objective.log`): problem, optimizer, trial, name, evaluations, value."""
+        """The logs of optimizers (:meth:`bench.Objective.log`): problem, optimizer, trial, name, evaluations, value."""
         shared, optimizers = self._labels[0], set(self.planned)
         rows = [
             (problem, optimizer, trial, name, *pair)

@@ -44,7 +44,7 @@ class Source:
 
     @cached_property
     def budgets(self) -> dict[str, Budget]:
-        """What a run of each optimizer may spend, by its label: of imported runs, the most that any of them spent.
+        """The budget of each optimizer by its label; for imported runs, the most that any of them spent.
 
         That is by dimension where the study's budget is. Where a run declared why it ended, it may have spent less than
         its budget, which is then taken for the study's.

@@ -1,4 +1,4 @@
-"""Start processes that have loaded the same: forks of one where that is safe, new ones elsewhere."""
+"""Start processes with the same plug-ins loaded: forks of one process where that is safe, new ones elsewhere."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is recorded where an optimizer sees something else: constraints, noise, integer variables and failures."""
+"""Record true values where an optimizer sees others: constraints, noise, integer variables and failures."""
 
 from bench.scoring.problem import Scored, objective, require_on_error, scored
 

@@ -91,7 +91,7 @@ class Folder:
         return list(self.store.environments().values())
 
     def copied_environments(self) -> list[dict[str, Any]]:
-        """Return the records in environment.json, which may hold what is damaged in the store; none where it is."""
+        """Return the records of environment.json, a copy for a damaged store; none if the copy is damaged, too."""
         with suppress(OSError, ValueError):
             copies = parse_json((self.path / ENVIRONMENT).read_bytes())
             return [copy for copy in copies if isinstance(copy, dict)] if isinstance(copies, list) else []

@@ -1,4 +1,4 @@
-"""Find the cells of a study in a store: which are there, which are other ones by now, and what that means in words."""
+"""Find the cells of a study in a store, name those that have changed, and explain the difference in words."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ class _Changes:
         return f"changed ({how})" + (f" and is {self._version(new)} now" if place else "")
 
     def _version(self, cell: Cell) -> str:
-        """Return which version of its optimizer a cell has, as they are numbered."""
+        """Return the number of the version of its optimizer that a cell has."""
         versions = [*self.held.versions_of(cell.optimizer), cell.optimizer]
         return f"version {versions.index(cell.optimizer) + 1}"
 

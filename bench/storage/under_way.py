@@ -1,4 +1,4 @@
-"""Note who is writing to a folder and which trials are under way, so that a run that is killed leaves their names."""
+"""Note the process that writes to a folder and its trials under way, so that a killed run leaves their names."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ class Writer:
         return self._numbers[cell]
 
     def select(self, identity: str, looks: Looks, cells: Mapping[Labels, Cell]) -> None:
-        """Commit which cells a study selects, by the labels that it shows, in place of what was selected before."""
+        """Commit the cells that a study selects, by label, in place of the previous selection."""
         with self.transaction():
             selected = {self.number(cell): labels for labels, cell in cells.items()}
             self._connection.execute("DELETE FROM selected")

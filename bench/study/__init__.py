@@ -1,4 +1,4 @@
-"""A study: what runs on what, how often, with what budget; one module for each kind of value that a study holds."""
+"""A study: its problems, optimizers, trials and budget; one module for each kind of value."""
 
 from bench.study.entries import Entry
 from bench.study.study import Fingerprints, Study

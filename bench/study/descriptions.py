@@ -1,4 +1,4 @@
-"""What a study's optimizers print of themselves: BibTeX, parameters, and the conditions of others that they accept.
+"""Descriptions of a study's optimizers: BibTeX, parameters, and the conditions of other optimizers that they accept.
 
 A run reads them where it checks the study, in processes that can be lost, and notes them in its folder, so that a
 report starts no process and loads no stranger's code.

@@ -1,4 +1,4 @@
-"""The problems and the optimizers of a study: what its tables select, under which labels and with which options."""
+"""The entries of a study: problems and optimizers that its tables select, with their labels and options."""
 
 from __future__ import annotations
 

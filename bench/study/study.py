@@ -1,4 +1,4 @@
-"""A study: which optimizers run on which problems, how often and with what budget; read from TOML."""
+"""A study: its optimizers, problems, number of trials and budget; read from TOML."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The record of a tuning, as the table ``[tuning]`` of a study: what was tuned, on what, and at what cost.
+"""The record of a tuning, the table ``[tuning]`` of a study: parameters, training problems and cost.
 
 Whether test problems were trained on cannot be seen in the trials; only the record shows it. So it holds a hash of its
 content, and what was edited afterwards supports no claim. The hash protects from mistakes, and not from forgery.

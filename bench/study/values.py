@@ -30,7 +30,7 @@ class Value:
 
 
 class Checked(Generic[T]):
-    """A field of a dataclass that takes what its reader reads, such as a plain value, and holds what that returns.
+    """A field of a dataclass that holds the value its reader returns for a given one, such as a plain value.
 
     The default is not read. A reader takes a value and the subject of a sentence about it, and raises BenchError.
     """

@@ -1,4 +1,4 @@
-"""What an entry point of ``bench.report_sections`` names: a topic, or the function that makes its sections."""
+"""The entry points of ``bench.report_sections``: a :class:`Topic`, or a function that makes sections."""
 
 from __future__ import annotations
 

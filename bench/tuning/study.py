@@ -1,4 +1,4 @@
-"""Choose training and test problems that have nothing in common, and make the study that tests what was tuned."""
+"""Choose disjoint training and test problems, and write the study that tests the tuned parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the algorithms written here share: a base class, the handling of bounds, compiled loops, and BibTeX."""
+"""The base class of the algorithms written here, their handling of bounds, compiled loops, and BibTeX."""
 
 from __future__ import annotations
 
@@ -86,5 +86,5 @@ class _Compiled:
 
     @property
     def _numba_type_(self) -> Any:
-        """What numba takes this for where another compiled function calls it."""
+        """The type of this function for numba where another compiled function calls it."""
         return self.dispatcher._numba_type_

@@ -1,4 +1,4 @@
-"""What the suites of COCO share: its compiled functions, their optimal values, and its generator of random numbers."""
+"""The compiled functions of COCO, their optimal values, and its generator of random numbers, for all its suites."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where an instance has its optimum, and how it is rotated."""
+"""The optimum and the rotation of an instance."""
 
 import zlib
 

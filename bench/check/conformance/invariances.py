@@ -52,7 +52,7 @@ def check_rotation(subject: Subject) -> str:
 
 
 def _report(subject: Subject, found: dict[str, str]) -> str:
-    """Name the invariances that hold and those that fail; raises ViolationError where one that is declared fails."""
+    """Name the invariances that hold and those that fail; raises ViolationError if a declared one fails."""
     optimizer = subject.fresh()
     declared = getattr(optimizer, "invariances", ())
     for name in declared if isinstance(declared, Sequence) else [declared]:

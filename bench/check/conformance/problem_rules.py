@@ -132,7 +132,7 @@ def _expect_same(what: str, first: Floats, second: Floats, when: str) -> None:
 
 
 def check_noise(subject: ProblemSubject) -> str:
-    """What a noisy problem returns is decided by the point and the generator that it is given."""
+    """Check that point and generator alone decide the values of a noisy problem."""
     problem = subject.fresh()
     if not problem.noisy:
         return "declares no noise"

@@ -88,7 +88,7 @@ def check_values(subject: Subject) -> str:
 
 
 def _each(subject: Subject, problem: RecordingProblem, where: str) -> RecordedRun:
-    """Return a run that kept its budget; raises ViolationError, saying where, for one that did not or that raised."""
+    """Return a run that kept its budget; raises ViolationError for any other, with the place in its message."""
     optimizer = subject.fresh()
     try:
         run = subject.run(problem, instance=optimizer)

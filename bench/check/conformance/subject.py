@@ -28,7 +28,7 @@ START_SECONDS = 120.0
 
 @dataclasses.dataclass(frozen=True)
 class AnySubject(ABC):
-    """A plug-in under check, made anew for every run, so that no run depends on the state that another one left.
+    """A plug-in under check, made anew for every run, so that runs share no state.
 
     The rules that hold for optimizers and problems know no more of it.
 

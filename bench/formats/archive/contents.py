@@ -1,4 +1,4 @@
-"""The files of an archive: which of a folder's files belong in it, what each one is, and which names it may hold."""
+"""The files of an archive: the choice from a folder, a description of each, and the names that are allowed."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class DataSet(NamedTuple):
 
     @property
     def names(self) -> tuple[str, str, str]:
-        """What stands for it after the suite: path, algorithm, or year and algorithm, as in ``2009/DIRECT``."""
+        """Its names after the suite: path, algorithm, or year and algorithm, as in ``2009/DIRECT``."""
         return _stem(self.path), self.algorithm, f"{PurePosixPath(self.path).parent}/{self.algorithm}"
 
 

@@ -56,7 +56,7 @@ def explorer() -> str:
 
 
 def in_one_scope(name: str) -> str:
-    """Return a module and those that it imports as one script, in which each stands after those that it needs.
+    """Return a module and its imports as one script, each module after those that it needs.
 
     A page that is one file cannot import, so the modules share a scope: no two may declare the same name.
     """

@@ -14,7 +14,7 @@ TITLE = "Beside the best of 2009"
 
 
 def section(findings: Findings) -> Section | None:
-    """Return the ERT of each optimizer over that of the best of 2009; None where that was not asked for."""
+    """Return the ERT of each optimizer over that of the best of 2009; None unless asked for."""
     if not findings.anytime.beside_best:
         return None
     ratios = _ratios(findings)
@@ -31,7 +31,7 @@ def section(findings: Findings) -> Section | None:
 
 
 def _ratios(findings: Findings) -> pd.DataFrame:
-    """Return the ERT over that of the best of 2009, where that is finite: problem, precision, optimizer, ratio, …"""
+    """Return finite ratios of ERTs to those of the best of 2009: problem, precision, optimizer, ratio, …"""
     unit = findings.anytime.target_set.unit
     table = findings.anytime.running_times
     rows = table[np.isfinite(table["best2009"].astype(float))]

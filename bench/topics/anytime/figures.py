@@ -1,4 +1,4 @@
-"""What was reached over the evaluations: curves, running times, targets and ranks."""
+"""Draw the progress over the evaluations: curves, running times, targets and ranks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who leads when: the curves of targets reached with their bands, and the budgets at which these part."""
+"""Find the leaders at each budget: curves of targets reached with bands, and the budgets at which these part."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def shown_leads(findings: Findings) -> pd.DataFrame:
 
 
 def sentences(findings: Findings) -> list[str]:
-    """Return who is shown to be ahead when, and which curves cross; nothing where there is nothing to compare."""
+    """Return sentences on the optimizers ahead at each budget, and on curves that cross; none without a comparison."""
     if not comparable(findings):
         return []
     leader, *rivals = findings.from_leader[: RIVALS + 1]

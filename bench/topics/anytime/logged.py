@@ -1,4 +1,4 @@
-"""What optimizers logged of their search, such as step sizes, over the evaluations."""
+"""Draw the values that optimizers log, such as step sizes, over the evaluations."""
 
 from __future__ import annotations
 

@@ -120,14 +120,14 @@ def _leaders(trials: Trials, budget: int) -> list[str]:
 
 
 def _lowest(reached: pd.DataFrame, spent: str) -> str:
-    """Return which optimizers had the lowest median of how many problems after the evaluations ``spent``."""
+    """Return the optimizers with the lowest median after ``spent`` evaluations, and the number of problems of each."""
     median = analysis.table(reached, "median")
     finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
     return f"After {spent} {leaders(finite.eq(finite.min(axis=1), axis=0), 'the lowest median')}."
 
 
 def _fastest(findings: Findings) -> list[str]:
-    """Return who has the lowest ERT in evaluations, and in seconds, where there are several optimizers."""
+    """Return the optimizers with the lowest ERT in evaluations and in seconds, where there are several optimizers."""
     chosen, table = findings.anytime.target_set, findings.anytime.running_times
     solved = table.loc[table["successes"] > 0, chosen.unit].unique().tolist()
     level = chosen.level if chosen.level in solved else min(solved, default=np.nan)

@@ -106,7 +106,7 @@ def _texts(values: pd.DataFrame) -> pd.DataFrame:
 
 
 def _lost(trials: Trials, shown: pd.DataFrame) -> pd.DataFrame:
-    """Return which cells of a table of problems by optimizers have failed trials."""
+    """Return flags of the cells with failed trials, problems by optimizers."""
     return (table(trials.coverage, "failed") > 0).reindex_like(shown)
 
 
@@ -158,7 +158,7 @@ def _odd(odd: pd.DataFrame) -> str:
 
 
 def _other_best(odd: pd.DataFrame) -> pd.Series[str]:
-    """Return which optimizer is best by the median or by the mean, where it is not the first one, by problem."""
+    """Return by problem the optimizers that are best by median or mean without being ranked first."""
     texts = {
         row["problem"]: "; ".join(
             f"{name} {listing([*map(str, row[name])], at_most=3)}"

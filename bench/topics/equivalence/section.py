@@ -67,7 +67,7 @@ def _each(final: Final, table: pd.DataFrame) -> str:
 
 
 def _across(models: pd.DataFrame) -> str:
-    """Return which pairs are decided across problems."""
+    """Return a sentence on the pairs that are decided across problems."""
     parts = []
     for pair in models.to_dict("records"):
         for column, words in (

@@ -124,7 +124,7 @@ class Findings:
 
     @cached_property
     def selection(self) -> str:
-        """Sentences on what the study was selected from, and on versions that are not shown; "" where it is whole."""
+        """Sentences on the optimizers, problems and versions that a selection leaves out; "" for a whole study."""
         shown = self.results.study
         functions = {pooled(entry.label) for entry in shown.problems}
         sentences = (

@@ -55,7 +55,7 @@ class Anytime:
         return analysis.stage_ranks(self.trials.frame, self.trials.traces, self._spent, self._shares)
 
     def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
-        """Return who is shown to be lower than the leader after smaller shares of the budget."""
+        """Return the optimizers that are shown to be lower than the leader after smaller shares of the budget."""
         return analysis.earlier_leads(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
 
     @property

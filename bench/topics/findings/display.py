@@ -67,6 +67,6 @@ class Display:
 
     @property
     def drawn_words(self) -> tuple[str, ...]:
-        """The sentence that says that not all are drawn, where that is so."""
+        """A sentence on the optimizers that are not drawn; "" if all are."""
         drawn, every = len(self.drawn), len(self.trials.optimizers)
         return (f"Drawn are the {drawn} best of {every} optimizers by mean rank.",) if drawn < every else ()

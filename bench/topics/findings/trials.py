@@ -1,4 +1,4 @@
-"""What was run: the trials of a study, its problems and its budgets."""
+"""The trials of a study, its problems and its budgets, as all topics read them."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Trials(Compared):
 
     @cached_property
     def measured(self) -> pd.DataFrame:
-        """The trials on problems that work, with values that count from the optimum that each optimizer can reach."""
+        """The trials on problems that work; values count from the optimum that each optimizer can reach."""
         return shifted(self.comparable.working, self.shifts)
 
     @cached_property

@@ -43,7 +43,7 @@ def _instances(found: Comparable) -> list[str]:
 
 
 def _unknown(found: Comparable) -> list[str]:
-    """Return which optimizers spent more than the common budget without a trace, on which problems."""
+    """Return a sentence on optimizers that spent more than the common budget without a trace, by problem."""
     problems: dict[str, list[str]] = {}
     for problem, optimizer in found.unknown:
         problems.setdefault(optimizer, []).append(problem)

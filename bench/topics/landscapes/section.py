@@ -1,4 +1,4 @@
-"""What kind of problems these are, and which of their features go with the ranks of the optimizers."""
+"""Describe the problems by their features, and name the features that go with the ranks of the optimizers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What differs between the optimizers of a study besides their algorithms, as far as their options show it."""
+"""Find differences between the optimizers of a study besides their algorithms, as far as their options show them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.Data
 
 
 class Conditions(NamedTuple):
-    """Sentences on the conditions: those that limit what may be claimed, and those that do not."""
+    """Sentences on the conditions: ``limits`` restrict the claims of a page, ``others`` do not."""
 
     limits: tuple[str, ...]
     others: tuple[str, ...]
@@ -72,7 +72,7 @@ def sentences(study: Study, descriptions: Mapping[str, Description], leader: str
 
 
 def differing(study: Study, descriptions: Mapping[str, Description], leader: str) -> str:
-    """Return which conditions may favour the leader over a rival, as a clause; "" where none is known to.
+    """Return the conditions that may favour the leader over a rival, as a clause; "" if none is known to.
 
     Such as ``"handling and start are box, midpoint for cma-es and repair, random for the 4 others"``. None is one that
     an algorithm takes of its own accord (the population, where the study sets none), that the leader has no option for,
@@ -122,7 +122,7 @@ def _said(value: object) -> str:
 
 
 def grouped(groups: Mapping[str, list[str]]) -> str:
-    """Return who has which value, the largest group last, such as ``"box for cma-es and repair for the 4 others"``."""
+    """Return names by value, the largest group last, such as ``"box for cma-es and repair for the 4 others"``."""
     ordered = sorted(groups.items(), key=lambda group: len(group[1]))
     if len(ordered) > MOST_VALUES:
         return f"set in {len(ordered)} ways"

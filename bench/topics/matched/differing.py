@@ -28,7 +28,7 @@ def differing(findings: Findings) -> str:
 
 
 def options_differing(findings: Findings) -> str:
-    """Return which options may favour the leader as a clause; "" where none is known to."""
+    """Return the options that may favour the leader, as a clause; "" if none is known to."""
     return conditions.differing(findings.study, findings.descriptions, findings.leader)
 
 

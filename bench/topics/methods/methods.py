@@ -197,7 +197,7 @@ def _made(study: Study, replications: Sequence[Replication]) -> str:
 
 
 def _handling(study: Study, descriptions: Mapping[str, Description]) -> dict[str, str]:
-    """Return who has which of the values ``box`` and ``repair`` of the option ``handling``, in words; "" for none."""
+    """Return the optimizers by their ``handling``, ``box`` or ``repair``, in words; "" if none has the option."""
     handling = conditions(study, descriptions)["handling"]
     owners = {value: [str(label) for label in handling.index[handling == value]] for value in ("box", "repair")}
     return {value: listing(labels) if labels else "" for value, labels in owners.items()}

@@ -1,4 +1,4 @@
-"""What the problems of a study are, in words: their dimensions, boxes and optima, and what their values measure."""
+"""Describe the problems of a study in words: dimensions, boxes, optima, and the meaning of their values."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def optima(facts: Known) -> dict[str, str]:
 
 
 def measures(facts: Known) -> dict[str, str]:
-    """Return the problems that say what their objective value measures, in words, by what it is."""
+    """Return the problems, in words, by the meaning that they state for their objective value."""
     return _grouped(facts, lambda problem: problem.measure or None)
 
 
@@ -117,7 +117,7 @@ def _family(label: str, facts: Known) -> str:
 
 
 def _grouped(facts: Known, key: Callable[[ProblemFacts], str | None]) -> dict[str, str]:
-    """Return which problems share a key, in words, the most frequent key first, without those that have None."""
+    """Return the problems of each key in words, the most frequent key first, without those of None."""
     groups: dict[str, list[str]] = {}
     for label, problem in facts.items():
         if (name := key(problem)) is not None:

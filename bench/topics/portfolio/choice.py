@@ -1,4 +1,4 @@
-"""What a study shows of its optimizers as a portfolio: scores at a budget, features of its problems, and the advice."""
+"""Choose optimizers as a portfolio: scores at a budget, features of the problems, and the advice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What sets of optimizers reach."""
+"""Draw the scores of sets of optimizers."""
 
 from __future__ import annotations
 

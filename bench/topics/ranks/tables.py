@@ -145,7 +145,7 @@ def turned(table: Table, findings: Findings) -> Table:
 
 
 def _beside_first(final: Final) -> pd.DataFrame:
-    """Return which optimizers no test separates from a first one of the problem, problems by optimizers."""
+    """Return flags, problems by optimizers, of those that no test separates from a first one of the problem."""
     best = analysis.table(final.matrix, "best").astype(bool)
     pairs = final.pairs[(final.pairs["lower"] == "") & final.pairs["testable"].astype(bool)]  # else nothing is tested
     pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]

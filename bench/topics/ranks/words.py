@@ -1,4 +1,4 @@
-"""What the tests over all problems leave open, and which problems are no independent sample."""
+"""Sentences on pairs that the tests over all problems leave open, and on problems that are no independent sample."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def across(findings: Findings) -> str:
 
 
 def dependent(findings: Findings) -> str:
-    """Return which problems are no independent sample; "" where none is known to be."""
+    """Return a sentence on problems that are no independent sample; "" if there are none."""
     ranked = set(findings.final.medians.index)
     steps = {name: len(ranked & set(labels)) for name, labels in findings.trials.sweeps.items()}
     which = [f"{number} of {len(ranked)} problems are steps of one sweep, {name}" for name, number in steps.items()]

@@ -30,7 +30,7 @@ PROOF = (
 
 
 class Followed(NamedTuple):
-    """What is said of the registrations of the folders that are shown: when they were made, and what differs."""
+    """The registrations of the folders shown: the time of each, and its differences from the study."""
 
     text: tuple[str, ...]
     differing: tuple[str, ...]

@@ -43,7 +43,7 @@ def beside(findings: Findings) -> list[File]:
 
 
 def facts(findings: Findings) -> dict[str, Any]:
-    """Return what the tables follow from besides the trials: labels, optima, budgets, blocks, targets and levels."""
+    """Return the facts behind the tables, besides the trials: labels, optima, budgets, blocks, targets and levels."""
     trials, final, anytime = findings.trials, findings.final, findings.anytime
     cells = trials.whole[["problem", "optimizer"]].astype(object).drop_duplicates()
     allowed = dict(

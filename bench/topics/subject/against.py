@@ -1,4 +1,4 @@
-"""State whom the subject of a study beats, whom it loses to and what is open: the facts, and its first screen."""
+"""Compare the subject of a study with its rivals: wins, losses and open pairs, as facts and as the first screen."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Rival(NamedTuple):
 
 @dataclass(frozen=True)
 class Against:
-    """What is known of the subject, from which its sentences are written.
+    """The facts on the subject, from which its sentences are written.
 
     Attributes:
         subject: its label.
@@ -100,7 +100,7 @@ class Against:
 
     @cached_property
     def exceptions(self) -> list[tuple[str, str, str]]:
-        """What is shown in a part but not of all problems: the outcome, the rival and the parts in words."""
+        """Outcomes that tests show in a part of the problems but not over all: outcome, rival and parts in words."""
         whole = {rival.label: rival.outcome for rival in self.rivals}
         shown = self.parts[self.parts["outcome"] != "open"]
         other = shown[shown["outcome"] != shown["rival"].map(whole)]
@@ -126,7 +126,7 @@ def _where(kind: str, parts: Sequence[str]) -> str:
 
 
 def against(findings: Findings) -> Against:
-    """Return what is known of the subject."""
+    """Return the facts on the subject of a study."""
     trials, final, subject = findings.trials, findings.final, findings.subject
     complete = [str(label) for label in final.medians.index]
     overall = analysis.seen_from(final.overall, subject).set_index("second").to_dict("index")
@@ -212,7 +212,7 @@ class FirstScreen(NamedTuple):
 
 
 def first_screen(known: Against) -> FirstScreen:
-    """Return what the first screen says of the subject."""
+    """Return the headline, the lines and the details of the first screen of a study with a subject."""
     say = speaker(__package__, it=known, NAMED=NAMED)
     texts: dict[str, str] = {
         "where": _short(say, "where", len(known.exceptions)),
@@ -237,5 +237,5 @@ def subject_rule(known: Against) -> str:
 
 
 def subject_methods(known: Against) -> str:
-    """Return which pairs are tested and when the subject is called better, as methods sections state it."""
+    """Return sentences for methods on the tested pairs and on the rule by which the subject is called better."""
     return f"{speaker(__package__, it=known, NAMED=NAMED)('named')} {subject_rule(known)}"

@@ -170,7 +170,7 @@ def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
 
 
 def _most_targets(reached: pd.DataFrame) -> str:
-    """Return which optimizer reached the largest share of targets in each of the first panels, those of all functions.
+    """Return a sentence on the optimizers with the largest share of targets, by dimension, over all functions.
 
     ``reached`` is that of :func:`_reached`.
     """

@@ -1,4 +1,4 @@
-"""What each component contributes: the main effects and interactions of the parameters that a study sweeps."""
+"""Estimate the contribution of each component: main effects and interactions of the parameters of a sweep."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _size(sweep: Sweep, problems: int) -> str:
 
 
 def _ranking(sweep: Sweep, result: Contributions, shares: pd.Series[float]) -> str:
-    """Return which parameter explains how much of the variance."""
+    """Return a sentence on the share of the variance that each parameter explains."""
     if shares.empty:
         return "Shares of the variance are not known: a combination has a single trial, or all trials tie."
     with_shares = result.effects.dropna(subset="share")

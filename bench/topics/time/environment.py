@@ -1,4 +1,4 @@
-"""What was compared, on which data, with which seeds, and which machine and versions produced which trials."""
+"""List data, seeds, machines and versions, and the trials that each of them produced."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def _times(findings: Findings) -> pd.DataFrame:
 
 
 def _changes(ranks: pd.DataFrame) -> str:
-    """Return in a sentence who is first, and where that changes."""
+    """Return a sentence on the optimizer of the lowest rank, and on the costs and workers at which it changes."""
     wide = ranks.pivot_table(
         index=["workers", "seconds"], columns="optimizer", values="rank", sort=False, observed=True
     )
@@ -68,7 +68,7 @@ def _changes(ranks: pd.DataFrame) -> str:
 
 
 def _spans(first: pd.Series[str], text: Callable[[Any], str], word: str, unit: str) -> str:
-    """Return who is first along an axis, such as ``"gwo with 1 to 8 workers, then cma-es with 16 to 64 workers"``."""
+    """Return the first along an axis, such as ``"gwo with 1 to 8 workers, then cma-es with 16 to 64 workers"``."""
     spans: list[tuple[str, list[Any]]] = []
     for place, name in first.items():
         if not spans or spans[-1][0] != name:

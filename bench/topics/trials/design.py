@@ -1,4 +1,4 @@
-"""What the tests of a study can find, by its design alone: before any trial is made."""
+"""Foresee the differences that a study's tests can detect, from its design alone, before any trial."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What tuning gained: what was tuned, on what, at what cost, and how it does on the problems of the study."""
+"""Report the gain of tuning: parameters, training problems, cost, and results on the problems of the study."""
 
 from __future__ import annotations
 

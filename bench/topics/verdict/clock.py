@@ -15,7 +15,7 @@ UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 
 
 class Clock(NamedTuple):
-    """Who is the fastest in seconds, below which cost of an evaluation, and both in a sentence."""
+    """The fastest optimizer in seconds, the cost of an evaluation below which it is, and a sentence on both."""
 
     fastest: str
     cost: str
@@ -23,7 +23,7 @@ class Clock(NamedTuple):
 
 
 def clock(findings: Findings) -> Clock | None:
-    """Return who reaches the targets first in seconds, where that is another one than in evaluations; else None."""
+    """Return the optimizer that reaches the targets first in seconds; None if it is also the first in evaluations."""
     chosen, table = findings.anytime.target_set, findings.anytime.running_times
     if table.empty:
         return None

@@ -1,4 +1,4 @@
-"""The verdict: who is best, by how much, how sure that is and at what budget, with the ranks on every problem."""
+"""The verdict: the best optimizer, its lead, the certainty and the budget, with the ranks on every problem."""
 
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ def _spread(low: float, high: float) -> str:
 
 
 def _course(findings: Findings) -> list[Stage]:
-    """Return who is shown to end lower than the leader at the budgets of the figure beside the verdict."""
+    """Return the optimizers shown to be lower than the leader at the budgets of the figure beside the verdict."""
     if not findings.trials.traces:
         return []
     leader = findings.final.ranked[0]

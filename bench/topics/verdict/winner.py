@@ -1,4 +1,4 @@
-"""State which optimizer ends lowest in one headline and four short lines: where, by how much, how sure, at what cost.
+"""State the optimizer that ends lowest in one headline and four lines: where, by how much, how sure, at what cost.
 
 The evidence is the probability to end lower, in the mean over these problems, against each rival. An optimizer is named
 where the test of each pair with it rejects at the level of tests over all problems: all of them must, so that none
@@ -259,7 +259,7 @@ def _sizes(standing: Standing, pair: Across, say: Callable[..., str]) -> str:
 
 
 def _spells(course: Sequence[Stage], leader: str) -> list[str]:
-    """Return who is shown to end lower than the leader at which budgets, neighbouring ones joined."""
+    """Return the optimizers shown to be lower than the leader, with their budgets, neighbouring ones joined."""
     spells = []
     for lowest, spell in groupby(course, lambda stage: (leader,) if leader in stage.lowest else stage.lowest):
         spent = [stage.spent for stage in spell]

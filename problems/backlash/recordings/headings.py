@@ -1,4 +1,4 @@
-"""What the headings of a recording's columns say: the role of a column, and its unit."""
+"""Read the role and the unit of a recording's columns from their headings."""
 
 from __future__ import annotations
 

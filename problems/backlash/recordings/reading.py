@@ -36,7 +36,7 @@ class NoRecordingError(BenchError):
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where a file has its samples: the arguments of :func:`read`."""
+    """The place of the samples in a file: the arguments of :func:`read`."""
 
     path: Path
     time: Column | None = None
@@ -236,7 +236,7 @@ def _in(table: Table, at: int | None) -> str:
 
 
 def _inside(time: Floats, window: Window, *, middle: bool) -> NDArray[np.bool_]:
-    """Return which samples (N,) a window needs: those within it, or those whose middles with the next one are.
+    """Return flags (N,) of the samples that a window needs: those in it, or whose middle with the next lies in it.
 
     A sample without a time is inside where those beside it are.
     """

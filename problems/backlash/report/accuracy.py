@@ -1,4 +1,4 @@
-"""What Figs. 7.3 and 7.4 share: the values found beside the true ones, and panels with the datasets on their x axis."""
+"""The parts of Figs. 7.3 and 7.4: values found beside the true ones, and panels with the datasets on their x axis."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def signed_and_size(data: pd.DataFrame, unit: str, factor: float = 1.0) -> str:
-    """Return who is the most accurate by the signed median error and by its size, where these differ; else "".
+    """Return a sentence on the most accurate by the signed median error and by its size; "" if both are the same.
 
     ``factor`` converts the errors to the ``unit``, such as " rpm", which follows the numbers.
     """

@@ -147,7 +147,7 @@ def sentences(data: pd.DataFrame, study: Study) -> tuple[str, ...]:
 
 
 def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -> str:
-    """Return which algorithm has most and fewest trials within the band, where the thesis's all have trials.
+    """Return the algorithms with most and fewest trials within the band, if all of the thesis's have trials.
 
     A claim is neither supported nor contradicted where Wilson's intervals of the shares overlap.
     """
@@ -238,7 +238,7 @@ def _widens(data: pd.DataFrame) -> str:
 
 
 def _narrowest(swarms: pd.DataFrame, label_of: dict[str, str]) -> str:
-    """Return which swarm has the narrowest boxes, which mislead according to the thesis."""
+    """Return the swarm with the narrowest boxes, which mislead according to the thesis."""
     width = _interquartile_range(swarms)
     if len(width.columns) < 2 or "alo" not in label_of:
         return ""

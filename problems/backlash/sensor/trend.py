@@ -142,7 +142,7 @@ class Joint:
 
     @property
     def outlook(self) -> tuple[str, float, Interval]:
-        """What is known of the limit, when it is reached, and the range of that time, both NaN where unknown.
+        """The outlook: a word on the limit, the time at which it is reached and the range of that time, NaN if unknown.
 
         It is "passed", "predicted", "distant" (not within ``HORIZON`` months), "no growth" beyond chance in the latest
         recordings, or "unknown": there is no half-gap, or fewer than three times.
