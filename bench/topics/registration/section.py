@@ -30,7 +30,7 @@ PROOF = (
 
 
 class Followed(NamedTuple):
-    """The registrations of the folders shown: the time of each, and its differences from the study."""
+    """Sentences on the registrations of the folders shown, and warnings of differences from the study."""
 
     text: tuple[str, ...]
     differing: tuple[str, ...]
