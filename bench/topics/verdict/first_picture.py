@@ -15,6 +15,7 @@ from bench.topics.findings import MANY_OPTIMIZERS, Findings
 PROBLEMS, PROBLEMS_OF_TWO = 6, 12  # at most, of which all trials are drawn; the second of two optimizers
 ONE_ROW = 4  # panels beside each other
 RIVALS = 12  # of the leader, at most
+WIDTH = 2.6  # of the axis beside their names, in inches: with them as wide as a telephone shows it
 
 
 def evidence(findings: Findings, clear: bool) -> Figure:
@@ -41,10 +42,10 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
     names = style.names(rivals, 18)
     left = style.text_width(names.values(), style.SMALL) + 0.25
     figure, (ax,) = style.grid(
-        1, width=left + 3.4, height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
+        1, width=left + WIDTH, height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
     )
     a12_forest(pairs, names=list(names.values()), ax=ax)
-    ax.set_xlabel(f"probability that a run of {style.plain(leader, 24)} ends lower")
+    ax.set_xlabel(f"probability that a run of {style.plain(leader, 24)} ends lower", loc="right")
     more = f" The {len(rivals)} nearest rivals." if len(ranked) > len(rivals) + 1 else ""
     caption = (
         f"{leader} against each rival, averaged over these problems, with 95% intervals that hold for all pairs "
