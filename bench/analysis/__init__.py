@@ -94,6 +94,7 @@ from bench.analysis.instances import SOLVED, Pooled, pool_instances, precision_t
 from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
+from bench.analysis.multiverse import MULTIVERSE, multiverse
 from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
 from bench.analysis.parallel import parallel_ranks, parallel_times
 from bench.analysis.portfolio import Portfolio, portfolio_of, shapley, target_shares
@@ -127,6 +128,7 @@ __all__ = [
     "CONTENTION",
     "CUTOFFS",
     "HIDDEN_THREADS",
+    "MULTIVERSE",
     "NEAR",
     "POWER",
     "PRECISIONS",
@@ -186,6 +188,7 @@ __all__ = [
     "mean_ranks",
     "mean_shares",
     "medians",
+    "multiverse",
     "near_best",
     "nemenyi",
     "normalised_errors",

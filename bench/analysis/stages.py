@@ -32,7 +32,7 @@ def stage_ranks(
     have rows. ``budget`` is the number of evaluations by problem; a trial that ended early keeps its last value.
     """
     optimizers, tables = labels(frame, "optimizer"), []
-    for problem, spent, values in _stages(frame, traces, budget, shares):
+    for problem, spent, values in stage_values(frame, traces, budget, shares):
         once = [[np.ones((cell.shape[1], 1)) for cell in own] for own in values]
         for place, share in enumerate(shares):
             at_stage = [[cell[place] for cell in own] for own in values]
@@ -61,7 +61,7 @@ def earlier_leads(
     smaller = [share for share in shares if share < 1]
     optimizers = labels(frame, "optimizer")
     rivals = [place for place, label in enumerate(optimizers) if label != leader]
-    stages = [values for *_, values in _stages(frame, traces, budget, smaller)] if smaller else []
+    stages = [values for *_, values in stage_values(frame, traces, budget, smaller)] if smaller else []
     if not stages or not rivals:
         return pd.DataFrame(columns=["share", "optimizer", "probability", "p", "shown"])
     first = optimizers.index(leader)
@@ -82,7 +82,7 @@ def earlier_leads(
     )
 
 
-def _stages(
+def stage_values(
     frame: pd.DataFrame, traces: Traces, budget: Mapping[str, int], shares: Sequence[float]
 ) -> Iterator[tuple[str, NDArray[np.int64], list[Samples]]]:
     """Yield each problem on which all have trials, the evaluations of the stages, and the values by stratum.

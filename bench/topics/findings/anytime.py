@@ -58,6 +58,12 @@ class Anytime:
         """Return the optimizers that are shown to be lower than the leader after smaller shares of the budget."""
         return analysis.earlier_leads(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
 
+    def multiverse(self, leader: str) -> pd.DataFrame:
+        """Return the order of the optimizers, and who is behind the leader, under other analyses."""
+        shares = [share for share in analysis.MULTIVERSE if share in self._shares]
+        areas = {share: self.target_sets_at[share] for share in shares}
+        return analysis.multiverse(self.trials.frame, self.trials.traces, self._spent, leader, areas, shares)
+
     @property
     def _spent(self) -> dict[str, int]:
         return self.trials.common or self.trials.budgets
@@ -320,23 +326,39 @@ class Anytime:
     @cached_property
     def target_sets(self) -> pd.DataFrame:
         """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
+        return self.target_sets_at[1.0]
+
+    @cached_property
+    def target_sets_at(self) -> dict[float, pd.DataFrame]:
+        """The same within shares of the budget."""
+        within = {
+            share: {label: max(round(share * budget), 1) for label, budget in self.trials.budgets.items()}
+            for share in analysis.MULTIVERSE
+        }
+
+        def areas_of(hits: pd.DataFrame) -> dict[float, pd.DataFrame]:
+            return {share: analysis.target_areas(hits, budgets) for share, budgets in within.items()}
+
+        areas = {self.target_set.short: areas_of(self.hits)}
         others = [KINDS[kind] for kind in ("precisions", "relative", "quantiles") if kind != self.target_set][:2]
-        areas = {self.target_set.short: analysis.target_areas(self.hits, self.trials.budgets)}
         for chosen in others:
             targets = dict(list(self._targets(chosen).groupby("problem", observed=True)))
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
-            tables = [
-                analysis.target_areas(
-                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed),
-                    self.trials.budgets,
+            parts = [areas_of(self.hits.head(0))] + [
+                areas_of(
+                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed)
                 )
                 for label, trials in self.trials.measured.groupby("problem", observed=True)
                 if label in targets
             ]
-            areas[chosen.short] = (
-                pd.concat(tables, ignore_index=True) if tables else areas[self.target_set.short].head(0)
-            )
-        return analysis.compare_sets(areas, self.trials.optimizers)
+            areas[chosen.short] = {
+                share: pd.concat([part[share] for part in parts if len(part[share])] or [parts[0][share]])
+                for share in within
+            }
+        return {
+            share: analysis.compare_sets({name: own[share] for name, own in areas.items()}, self.trials.optimizers)
+            for share in within
+        }
 
     @cached_property
     def aocc(self) -> pd.DataFrame:

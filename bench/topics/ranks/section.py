@@ -11,6 +11,7 @@ from bench.report.parts import Part, Section, Table
 from bench.report.wording import count, p_text
 from bench.topics.findings import MANY_OPTIMIZERS, Findings
 from bench.topics.ranks.figures import forest_figure, rank_figure
+from bench.topics.ranks.multiverse import sections as multiverse
 from bench.topics.ranks.tables import pair_matrix, ranking_table
 from bench.topics.ranks.words import across, dependent
 from bench.topics.topic import Topic
@@ -49,6 +50,7 @@ def section(findings: Findings) -> Section:
         difference, apart = analysis.nemenyi(ranks, len(medians))
         drawn = rank_figure(ranks, analysis.cliques(ranks, apart), difference)
         further.append(Section("The diagram by Nemenyi’s test", (NEMENYI,), (drawn,), folded=True))
+    further += multiverse(findings)
     means = _aggregate(analysis.interquartile_mean(findings.trials.frame, findings.trials.optima))
     if len(optimizers) <= MANY_OPTIMIZERS:
         items += [
