@@ -49,7 +49,7 @@ class Levels(NamedTuple):
     course: float = 0.0
 
 
-class Rates(NamedTuple):
+class ClaimRates(NamedTuple):
     """The shares of simulated studies that claim a difference.
 
     Attributes:
@@ -100,7 +100,7 @@ def _can_reject(trials: int, tests: int, level: float) -> bool:
 
 def rates_of_equals(
     pools: Sequence[Sequence[Floats]], optimizers: int, level: Levels, seed: int = 0, parts: Parts | None = None
-) -> Rates:
+) -> ClaimRates:
     """Return the rates where the optimizers are identical.
 
     Args:
@@ -123,7 +123,7 @@ def rates_of_equals(
 
 def rates_of_spreads(
     trials: int, optimizers: int, problems: int, level: Levels, seed: int = 0, parts: Parts | None = None
-) -> Rates:
+) -> ClaimRates:
     """Return the rates where A12 is 0.5 for every pair and the spread doubles from one optimizer to the next."""
     rng, k = np.random.default_rng(seed), min(optimizers, MOST)
     studies = _studies(k, trials * problems)
@@ -138,10 +138,10 @@ def _studies(optimizers: int, trials: float) -> int:
     return int(np.clip(WORK // (trials * optimizers * max(optimizers - 1, 1)), *STUDIES))
 
 
-def _rates(problems: Iterable[Sequence[Stratum]], level: Levels, parts: Parts | None) -> Rates:
+def _rates(problems: Iterable[Sequence[Stratum]], level: Levels, parts: Parts | None) -> ClaimRates:
     on_problem, over_all, winner = claims(problems, level, parts=parts)
     claimed = on_problem, over_all | winner, on_problem | over_all | winner
-    return Rates(len(on_problem), *(float(flags.mean()) for flags in claimed))
+    return ClaimRates(len(on_problem), *(float(flags.mean()) for flags in claimed))
 
 
 def claims(

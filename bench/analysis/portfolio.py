@@ -84,7 +84,7 @@ def portfolio_of(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SE
     Raises:
         BenchError: where no problem is left.
     """
-    halves = Halves.of(scores, blocks, seed)
+    halves = HalfScores.of(scores, blocks, seed)
     return Portfolio(best_gap(halves), _best_sets(halves), _members(halves))
 
 
@@ -104,7 +104,7 @@ def over_functions(values: Any, blocks: Mapping[str, str]) -> Any:
 
 
 @dataclass(frozen=True)
-class Halves:
+class HalfScores:
     """The mean scores of P problems and K optimizers on two halves of the trials, H times.
 
     Attributes:
@@ -122,7 +122,7 @@ class Halves:
     weights: Floats
 
     @classmethod
-    def of(cls, scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SEED) -> Halves:
+    def of(cls, scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SEED) -> HalfScores:
         """Divide the trials of each problem, those of the same number alike for all optimizers.
 
         Raises:
@@ -173,7 +173,7 @@ def _halves(values: Floats) -> tuple[Floats, Floats]:
     return values.mean(axis=0, where=first), values.mean(axis=0, where=held & ~first)
 
 
-def best_gap(halves: Halves) -> pd.DataFrame:
+def best_gap(halves: HalfScores) -> pd.DataFrame:
     """Return the gap between virtual and single best, as in :class:`Portfolio`; both are chosen by the other half."""
     everyone = range(len(halves.optimizers))
     picked = (halves.weights[:, np.newaxis] * halves.choose).sum(axis=1).round(ROUNDING).argmax(axis=1)  # (H,)
@@ -194,7 +194,7 @@ def best_gap(halves: Halves) -> pd.DataFrame:
     return pd.DataFrame([row])
 
 
-def _best_sets(halves: Halves) -> pd.DataFrame:
+def _best_sets(halves: HalfScores) -> pd.DataFrame:
     """Return the best set of each size, of all sets or, for many optimizers, by adding one, until a set is near."""
     everyone = range(len(halves.optimizers))
     virtual = halves.value(everyone)
@@ -210,7 +210,7 @@ def _best_sets(halves: Halves) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["size", "optimizers", "score", "ratio"])
 
 
-def _members(halves: Halves) -> pd.DataFrame:
+def _members(halves: HalfScores) -> pd.DataFrame:
     everyone = list(range(len(halves.optimizers)))
     virtual = halves.value(everyone)
     worth = [shapley(choose, score) for choose, score in zip(halves.choose, halves.score, strict=True)]

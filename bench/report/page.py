@@ -39,7 +39,7 @@ class Item:
     svg: Markup | None = None
 
     @cached_property
-    def grid(self) -> Grid:
+    def grid(self) -> PageTable:
         """The cells of the table or of the figure's data; raises for a frame that the page cannot show."""
         return grid(self.part.table if isinstance(self.part, Figure) else self.part)
 
@@ -56,7 +56,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Grid:
+class PageTable:
     """The cells of a table as the page shows them.
 
     Attributes:
@@ -110,7 +110,7 @@ def _anchors(views: list[View]) -> dict[str, str]:
     return {title: f"card.{slug(title)}" for title in folded} | {view.section.title: view.anchor for view in views}
 
 
-def grid(table: Table) -> Grid:
+def grid(table: Table) -> PageTable:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
     shown = table.arranged(lambda frame: frame.head(table.most_rows)) if len(table.frame) > table.most_rows else table
     header, rows = shown.header, shown.rows
@@ -125,7 +125,7 @@ def grid(table: Table) -> Grid:
         for place, ((_, numeric), length) in enumerate(zip(header, lengths, strict=True), 1)
         if not numeric and (place == 1 or table.shades is None)
     ]
-    return Grid([title for title, _ in header], " ".join(kinds), round(ems), rows, len(table.frame))
+    return PageTable([title for title, _ in header], " ".join(kinds), round(ems), rows, len(table.frame))
 
 
 def by_folder(files: list[tuple[str, str]]) -> dict[str, list[tuple[str, list[str]]]]:

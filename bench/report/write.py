@@ -51,7 +51,7 @@ class Prepared(NamedTuple):
     files: list[File]
 
 
-class Writer:
+class Draft:
     """A report in progress: the views so far, the files written and the names taken.
 
     Args:

@@ -18,7 +18,7 @@ from bench.report.drawing import Drawer
 from bench.report.latex import journal_of
 from bench.report.parts import Figure, Section
 from bench.report.wording import count
-from bench.report.write import MANIFEST, Chapter, Writer
+from bench.report.write import MANIFEST, Chapter, Draft
 from bench.results.results import StoredResults
 from bench.study.rope import Rope
 from bench.study.selection import Dimensions, Patterns
@@ -96,7 +96,7 @@ def write_report(
         folder.mkdir(parents=True, exist_ok=True)
         # Threads of BLAS gain nothing on matrices as small as these, and wait for each other where cores are busy.
         with threadpool_limits(limits=1), Drawer(jobs if len(results.study.problems) > FEW else 1) as drawer:
-            writer = Writer(
+            draft = Draft(
                 folder,
                 drawer,
                 study=results.study.name,
@@ -106,7 +106,7 @@ def write_report(
                 journal=document,
             )
             title = findings.study.title or findings.study.name
-            page = writer.write(title, lead(findings), chapters(findings), look_further(findings))
+            page = draft.write(title, lead(findings), chapters(findings), look_further(findings))
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
     results.note_stores()

@@ -1,7 +1,7 @@
 """Compute the statistics of a study once for all sections of its report.
 
 :class:`Findings` holds four parts, each computed from those before it: :class:`Trials` (what was run), :class:`Final`
-(what the trials reached at the end), :class:`Anytime` (on the way) and :class:`Display` (how much of it is shown).
+(what the trials reached at the end), :class:`Anytime` (on the way) and :class:`Excerpt` (how much of it is shown).
 :meth:`Findings.of` keeps what a topic computes besides.
 """
 
@@ -20,7 +20,7 @@ from bench.study.rope import Rope
 from bench.study.targets import Targets
 from bench.study.values import Checked
 from bench.topics.findings.anytime import BEST, Anytime
-from bench.topics.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Display
+from bench.topics.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Excerpt
 from bench.topics.findings.final import Final
 from bench.topics.findings.selection import selection, versions
 from bench.topics.findings.trials import MANY_PROBLEMS, Trials
@@ -32,7 +32,7 @@ __all__ = [
     "MANY_OPTIMIZERS",
     "MANY_PROBLEMS",
     "Anytime",
-    "Display",
+    "Excerpt",
     "Final",
     "Findings",
     "Trials",
@@ -82,9 +82,9 @@ class Findings:
         return Anytime(self.trials, self.asked, self.beside_best)
 
     @cached_property
-    def display(self) -> Display:
+    def display(self) -> Excerpt:
         """How much of it is shown."""
-        return Display(self.trials, self.final, self.subject)
+        return Excerpt(self.trials, self.final, self.subject)
 
     @property
     def subject(self) -> str:

@@ -21,7 +21,7 @@ CROWD = 60
 
 
 @dataclass(frozen=True)
-class Display:
+class Excerpt:
     """The part that is shown of many optimizers."""
 
     trials: Trials

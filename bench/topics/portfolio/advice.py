@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from bench.analysis.landscape import describe
-from bench.analysis.portfolio import Halves, best_gap
+from bench.analysis.portfolio import HalfScores, best_gap
 from bench.analysis.selection import NEIGHBOURS, best_on, cell_scores, feature_distances, single_best, usual_reach
 from bench.errors import BenchError
 from bench.plugins.loading import is_imported, load_problem
@@ -81,7 +81,7 @@ def recommend(
             f"no trial of the folders reached any target within {asked.words}, so there is nothing to choose by; "
             "give a larger --budget, or others with --from"
         )
-    notes.append(gap_sentence(best_gap(Halves.of(choice.scores, choice.blocks))))
+    notes.append(gap_sentence(best_gap(HalfScores.of(choice.scores, choice.blocks))))
     plain = cell_scores(choice.scores)
     single = advised = single_best(plain, choice.blocks)
     nearest, where, charged = pd.DataFrame(), list(plain.index), choice.scores

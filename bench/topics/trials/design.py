@@ -14,7 +14,7 @@ from bench.study.blocks import pooled
 MORE = 10  # trials, or problems, that are added
 
 
-class Design(NamedTuple):
+class PlannedTests(NamedTuple):
     """The tests of a study before any trial, where every cell gets its trials.
 
     Attributes:
@@ -36,14 +36,14 @@ class Design(NamedTuple):
     alone: bool
 
 
-def design(study: Study) -> Design:
+def design(study: Study) -> PlannedTests:
     """Return the tests of a study that has no trial yet."""
     instances = Counter(pooled(entry.label) for entry in study.problems)
     k, problems, trials = len(study.optimizers), len(instances), study.trials * min(instances.values())
     alone = bool(study.subject and not study.looks)  # looks test all pairs
     pairs = k - 1 if alone else comb(k, 2)
     levels = analysis.levels([trials] * problems, pairs, pairs * problems, looks=bool(study.looks))
-    return Design(k, problems, trials, pairs, pairs * problems, levels, alone)
+    return PlannedTests(k, problems, trials, pairs, pairs * problems, levels, alone)
 
 
 def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:

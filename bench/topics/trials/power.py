@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.analysis.error_rates import MOST, Rates
+from bench.analysis.error_rates import MOST, ClaimRates
 from bench.analysis.strata import strata
 from bench.report.parts import Section, Table
 from bench.report.wording import count, percent
@@ -93,7 +93,7 @@ def error_text(findings: Findings) -> tuple[str, ...]:
     )
 
 
-def _rate(rates: Rates) -> str:
+def _rate(rates: ClaimRates) -> str:
     error = (rates.any * (1 - rates.any) / rates.studies) ** 0.5
     return (
         f"{percent(rates.any)} of {rates.studies:,} simulated studies (standard error {100 * error:.1f}%); an "

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.analysis.portfolio import Halves, best_gap, portfolio_of, shapley, student, target_shares
+from bench.analysis.portfolio import HalfScores, best_gap, portfolio_of, shapley, student, target_shares
 
 
 def scores_of(values, names="abcdefghijklmnopqrstuvwxyz"):
@@ -57,7 +57,7 @@ def test_what_each_adds_and_how_often_it_is_taken_show_the_useless_one(complemen
 def test_equal_optimizers_have_a_gap_by_chance_on_the_same_trials_alone(one):
     scores = scores_of(np.random.default_rng(3).normal(0.5, 0.1, (24, 6, 10)))
     gap = one(portfolio_of(scores, apart(scores)).gap)
-    whole = Halves.of(scores, apart(scores)).whole
+    whole = HalfScores.of(scores, apart(scores)).whole
     assert whole.max(axis=1).mean() - whole.mean(axis=0).max() > 0.03
     assert abs(gap["gap"]) < 0.01
     assert gap["low"] < 0 < gap["high"]
@@ -68,7 +68,7 @@ def test_no_more_claims_among_equal_optimizers_than_the_level_allows():
     rng, claims = np.random.default_rng(5), 0
     for _ in range(60):
         scores = scores_of(rng.normal(0.5, 0.1, (8, 4, 6)))
-        claims += best_gap(Halves.of(scores, apart(scores)))["shown"].iloc[0]
+        claims += best_gap(HalfScores.of(scores, apart(scores)))["shown"].iloc[0]
     assert claims <= 6  # more are a chance of 0.1 % at 2.5 %
 
 
@@ -115,7 +115,7 @@ def test_dimensions_of_one_function_count_once(complementary, one):
 def test_cells_of_different_sizes_are_halved_each():
     scores = scores_of(np.random.default_rng(1).random((4, 2, 5)))
     fewer = scores[~((scores["optimizer"] == "b") & (scores["trial"] > 2))]
-    halves = Halves.of(fewer, {})
+    halves = HalfScores.of(fewer, {})
     assert np.isfinite(halves.choose).all()
     both = halves.choose[0, 0, 1] * 1 + halves.score[0, 0, 1] * 2  # of 3 trials, one chooses and two score
     assert both / 3 == pytest.approx(halves.whole[0, 1])

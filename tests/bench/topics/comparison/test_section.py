@@ -7,7 +7,7 @@ from bench import Results
 from bench.report.latex import to_latex
 from bench.report.page import grid
 from bench.topics.comparison import section as comparison
-from bench.topics.findings import Display, Findings
+from bench.topics.findings import Excerpt, Findings
 
 
 def shown(findings):
@@ -29,7 +29,7 @@ def test_different_values_have_different_texts_in_every_file(close):
 
 
 def test_turned_tables_keep_the_texts(close, monkeypatch):
-    monkeypatch.setattr(Display, "upright", True)
+    monkeypatch.setattr(Excerpt, "upright", True)
     texts = {row[0].text: row[1].text for row in shown(close).rows}
     assert texts == {"a": "263.896", "b": "263.900", "c": "1.25000"}
 
@@ -41,5 +41,5 @@ def test_the_column_of_other_winners_is_explained_where_it_stands(close, monkeyp
     table = shown(close)
     assert table.frame["lowest by"].tolist() == ["mean a", ""]
     assert "Lowest by: the optimizer with the lowest median or mean" in table.note
-    monkeypatch.setattr(Display, "upright", True)
+    monkeypatch.setattr(Excerpt, "upright", True)
     assert "Lowest by" not in shown(close).note
