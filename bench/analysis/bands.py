@@ -149,7 +149,7 @@ def _curves(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | No
         of_optimizer = hits[hits["optimizer"] == optimizer]
         cells = [_run_shares(rows, grid) for _, rows in of_optimizer.groupby("problem", sort=False, observed=True)]
         if cells:
-            curves[optimizer] = _curve(cells, rng)
+            curves[optimizer] = curve_of(cells, rng)
     return curves
 
 
@@ -162,7 +162,7 @@ def _run_shares(rows: pd.DataFrame, grid: Counts) -> Floats:
     return np.asarray(np.cumsum(counts[:, :-1], axis=1) / counts.sum(axis=1, keepdims=True), dtype=np.float64)
 
 
-def _curve(cells: Sequence[Floats], rng: np.random.Generator) -> Curve:
+def curve_of(cells: Sequence[Floats], rng: np.random.Generator) -> Curve:
     """Return the mean over cells of runs, each cell weighing as its runs do, and what its band is made of."""
     sizes = np.array([len(cell) for cell in cells])
     total, shape = int(sizes.sum()), cells[0].shape[1]

@@ -133,11 +133,11 @@ def rank_course(ranks: pd.DataFrame, *, pens: style.Pens | None = None, ax: Axes
     panel = ax.get_window_extent()
     width, height = panel.width / ax.figure.dpi, panel.height / ax.figure.dpi
     ax.set_xticks(
-        stages, _legible([f"{stage:.0%}" if along == "share" else f"{stage:,.0f}" for stage in stages], stages, width)
+        stages, legible([f"{stage:.0%}" if along == "share" else f"{stage:,.0f}" for stage in stages], stages, width)
     )
     ax.set_xlim(stages[0], stages[-1])
     beside = ax.get_yaxis_transform()
-    for optimizer, place in _apart(last, 1.1 * room * LINE / height, least).items():
+    for optimizer, place in moved_apart(last, 1.1 * room * LINE / height, least).items():
         color = pens[optimizer].color
         ax.plot(
             [1.0, 1.0 + LEADER / width], [last[optimizer], place], color=color, linewidth=0.7, transform=beside,
@@ -149,7 +149,7 @@ def rank_course(ranks: pd.DataFrame, *, pens: style.Pens | None = None, ax: Axes
     return ax
 
 
-def _legible(texts: Sequence[str], stages: Sequence[float], width: float) -> list[str]:
+def legible(texts: Sequence[str], stages: Sequence[float], width: float) -> list[str]:
     """Return the texts of ticks on a log axis of a width in inches, "" for those that would touch the next one."""
     shown: list[str] = []
     free = float("inf")
@@ -162,7 +162,7 @@ def _legible(texts: Sequence[str], stages: Sequence[float], width: float) -> lis
     return shown[::-1]
 
 
-def _apart(places: Mapping[str, float], gap: float, least: float) -> dict[str, float]:
+def moved_apart(places: Mapping[str, float], gap: float, least: float) -> dict[str, float]:
     """Return places at least a gap apart and none below the least; those that are too near are spread evenly."""
     groups: list[list[tuple[str, float]]] = []
     for item in sorted(places.items(), key=lambda item: item[1]):

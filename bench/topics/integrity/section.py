@@ -63,10 +63,10 @@ def warnings(findings: Findings) -> tuple[str, ...]:
             f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
             f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."
         )
-    return (*left_out(findings.trials.comparable), *sentences, *_handled(findings.trials.whole))
+    return (*left_out(findings.trials.comparable), *sentences, *handled(findings.trials.whole))
 
 
-def _handled(frame: pd.DataFrame) -> Iterator[str]:
+def handled(frame: pd.DataFrame) -> Iterator[str]:
     """Yield a sentence on evaluations that failed, by problem, and one on trials that a limit of time has ended."""
     sums = frame[["failures", "nfev"]].astype(float).groupby(frame["problem"].astype(object), sort=False).sum()
     shares = (sums["failures"] / sums["nfev"])[sums["failures"] > 0]

@@ -36,7 +36,7 @@ def section(findings: Findings) -> Section | None:
     fastest_map(ranks, ax=ax)
     caption = "The optimizer with the lowest mean rank of its expected time, by seconds of an evaluation and workers."
     return Section(
-        TITLE, (MEANING, _changes(ranks)), (Figure("fastest-map", caption, figure, ranks), _table(ranks, times)),
+        TITLE, (MEANING, order_changes(ranks)), (Figure("fastest-map", caption, figure, ranks), _table(ranks, times)),
         on_demand=True,
     )  # fmt: skip
 
@@ -46,7 +46,7 @@ def _times(findings: Findings) -> pd.DataFrame:
     return analysis.parallel_times(findings.anytime.tabled_hits, findings.trials.whole)
 
 
-def _changes(ranks: pd.DataFrame) -> str:
+def order_changes(ranks: pd.DataFrame) -> str:
     """Return a sentence on the optimizer of the lowest rank, and on the costs and workers at which it changes."""
     wide = ranks.pivot_table(
         index=["workers", "seconds"], columns="optimizer", values="rank", sort=False, observed=True

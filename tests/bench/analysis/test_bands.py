@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from bench.analysis.anytime import ecdf
-from bench.analysis.bands import UNSEEN, _curve, curve_bands, leads, spells
+from bench.analysis.bands import UNSEEN, curve_bands, curve_of, leads, spells
 
 GRID = np.geomspace(1, 100, 20)
 
@@ -39,7 +39,7 @@ def test_the_variance_is_that_of_runs_within_problems_and_of_what_they_did_not_s
         centre = np.average(values, weights=weights)
         spread = (weights * (values - centre) ** 2).sum() / (weights.sum() - 1)
         expected += (len(cell) / 13) ** 2 * spread / len(cell)
-    assert _curve(cells, rng).variance[0] == pytest.approx(expected)
+    assert curve_of(cells, rng).variance[0] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("time", "fraction"), [(np.inf, 0.0), (0.5, 1.0)])

@@ -2,14 +2,14 @@
 
 import re
 import warnings
+from itertools import product
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench.analysis.cells import in_study_order
-from bench.analysis.finished_trials import CheckResult
-from bench.analysis.integrity import TRAITS, _completeness, _together, _trait, integrity
+from bench.analysis.integrity import TRAITS, integrity
 from bench.objective import Trace
 from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
@@ -492,33 +492,23 @@ class TestFrames:
         assert found["cells"].count(";") == 15
 
 
-def test_clamping_here_and_in_separate_runs_is_one_finding():
-    here, elsewhere = (
-        CheckResult("pass", "At most 0.10% lie there."),
-        CheckResult("warning", "Best points lie there: a 6% of them."),
-    )
-    both = _together(here, elsewhere)
-    assert both.verdict == "warning"
-    assert both.text == "At most 0.10% lie there. In separate runs: best points lie there: a 6% of them."
-    unknown = CheckResult("not checked", "Nobody looked.")
-    assert _together(here, unknown) == here
-    assert _together(unknown, elsewhere) == elsewhere
-    assert _together(unknown, unknown) == unknown
+def test_clamping_here_and_in_separate_runs_is_one_finding(sound):
+    points_on_a_bound(sound)
+    sound.diagnose("c", "boundary clamping", 0.125)
+    found = sound.check().loc["boundary clamping"]
+    assert found["verdict"] == "warning"
+    assert re.search(r"b 8\.33% .*In separate runs: .*c 12\.5% of them", found["finding"])
 
 
-def test_a_test_that_did_not_reject_is_no_proof():
-    passed = {"check": "starts and seeds", "passed": True}
-    found = _trait("starts and seeds", {"a": [passed | {"figure": 0.4}], "b": [passed | {"figure": 0.1}]})
+def test_a_test_that_did_not_reject_is_no_proof(sound):
     text = "No run repeated one with another seed, and the tests did not reject uniform and independent starts for "
-    assert found == ("pass", text + "any of the 2 optimizers.", ())
-    at_one_point = {"a": [passed | {"figure": 0.4}], "b": [passed | {"figure": None}]}
-    assert _trait("starts and seeds", at_one_point).text == text + "a. There was nothing to test for b."
+    assert sound.check().at["starts and seeds", "finding"] == f"{text}any of the 3 optimizers."
+    for name, figure in (("b", None), ("c", None)):  # whose runs all began at one point
+        sound.diagnoses[name] = [each | {"figure": figure} for each in sound.diagnoses[name]]
+    assert sound.check().at["starts and seeds", "finding"] == f"{text}a. There was nothing to test for b, c."
 
 
-def test_trials_that_nobody_planned_are_not_called_complete(frame_of):
-    found = integrity_of_completeness(frame_of({("p", "a"): [1.0, 2.0]}))
-    assert found == ("pass", "No plan of the trials is known: 2 are stored, 2 in each cell.")
-
-
-def integrity_of_completeness(frame):
-    return tuple(_completeness(frame, {("p", "a"): 0}))[:2]
+def test_trials_that_nobody_planned_are_not_called_complete(sound):
+    found = sound.check(planned_trials=dict.fromkeys(product(PROBLEMS, OPTIMIZERS), 0)).loc["completeness"]
+    assert found["verdict"] == "pass"
+    assert found["finding"] == "No plan of the trials is known: 36 are stored, 6 in each cell."

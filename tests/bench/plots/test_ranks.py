@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from bench import plots
-from bench.plots.ranks import _apart, _legible
+from bench.plots.ranks import legible, moved_apart
 from tests.bench.plots.frames import axes, ranks_of, svg, texts
 
 
@@ -36,20 +36,20 @@ class TestCourse:
     def test_names_of_close_ranks_stand_apart(self):
         """Two groups met where the first one was held below the least place: names of 35 optimizers overlapped."""
         places = {"a": 3.0, "b": 3.1, "c": 5.9, "d": 6.0, "e": 6.2, "f": 7.2, "g": 7.9, "h": 11.4}
-        found = _apart(places, 2.0, 2.9)
+        found = moved_apart(places, 2.0, 2.9)
         assert list(found) == list(places)
         assert np.diff(list(found.values())).min() >= 2.0 - 1e-9
         assert min(found.values()) == 2.9
 
     def test_names_that_are_apart_stay_at_their_ranks(self):
-        assert _apart({"b": 4.0, "a": 1.0}, 1.5, 1.0) == {"a": 1.0, "b": 4.0}
+        assert moved_apart({"b": 4.0, "a": 1.0}, 1.5, 1.0) == {"a": 1.0, "b": 4.0}
 
     def test_ticks_that_would_touch_have_no_text(self):
         shares = [0.01, 0.03, 0.1, 0.3, 0.6, 1.0]
         texts = [f"{each:.0%}" for each in shares]
-        assert _legible(texts, shares, 1.9) == ["1%", "3%", "10%", "30%", "", "100%"]
-        assert _legible(texts, shares, 9.0) == texts
-        assert _legible(["5"], [5], 1.0) == ["5"]
+        assert legible(texts, shares, 1.9) == ["1%", "3%", "10%", "30%", "", "100%"]
+        assert legible(texts, shares, 9.0) == texts
+        assert legible(["5"], [5], 1.0) == ["5"]
 
     def test_a_line_leads_from_each_curve_to_its_name(self):
         ranks = pd.DataFrame({"optimizer": ["a", "a", "b", "b"], "share": [0.1, 1.0] * 2, "rank": [1.0, 1.5, 2.0, 1.5]})

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from bench.topics.integrity.section import _handled
+from bench.topics.integrity.section import handled
 
 
 def frame(**changes):
@@ -11,15 +11,15 @@ def frame(**changes):
 
 
 def test_failed_evaluations_are_counted_by_problem():
-    (sentence,) = _handled(frame(failures=[1, 2, 0]))
+    (sentence,) = handled(frame(failures=[1, 2, 0]))
     assert sentence == "Evaluations failed, and count with the value +inf: a share of 0.03 of those on p."
 
 
 def test_trials_that_a_limit_of_time_has_ended_are_counted():
-    (sentence,) = _handled(frame(stop=["time", "budget", "time"]))
+    (sentence,) = handled(frame(stop=["time", "budget", "time"]))
     assert sentence.startswith("A limit of time has ended 2 of 3 trials before the budget: their results depend")
 
 
 def test_without_either_and_where_failures_are_not_known_nothing_is_said():
-    assert [*_handled(frame())] == []
-    assert [*_handled(frame(failures=[None] * 3))] == []
+    assert [*handled(frame())] == []
+    assert [*handled(frame(failures=[None] * 3))] == []

@@ -4,7 +4,7 @@ import pandas as pd
 
 from bench import Results
 from bench.topics.findings import Findings
-from bench.topics.time.parallel import _changes, section
+from bench.topics.time.parallel import order_changes, section
 
 
 def ranks(first):
@@ -15,14 +15,14 @@ def ranks(first):
 
 def test_one_that_is_first_everywhere_is_named_once():
     everywhere = ranks({(p, c): "b" for p in (1, 8) for c in (0.001, 60.0)})
-    assert _changes(everywhere) == (
+    assert order_changes(everywhere) == (
         "b has the lowest rank at every cost from 1 ms to 1 min an evaluation, with 1 to 8 workers."
     )
 
 
 def test_where_the_order_changes_is_said_along_both_axes():
     changing = ranks({(1, 0.1): "b", (1, 5.0): "a", (2, 0.1): "b", (2, 5.0): "a", (8, 0.1): "b", (8, 5.0): "b"})
-    assert _changes(changing) == (
+    assert order_changes(changing) == (
         "The order changes. With evaluations of 5 s, the lowest rank is that of a with 1 to 2 workers, then b with 8 "
         "workers. With one worker, it is that of b at 100 ms an evaluation, then a at 5 s an evaluation."
     )
