@@ -1,7 +1,6 @@
 """Estimate many recordings, also in worker processes."""
 
 import base64
-import os
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -77,15 +76,14 @@ def estimate_files(
         BenchError: for no worker.
     """
     require_jobs("the number of jobs", jobs)
-    jobs = min(jobs if jobs != -1 else _cores(), len(paths))
     work = partial(_estimated, read=read, settings=settings)
-    return map(work, paths) if jobs <= 1 or len(paths) <= FEW else _in_processes(work, paths, jobs)
+    return map(work, paths) if jobs == 1 or len(paths) <= FEW else _in_processes(work, paths, jobs)
 
 
 def _in_processes(work: Callable[[Path], list[Outcome]], paths: Sequence[Path], jobs: int) -> Iterator[list[Outcome]]:
-    from bench.sandbox.pool import Pool  # a single file need not wait for it
+    from bench.sandbox.pool import Pool, number  # a single file need not wait for it
 
-    with Pool(jobs, ready) as pool:
+    with Pool(min(number(jobs), len(paths)), ready) as pool:
         calls = [pool.submit("recordings", pickled, work, path) for path in paths]
         for path, call in zip(paths, calls, strict=True):
             try:
@@ -102,11 +100,6 @@ def ready() -> None:
 def pickled(work: Callable[[Path], list[Outcome]], path: Path) -> str:
     """Return outcomes as text: answers of processes are JSON."""
     return base64.b64encode(pickle.dumps(work(path))).decode()
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _estimated(path: Path, *, read: Callable[[Path], Joints], settings: Settings) -> list[Outcome]:

@@ -38,7 +38,13 @@ FEWEST = 2  # pairs
 # that differs by 1% in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
 # 7.2.1; one that differs by 2%, by up to 3.5e-4 rad ('python validation/sensor.py --elsewhere').
 NEAR = 0.01
-JOINT = ("gear_ratio", "speed_rps", "friction")  # what a calibration knows of its joint
+LISTS = ("amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm")
+ENTRIES = {
+    "name": "name", "amplitude_rpm": "amplitude", "half_gap_rad": "half_gap", "gear_ratio": "gear_ratio",
+    "speed_rps": "speed_rps", "friction": "friction", "fitted_rpm": "fitted", "scatter_rpm": "scatter",
+}  # fmt: skip
+"""The entries of a calibration's file, and the attributes that hold them; those of ``LISTS`` are lists of numbers."""
+
 ALIKE = 0.08  # the largest difference of two frictions, as parts of gravity's torque, that counts as none
 FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 
@@ -164,14 +170,8 @@ class Calibration:
 
         The file begins with the ``command`` that reproduces it.
         """
-        content: dict[str, Any] = {
-            "name": self.name,
-            "amplitude_rpm": self.amplitude.tolist(),
-            "half_gap_rad": self.half_gap.tolist(),
-        }
-        content |= {key: value for key in JOINT if (value := getattr(self, key)) is not None}
-        if self.fitted is not None and self.scatter is not None:
-            content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
+        known = {key: value for key, name in ENTRIES.items() if (value := getattr(self, name)) is not None}
+        content = {key: value.tolist() if key in LISTS else value for key, value in known.items()}
         with replacing(Path(path)) as temporary:
             temporary.write_text(
                 f"# {command}\n"
@@ -298,28 +298,21 @@ def load_calibration(path: str | Path) -> Calibration:
         BenchError: for a file that cannot be read or is not a calibration.
     """
     where = f"calibration {path}"
-    content = read_toml(path, where)
-    allowed = {
-        "name", *JOINT, "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
-    }  # fmt: skip
+    content = {"name": path, "amplitude_rpm": None, "half_gap_rad": None} | read_toml(path, where)
     if content.pop("method", "monotone") != "monotone":  # in files of older versions
         raise BenchError(f"{where} is a cubic, which only older versions read; make it anew by 'bench calibrate'")
     for key in content:
-        if key not in allowed:
-            raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, allowed)}")
-    amplitude, gaps = (_numbers(content, key, where) for key in ("amplitude_rpm", "half_gap_rad"))
-    fitted, scatter = (
-        _numbers(content, key, where) if key in content else None for key in ("fitted_rpm", "scatter_rpm")
-    )
-    joint = (content.get(key) for key in JOINT)
+        if key not in ENTRIES:
+            raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, ENTRIES)}")
+    content |= {key: _numbers(value, key, where) for key, value in content.items() if key in LISTS}
+    content["name"] = str(content["name"])
     try:
-        return Calibration(amplitude, gaps, str(content.get("name", path)), fitted, scatter, *joint)
+        return Calibration(**{ENTRIES[key]: value for key, value in content.items()})
     except BenchError as error:
         raise BenchError(f"{where}: {error}") from error
 
 
-def _numbers(content: dict[str, Any], key: str, where: str) -> Floats:
-    values = content.get(key)
+def _numbers(values: Any, key: str, where: str) -> Floats:
     if not isinstance(values, list) or any(
         isinstance(value, bool) or not isinstance(value, (int, float)) or abs(value) > 1e100 for value in values
     ):
