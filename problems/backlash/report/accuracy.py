@@ -11,9 +11,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from bench.plots import style
-from bench.report import listing
+from bench.report import listing, speaker
 from bench.topics import StoredResults
 
+SAY = speaker(__package__)
 LEFT, ACROSS = 0.45, 0.1  # inches
 LABEL = 18  # characters of a dataset's name, such as "noisy-02 high"
 
@@ -93,14 +94,7 @@ def signed_and_size(data: pd.DataFrame, unit: str, factor: float = 1.0) -> str:
     if len(errors) < 2:
         return ""
     one, best, worst = (str(sizes.idxmin()) for sizes in (signed.abs(), size, -size))
-    if one == best:
-        return ""
-    far = ", the largest of all" if one == worst else ""
-    return (
-        f"By the signed median error {one} looks the most accurate ({signed[one]:+.1f}{unit}), because its errors to "
-        f"both sides cancel. The median size of its error is {size[one]:.1f}{unit}{far}; the smallest is that of "
-        f"{best}, {size[best]:.1f}{unit}."
-    )
+    return "" if one == best else SAY("signed_and_size", one, best, signed, size, unit, one == worst)
 
 
 def expected_by_problem(data: pd.DataFrame) -> pd.DataFrame:

@@ -12,8 +12,9 @@ from scipy.stats import binomtest, spearmanr
 from bench import Study
 from bench.analysis import ALPHA, labels
 from bench.plots import style
-from bench.report import Figure, Section, Table, count, leaders, listing
+from bench.report import Figure, Section, Table, leaders, listing
 from problems.backlash.report.accuracy import (
+    SAY,
     dataset_panels,
     errors_by,
     estimates,
@@ -174,7 +175,8 @@ def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -
         for verdict, text in verdicts.items()
         if (alike := [claim for claim, outcome in claims.items() if outcome == verdict])
     ]
-    return f"The thesis finds {'; it also finds '.join(parts)} (by 95% Wilson intervals).{other_conditions(study)}"
+    found = f"The thesis finds {'; it also finds '.join(parts)} (by 95% Wilson intervals)."
+    return f"{found} {other_conditions(study)}".strip()
 
 
 Share = tuple[float, float, float]  # of trials within the band, with its interval
@@ -207,13 +209,7 @@ def _underestimates(swarms: pd.DataFrame) -> str:
     often = 0  # by tests over datasets, as the trials on one share its error
     for _, signs in (medians[medians != 0] < 0).groupby("optimizer", observed=True):
         often += binomtest(int(signs.sum()), len(signs), alternative="greater").pvalue <= ALPHA
-    here = listing([f"{share:.0%} for {label}" for label, share in below.items()])
-    return (
-        "The thesis finds that the swarms underestimate the amplitude more often than they overestimate it, as a "
-        "failed fit keeps the smaller half of the oscillation. Here the share of finished trials below the expected "
-        f"amplitude is {here}. The median is below it on more than half of the datasets for {often} of "
-        f"{count(len(below), 'swarm')} (sign test over datasets at {ALPHA:g})."
-    )
+    return SAY("underestimated", [f"{share:.0%} for {label}" for label, share in below.items()], often, ALPHA)
 
 
 def _widens(data: pd.DataFrame) -> str:
@@ -228,13 +224,7 @@ def _widens(data: pd.DataFrame) -> str:
     ]
     if not tests:
         return ""
-    grows = [test.statistic for test in tests if test.pvalue <= ALPHA]
-    correlation = f" (Spearman’s rank correlation {min(grows):.2f} to {max(grows):.2f})" if grows else ""
-    return (
-        "The thesis finds that the results scatter more at larger backlash, as the bounds of A widen with it. Here the "
-        f"interquartile range grows with the expected amplitude for {len(grows)} of {count(len(tests), 'optimizer')}"
-        f"{correlation}."
-    )
+    return SAY("widens", [test.statistic for test in tests if test.pvalue <= ALPHA], len(tests))
 
 
 def _narrowest(swarms: pd.DataFrame, label_of: dict[str, str]) -> str:
@@ -245,12 +235,7 @@ def _narrowest(swarms: pd.DataFrame, label_of: dict[str, str]) -> str:
     narrowest = width.eq(width.min(axis=1), axis=0)
     within = errors_by(swarms, ["optimizer"])["within band %"]
     best = listing([str(label) for label in within.index[within == within.max()]])
-    leading = leaders(narrowest, "the narrowest interquartile range of the swarms")
-    return (
-        "The thesis’s box plots show ALO as the most precise swarm, and it warns that they mislead, as the results of "
-        "GWO are either close to the expected amplitude or far from it. Here "
-        f"{leading}, while {best} has the largest share within the band."
-    )
+    return SAY("narrowest", leaders(narrowest, "the narrowest interquartile range of the swarms"), best)
 
 
 def _interquartile_range(data: pd.DataFrame) -> pd.DataFrame:

@@ -11,11 +11,12 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
-from bench.report import Section, Table, count, leaders
+from bench.report import Section, Table, leaders, speaker
 from bench.reproduce.section import section
 from bench.reproduce.table import PaperTable, read
 from bench.topics import StoredResults
 
+SAY = speaker(__package__)
 TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
 EXTRA = "cma-es"
@@ -139,34 +140,23 @@ def _holders(means: pd.DataFrame, extreme: str) -> str:
 
 def sentences(means: pd.DataFrame) -> list[str]:
     """Return sentences on the order of the means, beside that of the published ones of the same datasets."""
-    text = []
-    if set(ORDER) <= set(means.columns):
-        printed = published()
-        highest = printed.idxmax(axis=1).value_counts()
-        swarms = means.loc[means.index.isin(printed.index), list(ORDER)]
-        published_swarms = printed.loc[swarms.index, list(ORDER)]
-        text.append(
-            f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(swarms)} of {len(swarms)} rows; "
-            f"in the published table it holds in {ordered(published_swarms)} of these."
-        )
-        text.append(
-            f"Among the swarms {_holders(swarms, 'lowest')} (published: {_holders(published_swarms, 'lowest')}); "
-            f"{_holders(swarms, 'highest')} (published: {_holders(published_swarms, 'highest')}). The thesis calls GWO "
-            "the best of the four and DA the least effective. The latter is not what its Table 7.2 shows: there "
-            f"{str(highest.index[0]).upper()} has the highest mean on {highest.iloc[0]} of {highest.sum()} datasets, "
-            f"and DA on {highest['da']}."
-        )
-    return text
+    if not set(ORDER) <= set(means.columns):
+        return []
+    printed = published()
+    swarms = means.loc[means.index.isin(printed.index), list(ORDER)]
+    theirs = printed.loc[swarms.index, list(ORDER)]
+    holders = [_holders(each, extreme) for extreme in ("lowest", "highest") for each in (swarms, theirs)]
+    return [
+        SAY("order", ORDER, ordered(swarms), len(swarms), ordered(theirs)),
+        SAY("extremes", *holders, printed.idxmax(axis=1).value_counts()),
+    ]
 
 
 def other_conditions(study: Study) -> str:
     """Return a sentence on the study's trials and budget where they are not the published ones, else ""."""
     if (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
         return ""
-    return (
-        f" This run has {count(study.trials, 'trial')} of {study.budget_words}, the thesis {PUBLISHED_TRIALS} of "
-        f"{PUBLISHED_BUDGET:,}, so it is no repetition."
-    )
+    return SAY("other_conditions", study, PUBLISHED_TRIALS, PUBLISHED_BUDGET)
 
 
 def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
@@ -179,19 +169,9 @@ def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
     # The smallest exact p of two samples is that of complete separation: 2 of all arrangements.
     least = min(2 / comb(n + m, n) for n, m in zip(pairs["n_first"], pairs["n_second"], strict=True))
     if least > ALPHA:
-        trials = count(study.trials, "trial")
-        few = (
-            f"With {trials} a cell no Kolmogorov-Smirnov test can be significant, so nothing can be compared with the "
-            "thesis, which distinguishes the swarms in the majority of cases."
-        )
-        return (few,)
-    apart, most = int((pairs["ks_p"] <= ALPHA).sum()), (pairs["ks_p"] <= ALPHA).mean() > 0.5
-    text = (
-        f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) distinguishes the two swarms of {apart} of "
-        f"{count(len(pairs), 'pair')}. The thesis distinguishes them in the majority of cases: "
-        f"{'this run agrees' if most else 'this run does not agree'}.{other_conditions(study)}"
-    )
-    return (text,)
+        return (SAY("too_few", study.trials),)
+    apart = int((pairs["ks_p"] <= ALPHA).sum())
+    return (SAY("distinguished", ALPHA, apart, len(pairs), other_conditions(study)),)
 
 
 def unequal(study: Study) -> tuple[str, ...]:
@@ -200,8 +180,4 @@ def unequal(study: Study) -> tuple[str, ...]:
     options = [entry.options for entry in study.optimizers if entry.label in names]
     if len({(chosen.get("handling", "repair"), chosen.get("start", "random")) for chosen in options}) < 2:
         return ()
-    text = (
-        "As in the thesis, these algorithms do not run under equal conditions. 'bench run STUDY --matched' adds what "
-        "compares them under the same handling and start; the study thesis-equal does so with several populations."
-    )
-    return (text,)
+    return (SAY("unequal"),)

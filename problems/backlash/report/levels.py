@@ -52,12 +52,7 @@ def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
     neighbours = steps.loc[np.isclose(steps["backlash_rad"], 2 * TOLERANCE_RAD), "amplitude_rpm"]
     if neighbours.empty:
         return ()
-    text = (
-        f"Between datasets {2 * TOLERANCE_RAD:g} rad apart the expected amplitude grows by at least "
-        f"{neighbours.min():.4f} rpm ({neighbours.max():.4f} rpm at most). On the thesis’s own datasets the smallest "
-        f"step is {2 * TOLERANCE_RPM:.4f} rpm, and half of it is the accuracy asked of A."
-    )
-    return (text,)
+    return (accuracy.SAY("smallest_step", 2 * TOLERANCE_RAD, neighbours.min(), neighbours.max(), 2 * TOLERANCE_RPM),)
 
 
 def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:

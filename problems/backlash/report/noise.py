@@ -7,11 +7,11 @@ import re
 import pandas as pd
 
 from bench import Study
-from bench.report import Section, Table, count, listing
+from bench.report import Section, Table
 from bench.topics import StoredResults
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.recordings import Recording
-from problems.backlash.report.accuracy import estimates
+from problems.backlash.report.accuracy import SAY, estimates
 from problems.backlash.report.fitting_errors import PUBLISHED_BUDGET, PUBLISHED_TRIALS
 from problems.backlash.sensor.estimate import Settings, infer_backlash
 from problems.backlash.sensor.load_turn import fold
@@ -40,12 +40,8 @@ def sections(results: StoredResults, frame: pd.DataFrame, truths: pd.DataFrame) 
 def conditions(study: Study) -> str:
     """Return a sentence that compares the study's conditions with the published ones."""
     asked = f"{PUBLISHED_TRIALS} trials of {PUBLISHED_BUDGET:,} evaluations"
-    if (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
-        return f"Both are means over {asked}."
-    return (
-        f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "
-        f"{study.budget_words}, so they need not agree."
-    )
+    same = (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET)
+    return SAY("conditions", study, same, asked)
 
 
 def noisy_problems(study: Study) -> pd.DataFrame:
@@ -147,26 +143,12 @@ def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
     if both.empty:
         return []
     worse = both.loc[both["error"] >= both["error published"], "problem"].tolist()
-    exceptions = f" (not on {listing(worse, 10)})" if 0 < len(worse) < len(both) else ""
-    text = (
-        f"{who}: the relative error of the {what} is below the published one in {len(both) - len(worse)} of "
-        f"{count(len(both), 'row')}{exceptions}. On average it is {both['error'].mean():.2f}%, published "
-        f"{both['error published'].mean():.2f}%; at most {both['error'].max():.2f}%, published "
-        f"{both['error published'].max():.2f}%."
-    )
-    if "run error" in rows:
-        single = f"{rows['run error'].mean():.2f}% on average."
-        text += f" For single runs, whose errors do not cancel as in a mean, it is {single}"
-    return [text]
+    return [SAY("compared", who, what, both, worse, rows["run error"].mean() if "run error" in rows else None)]
 
 
 def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
     sizes = rows.loc[rows["dataset"] == 0, "mean"]
-    return [
-        f"Without backlash {who} of {value:.4f} rps (published {table_7_3()['mean'][0]:.4f} at low noise), which is "
-        f"{'within' if value <= HEALTHY else 'above'} the {HEALTHY:g} rps asked for."
-        for value in sizes
-    ]
+    return [SAY("without_backlash", who, value, table_7_3()["mean"][0], HEALTHY) for value in sizes]
 
 
 def side_by_side(cells: pd.DataFrame, level: str) -> Table:

@@ -8,8 +8,9 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import labels, scores
-from bench.report import Section, Table, count, listing
+from bench.report import Section, Table
 from bench.topics import StoredResults, repairing
+from problems.backlash.report.accuracy import SAY
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 
@@ -92,32 +93,14 @@ def beside_reference(frame: pd.DataFrame, fits: pd.DataFrame, constrained: dict[
 def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bool]) -> list[str]:
     """Return sentences on who found the fit, what the constraints cost, and how near the fit is to the truth."""
     shares = _percent(trials, ["optimizer"]).sort_values(ascending=False, kind="stable")
-    shown = listing([f"{share:.0f}% of {label} trials" for label, share in shares.items()])
-    what = (
-        "With its window fixed the signature is linear but for tau and omega, so the best fit can be computed without "
-        "an optimizer or a random number. Regret and targets are counted from this optimum. "
-        f"{shown} ended within {FOUND:.0%} of the optimum."
-    )
-    text = [what]
-    limited = [label for label in shares.index if constrained[str(label)]]
-    if limited:
+    text = [SAY("found", [f"{share:.0f}% of {label} trials" for label, share in shares.items()], FOUND)]
+    if limited := [label for label in shares.index if constrained[str(label)]]:
         cost = fits["constrained"] / fits["box"] - 1
-        worse = cost[cost > 1e-9]
-        raised = f"raise the best RMSE on {len(worse)} of {count(len(fits), 'dataset')}, by {worse.max():.1%} at most"
-        text.append(
-            f"The constraints of section 7.2.2, under which {listing(limited)} ran, "
-            + (raised if len(worse) else "do not raise the best RMSE on any dataset")
-            + ". A trial under the constraints is compared with the best fit under them."
-        )
+        text.append(SAY("constraints", limited, cost[cost > 1e-9], len(fits)))
     truths = fits.dropna(subset="expected_rpm")
     if len(truths):
         near = int(((truths["box_rpm"] - truths["expected_rpm"]).abs() <= TOLERANCE_RPM).sum())
-        text.append(
-            f"The |A| of the best fit in the box is itself within ±{TOLERANCE_RPM:.4f} rpm of the expected one on "
-            f"{near} of {count(len(truths), 'dataset')}; elsewhere no optimizer causes the error. A fit determines |A| "
-            f"to {truths['slack'].max() - 1:.1%} only: A is the amplitude where the window begins, which may be "
-            "anywhere between two samples (the best fit takes the middle of the allowed range)."
-        )
+        text.append(SAY("truth", TOLERANCE_RPM, near, len(truths), truths["slack"].max() - 1))
     return text
 
 
@@ -129,15 +112,10 @@ def beside_authors(trials: pd.DataFrame, study: Study) -> str:
     shares = _percent(shares, ["problem", "optimizer"]).reset_index()
     if shares.empty:
         return ""
-    best, runs = min(AUTHORS), sum(AUTHORS.values())
+    best = min(AUTHORS)
     elsewhere = [f"at {value:.4f} rps in {number}" for value, number in AUTHORS.items() if value > best]
-    here = listing([f"{row.found:.0f}% of {row.optimizer} trials on {row.problem}" for row in shares.itertuples()])
-    return (
-        f"The authors’ own {runs} runs of CMA-ES on their recording of dataset 12 (300 agents, 200 iterations, in the "
-        "box; outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation) ended at the best fit of "
-        f"that recording, {best:.4f} rps, in {AUTHORS[best]} runs ({AUTHORS[best] / runs:.0%}), {listing(elsewhere)}. "
-        f"Here {here} found it."
-    )
+    here = [f"{row.found:.0f}% of {row.optimizer} trials on {row.problem}" for row in shares.itertuples()]
+    return SAY("authors", AUTHORS, best, elsewhere, here)
 
 
 def _percent(trials: pd.DataFrame, keys: list[str]) -> pd.Series[float]:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from bench import Study
 from bench.report import Section, Table
+from problems.backlash.report.accuracy import SAY
 
 TITLE = "Memory of a search"
 HARNESS = "random-search"  # its search needs nothing of its own
@@ -47,12 +48,7 @@ def _memory_text(memory: pd.DataFrame) -> str:
         between += f" with {resident.index[0]} and {resident.iloc[-1]:,.0f} kB with {resident.index[-1]}"
     process = memory["process_mb"]
     size = f"{process.min():.0f}" + (f" to {process.max():.0f}" if process.max() > process.min() else "")
-    return (
-        "The thesis counts reduced memory usage among the advantages of the swarms. Trials do not record their memory. "
-        f"Measured apart, on dataset 12 by performance/memory.py, a search needs at its peak {between} above "
-        f"the process that runs it, up to {harness:,.0f} kB of which are the harness’s. The process itself, with the "
-        f"libraries that the optimizer needs, takes {size} MB."
-    )
+    return SAY("memory", between, harness, size)
 
 
 def _memory_table(memory: pd.DataFrame) -> Table:

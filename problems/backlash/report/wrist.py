@@ -6,16 +6,11 @@ import pandas as pd
 
 from bench.report import Section, Table
 from bench.topics import StoredResults
-from problems.backlash.report.accuracy import estimates
+from problems.backlash.report.accuracy import SAY, estimates
 from problems.backlash.signature import wrist
 
 UNKNOWN = wrist.Printed(float("nan"), float("nan"), float("nan"))
 TITLE = "A robot’s wrist before and after tampering (thesis Figs. 8.3 to 8.5)"
-CHOSEN = (
-    "The thesis prints none of these joints’ gear ratios, loads, speeds, noise and gaps. Here they are choices, and "
-    "each gap is the one whose disturbance has the amplitude that the thesis expected. So the table shows whether the "
-    "fit distinguishes such amplitudes, not whether this is the thesis’s robot."
-)
 
 
 def sections(results: StoredResults, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
@@ -26,7 +21,7 @@ def sections(results: StoredResults, frame: pd.DataFrame, truths: pd.DataFrame) 
     if data.empty:
         return []
     table = beside_printed(data, names)
-    return [Section(TITLE, (CHOSEN, *sentences(table, data["optimizer"].nunique())), (_table(table),))]
+    return [Section(TITLE, (SAY("chosen"), *sentences(table, data["optimizer"].nunique())), (_table(table),))]
 
 
 def beside_printed(data: pd.DataFrame, names: dict[str, str]) -> pd.DataFrame:
@@ -52,13 +47,8 @@ def sentences(table: pd.DataFrame, optimizers: int) -> list[str]:
     for (joint, optimizer), rows in table.groupby(["joint", "optimizer"], observed=True):
         found, printed = (dict(zip(rows["state"], rows[name], strict=True)) for name in ("mean", "mean published"))
         if set(wrist.STATES) <= set(found):
-            healthy, tampered = wrist.STATES
-            beside = f" (published {printed[healthy]:.3f} and {printed[tampered]:.3f})."
-            if (joint, healthy) not in wrist.PRINTED:
-                beside = "; its axis is vertical, so no gap opens and both amplitudes are the noise’s."
-            who = f" by {optimizer}" if optimizers > 1 else ""
-            means = f"{found[healthy]:.3f} rps healthy and {found[tampered]:.3f} rps tampered"
-            text.append(f"Joint {joint}: the mean |A|{who} is {means}{beside}")
+            known = printed if (joint, wrist.STATES[0]) in wrist.PRINTED else None
+            text.append(SAY("joint", joint, optimizer if optimizers > 1 else "", found, known))
     return text
 
 
