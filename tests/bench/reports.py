@@ -93,6 +93,14 @@ def finished(fun, rng):
     }  # fmt: skip
 
 
+def ended(fun, **changes):
+    """Return the row of a trial that found a value at once."""
+    return {
+        "status": "ok", "fun": fun, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5, "stop": "budget",
+        "outside_box": 0, "x": {}, "metrics": {}, "trace": Trace(np.array([1]), np.array([fun])),
+    } | changes  # fmt: skip
+
+
 FAILED = {"status": "failed", "error": "ValueError: <b>boom</b> & more\nTraceback …"}
 RAISED = {"status": "failed", "error": "ProblemError: ValueError: no convergence\nTraceback …"}
 

@@ -8,9 +8,8 @@ import yaml
 
 from bench import Study, Trace
 from bench.cli.gate import CODES
-from bench.columns import packed
-from bench.storage.folder import Folder
 from bench.study import Entry
+from tests.bench.reports import ended, store
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -19,18 +18,13 @@ def write(place, name, problems=("sphere-2", "sphere-3"), optimizers=("mine",), 
     """Write the folder of a study whose trials end at 5 plus ``shift``, and noise that depends on their seed."""
     entries = (tuple(Entry(label, label) for label in labels) for labels in (problems, optimizers))
     study = Study(name, *entries, **{"trials": 12, "budget": 60, "seed": 1} | changes)
-    folder = Folder(place / name)
-    folder.path.mkdir()
-    folder.claim(study)
-    with folder.store.writer() as writer:
-        for trial in study.plan():
-            fun = 5 + shift + np.random.default_rng(trial.seed).standard_normal()
-            row = {
-                "status": "ok", "fun": fun, "nfev": 60, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.1,
-                "stop": "budget", "outside_box": 0, "x": {"x1": fun}, "metrics": {},
-                "trace": Trace(np.array([1, 30]), np.array([fun + 1, fun])),
-            }  # fmt: skip
-            writer.add(trial, packed(row))
+
+    def row_of(trial):
+        fun = 5 + shift + np.random.default_rng(trial.seed).standard_normal()
+        trace = Trace(np.array([1, 30]), np.array([fun + 1, fun]))
+        return ended(fun, nfev=60, x={"x1": fun}, trace=trace)
+
+    store(place / name, study, row_of)
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from bench import Study, Trace, load_problem
-from bench.columns import packed
-from bench.storage.folder import Folder
 from bench.study import Entry
+from tests.bench.reports import ended, store
 
 BOWLS = ("sphere", "ellipsoid", "cigar", "discus", "schwefel-1-2", "zakharov")
 RUGGED = ("rastrigin", "katsuura", "weierstrass", "schaffer-f6", "schwefel-2-26", "lunacek")
@@ -47,20 +46,14 @@ def write(place, name, functions, good, **changes):
     optimizers = tuple(Entry(label, label) for label in changes.pop("optimizers", OPTIMIZERS))
     first, last = changes.pop("values", (9.0, 2.0))
     study = Study(name, problems, optimizers, **{"trials": 4, "budget": "100 * d"} | changes)
-    folder = Folder(place / name)
-    folder.path.mkdir()
-    folder.claim(study)
-    with folder.store.writer() as writer:
-        for trial in study.plan():
-            function = trial.problem.removeprefix("classical-").removesuffix("-d2-i1")
-            optimum = load_problem(trial.problem).optimum
-            values = optimum + np.array([first, 0.0 if good(function, trial.optimizer) else last])
-            row = {
-                "status": "ok", "fun": values[-1], "nfev": 200, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.01,
-                "stop": "budget", "outside_box": 0, "x": {"x1": 0.0, "x2": 0.0}, "metrics": {},
-                "trace": Trace(np.array([1, 60]), values),
-            }  # fmt: skip
-            writer.add(trial, packed(row))
+
+    def row_of(trial):
+        function = trial.problem.removeprefix("classical-").removesuffix("-d2-i1")
+        optimum = load_problem(trial.problem).optimum
+        values = optimum + np.array([first, 0.0 if good(function, trial.optimizer) else last])
+        return ended(values[-1], nfev=200, x={"x1": 0.0, "x2": 0.0}, trace=Trace(np.array([1, 60]), values))
+
+    store(place / name, study, row_of)
 
 
 def kinds(function, optimizer):

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 import bench
-from bench import Trace
-from bench.columns import packed
 from bench.reproduce.protocol import protocol_of, samples
 from bench.reproduce.table import read
-from bench.storage.folder import Folder
+from tests.bench.reports import ended, store
 
 HEAD = "# suite = 'classical'\n# runs = 4\n# dimension = 2\n"
 ROWS = "function,optimizer,budget,mean\nsphere,random-search,40,1\nackley,random-search,40,2\n"
@@ -53,19 +51,11 @@ def results(tmp_path_factory):
     """Return the results of a study like the table's, whose trials end at 0.5 and more above the optimum."""
     place = tmp_path_factory.mktemp("protocol")
     study = protocol_of(table(place, f"{HEAD}{ROWS}")).study
-    folder = Folder(place / "run")
-    folder.path.mkdir()
-    folder.claim(study)
-    with folder.store.writer() as writer:
-        for trial in study.plan():
-            optimum = bench.load_problem(trial.problem).optimum
-            fun = optimum + 0.5 + trial.number
-            writer.add(trial, packed({
-                "status": "ok", "fun": fun, "nfev": 40, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.1,
-                "stop": "budget", "outside_box": 0, "x": {"x1": 1.0, "x2": 1.0}, "metrics": {},
-                "trace": Trace(np.array([1]), np.array([fun])),
-            }))  # fmt: skip
-    return bench.Results(folder.path)
+
+    def row_of(trial):
+        return ended(bench.load_problem(trial.problem).optimum + 0.5 + trial.number, x={"x1": 1.0, "x2": 1.0})
+
+    return bench.Results(store(place / "run", study, row_of))
 
 
 def test_samples_are_errors_where_the_table_prints_errors(tmp_path, results):

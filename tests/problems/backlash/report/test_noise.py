@@ -6,14 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bench import Results, Study, Trace, load_problem
-from bench.columns import packed
-from bench.storage.folder import Folder
+from bench import Results, Study, load_problem
 from bench.study import Entry
 from bench.topics import Findings
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import noise, sections
 from problems.backlash.signature.problem import Fit, SignatureFit
+from tests.bench.reports import FAILED, ended, store
 from tests.bench.storage.filled import change_data
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"
@@ -31,20 +30,13 @@ def at(level, kind="low", **options):
 def make(folder, entries, found, *, trials=4, optimizers=("cma-es",), failed=()):
     """Write a study whose trials find ``found(expected |A| in rps, trial's number)`` rps."""
     study = Study("noise", tuple(entries), tuple(Entry(name, name) for name in optimizers), trials=trials)
-    place = Folder(folder)
-    place.path.mkdir(parents=True)
-    place.claim(study)
     names = {entry.label: entry.name for entry in entries}
-    with place.store.writer() as writer:
-        for trial in study.plan():
-            rpm = 60 * found(truth(names[trial.problem]), trial.number)
-            row = {
-                "status": "ok", "fun": 1.0, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5,
-                "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": rpm},
-                "trace": Trace(np.array([1]), np.array([1.0])),
-            }  # fmt: skip
-            writer.add(trial, packed({"status": "failed", "error": "x"} if trial.problem in failed else row))
-    return Results(folder)
+
+    def row_of(trial):
+        rpm = 60 * found(truth(names[trial.problem]), trial.number)
+        return FAILED if trial.problem in failed else ended(1.0, metrics={"amplitude_rpm": rpm})
+
+    return Results(store(folder, study, row_of))
 
 
 @pytest.fixture(autouse=True)

@@ -5,14 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from bench import Results, Study, Trace, load_problem
-from bench.columns import packed
+from bench import Results, Study, load_problem
 from bench.report.write import save_table
-from bench.storage.folder import Folder
 from bench.study import Entry
 from bench.topics import Findings, repairing
 from problems.backlash.report import reference, sections
 from problems.backlash.signature.problem import TOLERANCE_RPM, Fit, SignatureFit
+from tests.bench import reports
 from tests.bench.storage.filled import change_data
 
 BOX, CONSTRAINED = 2.0, 2.2  # rpm, the RMSE of the best fit
@@ -35,19 +34,12 @@ def make(folder, found, *, datasets=(3, 12), optimizers=(CMA, GWO), unit="rpm"):
     """Write a study whose trials end at ``found[label]``, one RMSE a trial."""
     problems = tuple(Entry(f"signature-{k:02d}", f"set {k}", {"unit": unit}) for k in datasets)
     study = Study("s", problems, optimizers, trials=len(next(iter(found.values()))))
-    place = Folder(folder)
-    place.path.mkdir(parents=True)
-    place.claim(study)
-    with place.store.writer() as writer:
-        for trial in study.plan():
-            value = found[trial.optimizer][trial.number]
-            row = {
-                "status": "ok", "fun": value, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5,
-                "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": 30.0},
-                "trace": Trace(np.array([1]), np.array([value])),
-            }  # fmt: skip
-            writer.add(trial, packed({"status": "failed", "error": "x"} if value == FAILED else row))
-    return Results(folder)
+
+    def row_of(trial):
+        value = found[trial.optimizer][trial.number]
+        return reports.FAILED if value == FAILED else reports.ended(value, metrics={"amplitude_rpm": 30.0})
+
+    return Results(reports.store(folder, study, row_of))
 
 
 def section(results):

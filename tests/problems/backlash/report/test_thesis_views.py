@@ -6,12 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import Results, Trace, load_problem
-from bench.columns import packed
+from bench import Results, load_problem
 from bench.plots import style
 from bench.report import Figure, Table
 from bench.report.write import save_figure
-from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.topics import Findings
 from problems.backlash.report import (
@@ -25,6 +23,7 @@ from problems.backlash.report import (
     sections,
 )
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
+from tests.bench.reports import FAILED, ended, store
 from tests.bench.storage.filled import change_data
 
 SWARMS = ("alo", "goa", "da", "gwo")
@@ -62,29 +61,13 @@ def make(folder, *, name="thesis", optimizers=(*SWARMS, "cma-es"), datasets=(3, 
             "amplitude_error_rpm": error,
             "backlash_rad": truth(level)["backlash_rad"] + 5e-5 * error,
         }
-        return finished(mean * (1 + 0.01 * (trial.number - (trials - 1) / 2)), figures)
+        return ended(mean * (1 + 0.01 * (trial.number - (trials - 1) / 2)), metrics=figures)
 
     return write(folder, study, lambda trial: FAILED if trial.key in fail else row(trial))
 
 
-FAILED = {"status": "failed", "error": "x"}
-
-
-def finished(value, figures):
-    return {
-        "status": "ok", "fun": value, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5, "stop": "budget",
-        "outside_box": 0, "x": {}, "metrics": figures, "trace": Trace(np.array([1]), np.array([value])),
-    }  # fmt: skip
-
-
 def write(folder, study, row):
-    place = Folder(folder)
-    place.path.mkdir(parents=True, exist_ok=True)
-    place.claim(study)
-    with place.store.writer() as writer:
-        for trial in study.plan():
-            writer.add(trial, packed(row(trial)))
-    return Results(folder)
+    return Results(store(folder, study, row))
 
 
 @pytest.fixture(scope="module")
@@ -324,7 +307,7 @@ def recorded(folder, level=5):
     folder.mkdir()
     speed.to_csv(folder / "own.csv", index=False)
     study = Study("mine", (Entry(f"recording:{folder / 'own.csv'}", "a$b 日本"),), (Entry("gwo", "gwo"),), trials=1)
-    return write(folder / "s", study, lambda _: finished(1.0, {"amplitude_rpm": 5.0, "backlash_rad": np.nan}))
+    return write(folder / "s", study, lambda _: ended(1.0, metrics={"amplitude_rpm": 5.0, "backlash_rad": np.nan}))
 
 
 def test_without_a_truth_there_are_figures_of_the_amplitude_but_no_errors(tmp_path):

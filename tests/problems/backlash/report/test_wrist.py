@@ -1,33 +1,25 @@
 """The section on a robot's wrist: its rows beside the thesis's."""
 
-import numpy as np
 import pytest
 
-from bench import Results, Study, Trace
-from bench.columns import packed
+from bench import Results, Study
 from bench.report import Table
-from bench.storage.folder import Folder
 from bench.study import Entry
 from bench.topics import Findings
 from problems.backlash.report import sections
 from problems.backlash.report.wrist import TITLE
+from tests.bench.reports import ended, store
 
 
 def shown(folder, found):
     """Return the section of a study whose trials find these amplitudes, in rps by problem, give or take 0.01."""
     study = Study("wrist", tuple(Entry(name, name) for name in found), (Entry("cma-es", "cma-es"),), trials=2)
-    place = Folder(folder)
-    place.path.mkdir(parents=True)
-    place.claim(study)
-    with place.store.writer() as writer:
-        for trial in study.plan():
-            rpm = 60 * (found[trial.problem] + 0.02 * trial.number - 0.01)
-            writer.add(trial, packed({
-                "status": "ok", "fun": 1.0, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5,
-                "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": rpm},
-                "trace": Trace(np.array([1]), np.array([1.0])),
-            }))  # fmt: skip
-    return next((each for each in sections(Findings(Results(folder))) if each.title == TITLE), None)
+
+    def row_of(trial):
+        return ended(1.0, metrics={"amplitude_rpm": 60 * (found[trial.problem] + 0.02 * trial.number - 0.01)})
+
+    results = Results(store(folder, study, row_of))
+    return next((each for each in sections(Findings(results)) if each.title == TITLE), None)
 
 
 def test_a_joint_s_means_stand_beside_the_published_ones(tmp_path):
