@@ -33,6 +33,7 @@ DESCRIPTIONS = {
     notes.KILLED: ("Runs that were killed", "When each ended, and the trials then under way."),
     PAGE: ("The report", "Statistics, tables and figures on one page that works offline."),
     MANIFEST: ("The files of the report", "A list, by which the next report removes those that it does not write."),
+    "CONTENTS.md": ("Contents of the report", "A line for each table and figure in all its formats."),
     "methods.md": ("The methods", "As Markdown, for a paper."),
     "methods.tex": ("The methods", "As LaTeX, for a paper."),
     "references.bib": ("References", "The works that the methods cite, as BibTeX."),

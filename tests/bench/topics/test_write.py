@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
+from bench.formats.archive.contents import report_files
 from bench.plugins import registry
 from bench.report import Figure, Section, Table
 from bench.report.interactive import Interactive
@@ -79,6 +80,10 @@ def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
     written = {str(path.relative_to(folder)) for kind in ("tables", "figures") for path in (folder / kind).iterdir()}
     assert linked == written
     assert {"tables/comparison.csv", "tables/comparison.tex", "figures/convergence.pdf", "tables/trials.csv"} <= written
+
+
+def test_an_archive_takes_every_file_of_a_report(folder):
+    assert {*report_files(folder)} >= {"report.html", "CONTENTS.md", "reproduce.py", "tables/trials.csv"}
 
 
 @pytest.mark.usefixtures("draws")
