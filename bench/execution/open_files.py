@@ -39,11 +39,10 @@ def kept(study: Study, jobs: int) -> int:
         return _open() + RESERVE + jobs * (PASSING + FILES * (always + 2 * kept))  # each has a server and a process
 
     limit = _raised(needed(jobs, most))
-    for fitting in range(most, 0, -1):
-        if needed(jobs, fitting) <= limit:
-            return fitting
-    fewer = [fitting for fitting in range(1, jobs) if needed(fitting, 1) <= limit]
-    remedy = f"run it with --jobs {fewer[-1]}, or allow" if fewer else "allow"
+    if fitting := next((fitting for fitting in range(most, 0, -1) if needed(jobs, fitting) <= limit), 0):
+        return fitting
+    fewer = next((fewer for fewer in range(jobs - 1, 0, -1) if needed(fewer, 1) <= limit), 0)
+    remedy = f"run it with --jobs {fewer}, or allow" if fewer else "allow"
     raise BenchError(
         f"{jobs} jobs of study {study.name!r} need {needed(jobs, 1):,} open files, and this system allows a "
         f"process {limit:,}; {remedy} more (ulimit -n {needed(jobs, most)})"

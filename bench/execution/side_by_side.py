@@ -60,7 +60,9 @@ def evaluated(problem: Problem, parallel: int = 1, seconds: float | None = None)
     require_possible(problem, parallel, seconds)
     goes_on = isinstance(problem, Scored) and problem.on_error == "worst"
     with closing(_Processes(plain, parallel, seconds, goes_on)) as processes:
-        beside = _Beside(plain, processes)
+        beside = copy(plain)  # all else is computed here
+        for name, value in (("evaluate", processes.values), ("noiseless", processes.values), ("by_point", False)):
+            object.__setattr__(beside, name, value)  # also of a frozen dataclass
         if isinstance(problem, Scored):
             problem = copy(problem)
             problem.problem = beside
@@ -78,31 +80,6 @@ def require_possible(problem: Problem, parallel: int, seconds: float | None) -> 
         )
 
 
-class _Beside(Problem):
-    """A problem whose points are evaluated by other processes; all else is computed here."""
-
-    def __init__(self, problem: Problem, processes: _Processes) -> None:
-        self.name, self.variables, self._problem = problem.name, problem.variables, problem
-        self.lower, self.upper, self.integer = problem.lower, problem.upper, problem.integer
-        self._processes = processes
-
-    def evaluate(self, x: Floats) -> Floats:
-        """Return the (n,) values of the (n, d) points; raises PointError where any fails."""
-        return self._processes.values(x)
-
-    def repair(self, x: Floats) -> Floats:
-        """Return the points that the problem's own rule makes of the (n, d) points."""
-        return self._problem.repair(x)
-
-    def violations(self, x: Floats) -> Floats | None:
-        """Return the problem's constraint violations of the (n, d) points."""
-        return self._problem.violations(x)
-
-    def describe(self, x: Floats) -> dict[str, float]:
-        """Return the problem's domain metrics of the (d,) point."""
-        return self._problem.describe(x)
-
-
 class _Processes:
     """Processes of a problem that evaluate a point at a time each, and are replaced where they are lost.
 
@@ -114,9 +91,9 @@ class _Processes:
     """
 
     def __init__(self, problem: Problem, number: int, seconds: float | None, goes_on: bool) -> None:
-        self._problem, self._seconds, self._goes_on = problem, seconds, goes_on
+        self._problem, self._goes_on = problem, goes_on
+        self._seconds = inf if seconds is None else seconds
         self._context: Any = get_context(START)
-        self._message = b""  # the last one of a process
         self._all: dict[Connection, Any] = {}  # by the connection through which each is asked
         self._idle = [self._started() for _ in range(number)]
 
@@ -138,40 +115,27 @@ class _Processes:
                 end = self._idle.pop()
                 with suppress(OSError):  # its process has ended, which is found below
                     end.send_bytes(x[row].tobytes())
-                busy[end] = row, inf if self._seconds is None else monotonic() + self._seconds + _OPENING
+                busy[end] = row, monotonic() + self._seconds + _OPENING
             if not busy:
                 break
             until = min(deadline for _, deadline in busy.values())
             ready: list[Any] = wait(busy, None if until == inf else max(0.0, until - monotonic()))
             for end in ready or [end for end in busy if busy[end][1] <= monotonic()]:
                 row, _ = busy.pop(end)
-                if ready and self._begins(end):
-                    busy[end] = row, inf if self._seconds is None else monotonic() + self._seconds
-                    continue
-                values[row], reason = self._answer(end) if ready else (inf, self._replace(end, late=True))
-                if reason:
-                    failed[row] = reason
+                message = _received(end) if ready else b""
+                if message == _BEGINS:
+                    busy[end] = row, monotonic() + self._seconds
+                elif not message:
+                    failed[row] = self._replace(end, late=not ready)
+                else:
+                    self._idle.append(end)
+                    if message[:1] == _FAILED:
+                        failed[row] = message[1:].decode(errors="replace")
+                    else:
+                        values[row] = np.frombuffer(message, offset=1)[0]
         if failed:
             raise PointError(failed[min(failed)], values.tolist(), len(failed))
         return values
-
-    def _begins(self, end: Any) -> bool:
-        """Return whether a process says that its evaluation begins; any other message is kept for :meth:`_answer`."""
-        try:
-            self._message = end.recv_bytes()
-        except (EOFError, OSError):
-            self._message = b""
-        return bool(self._message == _BEGINS)
-
-    def _answer(self, end: Any) -> tuple[float, str]:
-        """Return the value that a process has sent, and why the evaluation failed, "" where it did not."""
-        answer = self._message
-        if not answer:
-            return inf, self._replace(end)
-        self._idle.append(end)
-        if answer[:1] == _FAILED:
-            return inf, answer[1:].decode(errors="replace")
-        return float(np.frombuffer(answer, offset=1)[0]), ""
 
     def _replace(self, end: Any, *, late: bool = False) -> str:
         """End a process and start another one; return why, in a sentence."""
@@ -198,6 +162,14 @@ class _Processes:
         end.close()
         self._all[own] = process
         return own  # type: ignore[no-any-return]
+
+
+def _received(end: Any) -> bytes:
+    """Return the message of a process, b"" where it has ended."""
+    try:
+        return bytes(end.recv_bytes())
+    except (EOFError, OSError):
+        return b""
 
 
 def _kill(process: Any) -> None:
