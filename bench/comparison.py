@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import warnings
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -14,7 +13,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.runner import Outcome, run
-from bench.helpers.text import count
+from bench.helpers.text import count, short_hash
 from bench.notebook import Results
 from bench.plugins import objects
 from bench.plugins.objects import OptimizerLike, ProblemLike
@@ -98,7 +97,7 @@ def _temporary(study: Study) -> Path:
     entries = [("optimizers", entry.name) for entry in study.optimizers]
     entries += [("problems", entry.name) for entry in study.problems]
     identity = repr([study.identity(), *(objects.identity(*entry) for entry in entries)])
-    return Path(_place().name, hashlib.sha256(identity.encode()).hexdigest()[:16], study.name)
+    return Path(_place().name, short_hash(identity), study.name)
 
 
 @cache

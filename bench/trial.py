@@ -127,22 +127,16 @@ def search(
     start_stream, search_stream = streams(seed)
     objective = scoring.objective(problem, budget, start_stream, on_refusal, seconds)
     wall, cpu = perf_counter(), process_time()
+    returned = None
     try:
-        returned = run(optimizer, objective, search_stream)
+        returned = optimizer.minimize(objective, search_stream)
+    except BudgetExhausted:
+        pass
     except (Exception, SystemExit):
         if objective.raised is None:
             raise
-        returned = None
     wall, cpu = perf_counter() - wall, process_time() - cpu
     return result(objective, seed, wall, cpu, returned)
-
-
-def run(optimizer: Optimizer, objective: Any, rng: np.random.Generator) -> object:
-    """Let an optimizer minimise until it returns or its budget ends; return what it returned."""
-    try:
-        return optimizer.minimize(objective, rng)
-    except BudgetExhausted:
-        return None
 
 
 def result(objective: Objective, seed: int, wall: float, cpu: float, returned: object = None) -> Result:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import platform
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.execution.job import sandbox
+from bench.helpers.text import short_hash
 from bench.optimizer import Optimizer
 from bench.plugins import code
 from bench.storage import provenance
@@ -93,7 +93,7 @@ def key(entry: Entry, optimizer: Optimizer) -> str:
         provenance.package(), platform.python_version(), package_versions(code.defining([optimizer])),
         code.identity(optimizer), entry.name, entry.options,
     ]  # fmt: skip
-    return hashlib.sha256(json.dumps(about, sort_keys=True, default=str).encode()).hexdigest()[:16]
+    return short_hash(json.dumps(about, sort_keys=True, default=str))
 
 
 def _kept(noted: list[dict[str, Any]], code: str) -> list[Verdict]:

@@ -7,8 +7,7 @@ global states costs its own row. Comparing needs no processes: :func:`compare` t
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Future
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -59,6 +58,10 @@ class Sample:
     raw: Floats
     shares: Floats
     about: Floats
+
+
+Samples = dict[Member, Sample | str]
+"""The samples of an implementation's functions; a sentence where one is missing."""
 
 
 @dataclass(frozen=True)
@@ -115,13 +118,13 @@ def compare_suites(
             _grid(other)
     members = _members(grid, dimensions)
     with safe_runs(n_jobs, _ready) as begin:
-        first = _collect([_begin(begin, suite, member, None, seed, options or {}) for member in members])
-        begun = [
-            [_begin(begin, other, member, own, seed) for member, own in zip(members, first, strict=True)]
-            for other in others
-        ]
-        samples = {other: _collect(calls) for other, calls in zip(others, begun, strict=True)}
-    return [comparison for other in others for comparison in _judged(members, first, samples, other)]
+        first = _samples(begin, suite, dict.fromkeys(members), seed, options or {})
+        frames = {
+            member: own if isinstance(own, str) else [own.box.tolist(), own.best.tolist()]
+            for member, own in first.items()
+        }
+        samples = {other: _samples(begin, other, frames, seed, {}) for other in others}
+    return [comparison for other in others for comparison in _judged(other, first, samples)]
 
 
 def _ready() -> None:
@@ -145,39 +148,28 @@ def _members(grid: Grid, dimensions: Sequence[int]) -> list[Member]:
             raise BenchError(f"{grid.suite} has no dimension {dimension}; it has {has}")
     members = []
     for function, sizes in grid.functions.items():
-        chosen = [size for size in sizes if size in dimensions] if dimensions else [_default(sizes)]
+        chosen = [size for size in sizes if size in (dimensions or [DIMENSION])]
+        if not (chosen or dimensions):
+            chosen = [min(sizes)]
         numbers = range(1, min(grid.instances, INSTANCES) + 1) if grid.instances else (0,)
         members += [Member(function, size, number) for size in chosen for number in numbers]
     return members
 
 
-def _default(sizes: Sequence[int]) -> int:
-    return DIMENSION if DIMENSION in sizes else min(sizes)
-
-
-def _begin(
-    begin: Begin,
-    source: str,
-    member: Member,
-    first: Sample | str | None,
-    seed: int,
-    options: Mapping[str, Any] | None = None,
-) -> Future[Any] | str:
-    """Begin to compute a function, or return why the function of the first suite is missing."""
-    if isinstance(first, str):
-        return first
-    frame = None if first is None else [first.box.tolist(), first.best.tolist()]
-    return begin(source, sampled, source, member, frame, seed, dict(options or {}), seconds=TIMEOUT)
-
-
-def _collect(calls: Sequence[Future[Any] | str]) -> list[Sample | str]:
-    """Return the sample of each call, or a sentence where it failed."""
-    made: list[Sample | str] = []
-    for call in calls:
+def _samples(begin: Begin, source: str, frames: Mapping[Member, Any], seed: int, options: Mapping[str, Any]) -> Samples:
+    """Compute functions side by side; return the sample of each, or why it is missing, as its frame may say already."""
+    begun = {
+        member: frame
+        if isinstance(frame, str)
+        else begin(source, sampled, source, member, frame, seed, dict(options), seconds=TIMEOUT)
+        for member, frame in frames.items()
+    }
+    made: Samples = {}
+    for member, call in begun.items():
         try:
-            made.append(call if isinstance(call, str) else found(call, lambda record: Sample(**record), "the function"))
+            made[member] = call if isinstance(call, str) else found(call, lambda read: Sample(**read), "the function")
         except BenchError as error:
-            made.append(" ".join(str(error).split()))
+            made[member] = " ".join(str(error).split())
     return made
 
 
@@ -245,36 +237,32 @@ def _points(box: Floats, best: Floats, seed: int) -> tuple[Floats, Floats]:
     return points, offsets
 
 
-def _judged(
-    members: Sequence[Member], first: Sequence[Sample | str], samples: Mapping[str, Sequence[Sample | str]], other: str
-) -> list[Comparison]:
-    """Return the comparisons with one other implementation, with the letters of versions over all of them."""
-    theirs = samples[other]
-    made = []
-    for position, (member, own) in enumerate(zip(members, first, strict=True)):
-        sample = theirs[position]
+def _judged(other: str, first: Samples, samples: Mapping[str, Samples]) -> Iterator[Comparison]:
+    """Yield the comparisons with one other implementation, with the letters of versions over all of them."""
+    for member, own in first.items():
+        sample = samples[other][member]
         if isinstance(own, str) or isinstance(sample, str):
-            made.append(Comparison(other, member, "missing", sample if isinstance(sample, str) else str(own)))
+            yield Comparison(other, member, "missing", str(sample))
             continue
         verdict, detail = compare(own, sample)
-        if verdict == "different" and (number := _renumbered(members, own, theirs, member)):
+        if verdict == "different" and (number := _renumbered(own, member, samples[other])):
             verdict, detail = "transformed", f"it has the values of its {number}"
         agree = float(np.mean(_close(own.raw, sample.raw)))
-        letter = _letters([own, *(each[position] for each in samples.values())])[list(samples).index(other) + 1]
-        made.append(Comparison(other, member, verdict, detail, agree, letter))
-    return made
+        letters = _letters([own, *(each[member] for each in samples.values())])
+        yield Comparison(other, member, verdict, detail, agree, letters[1 + list(samples).index(other)])
 
 
-def _renumbered(members: Sequence[Member], own: Sample, theirs: Sequence[Sample | str], member: Member) -> str:
+def _renumbered(own: Sample, member: Member, theirs: Samples) -> str:
     """Return another function of the other implementation that has the values of this one; "" without any.
 
     Functions of one box are computed at the same points in the first half.
     """
-    for candidate, sample in zip(members, theirs, strict=True):
-        if candidate[1:] == member[1:] and candidate != member and isinstance(sample, Sample):
-            half = slice(POINTS // 2)
-            if np.array_equal(own.box, sample.box) and _close(own.raw[half], sample.raw[half]).all():
-                return candidate.function
+    half = slice(POINTS // 2)
+    for candidate, sample in theirs.items():
+        if candidate == member or candidate[1:] != member[1:] or isinstance(sample, str):
+            continue
+        if np.array_equal(own.box, sample.box) and _close(own.raw[half], sample.raw[half]).all():
+            return candidate.function
     return ""
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shlex
@@ -18,6 +17,7 @@ from types import TracebackType
 from typing import IO, Any, NamedTuple, cast
 
 from bench.errors import BenchError
+from bench.helpers.text import short_hash
 
 LONGEST = 2**26  # bytes of a line
 GRACE = 1.0  # seconds in which a program may end by itself
@@ -62,7 +62,7 @@ class ProgramCommand(NamedTuple):
         for file in (Path(word) for word in (program, *words[1:])):
             if file.is_file():
                 shown = file.name if file.name not in hashes else str(file)
-                hashes[shown] = hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+                hashes[shown] = short_hash(file.read_bytes())
         places = [str(Path(word).absolute()) if Path(word).is_file() else word for word in words[1:]]
         return cls((str(Path(program).absolute()), *places), hashes)
 

@@ -24,6 +24,11 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
 
 
+def short_hash(content: bytes | str) -> str:
+    """Return the first 16 hexadecimal digits of the SHA-256 of bytes, or of a text as UTF-8."""
+    return hashlib.sha256(content.encode() if isinstance(content, str) else content).hexdigest()[:16]
+
+
 def free(name: str, taken: Container[str]) -> str:
     """Return the name, numbered from 2 on where it is taken."""
     candidate, number = name, 1

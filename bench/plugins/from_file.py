@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import hashlib
 import inspect
 import json
 import sys
@@ -16,7 +15,7 @@ from typing import Any
 
 from bench.errors import BenchError, nearest
 from bench.families import derive
-from bench.helpers.text import listed
+from bench.helpers.text import listed, short_hash
 from bench.optimizer import Optimizer, build, is_frozen
 from bench.plugins import code, objects, registry
 from bench.plugins.code import Module
@@ -109,7 +108,7 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
     own = type(problem).fingerprint(problem)  # one that stands in the file may be loaded once more
-    digest = _digest(json.dumps([code.hashes(found), own]).encode())
+    digest = short_hash(json.dumps([code.hashes(found), own]))
     object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
     return problem
 
@@ -164,10 +163,6 @@ def _module(optimizer: str) -> str:
     return entry.module if entry else ""
 
 
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:16]
-
-
 def _content(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> bytes:
     try:
         return read(path)
@@ -204,7 +199,7 @@ def _optimizer(name: str, attribute: str, found: tuple[tuple[str, Module], ...])
 def _imported(file: Module, kind: str = "optimizer") -> ModuleType:
     """Import a plug-in's file as a module of its own, which can import the modules beside it."""
     path, content = file
-    name = f"bench_file_{path.stem}_{_digest(content)}"  # an edited file is another module
+    name = f"bench_file_{path.stem}_{short_hash(content)}"  # an edited file is another module
     spec = spec_from_file_location(name, path, loader=ContentLoader(name, str(path), content))
     if spec is None or spec.loader is None:
         raise BenchError(f"the {kind} file {path} cannot be read as Python")

@@ -6,7 +6,6 @@ study names. No file holds it, so that in another session the same object has to
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from copy import copy
@@ -14,7 +13,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from bench.errors import BenchError
-from bench.helpers.text import free, option
+from bench.helpers.text import free, option, short_hash
 from bench.numbers import is_finite
 from bench.optimizer import Optimizer, build, defaults, is_frozen, settings
 from bench.plugins import code, registry, values
@@ -159,7 +158,7 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
 def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that name, whose fingerprint is a hash of its code and data; raises BenchError likewise."""
     problem = as_problem(_load("problems", name), options=options)
-    digest = hashlib.sha256(json.dumps(identity("problems", name)).encode()).hexdigest()[:16]
+    digest = short_hash(json.dumps(identity("problems", name)))
     object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
     return problem
 

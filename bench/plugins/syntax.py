@@ -6,12 +6,13 @@ The hash leaves out comments, docstrings and layout.
 from __future__ import annotations
 
 import ast
-import hashlib
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import lru_cache
 from typing import Any, NamedTuple
+
+from bench.helpers.text import short_hash
 
 
 class Facts(NamedTuple):
@@ -48,11 +49,7 @@ def facts(content: bytes, python: bool = True) -> Facts:
             warnings.simplefilter("ignore")  # as of an escape that is none
             tree = ast.parse(content)
             return Facts(_hash(tree), tuple(_imports(tree)), tuple(_exports(tree)))
-    return Facts(_short(content))
-
-
-def _short(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:16]
+    return Facts(short_hash(content))
 
 
 def _hash(tree: ast.Module) -> str:
@@ -74,7 +71,7 @@ def _hash(tree: ast.Module) -> str:
             left.extend(kept)
         else:
             pieces.append(f"{type(item).__name__} {item!a}")
-    return _short("\n".join(pieces).encode())
+    return short_hash("\n".join(pieces))
 
 
 def _is_empty(key: str, value: Any) -> bool:

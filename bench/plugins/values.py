@@ -9,7 +9,6 @@ from __future__ import annotations
 import copyreg
 import dataclasses
 import dis
-import hashlib
 import inspect
 import pickle
 import sys
@@ -24,6 +23,7 @@ import cloudpickle
 from joblib.hashing import NumpyHasher
 
 from bench.errors import BenchError
+from bench.helpers.text import short_hash
 
 
 def _name_of(marker: object) -> str:
@@ -68,7 +68,7 @@ def pack(thing: object) -> Packed:
             f"{getattr(thing, '__name__', type(thing).__name__)!r} cannot be sent to other processes "
             f"({type(error).__name__}: {error}); have it make what it holds where it runs"
         ) from error
-    return Packed(content, digest or hashlib.sha256(content).hexdigest()[:16], tuple(sorted(hasher.modules)))
+    return Packed(content, digest or short_hash(content), tuple(sorted(hasher.modules)))
 
 
 def unpack(content: bytes) -> Any:

@@ -69,7 +69,6 @@ class Source:
         self.found = StoreCheck()
         self.folder.store.require()
         with self.folder.store.reader() as reader:
-            tidy.reserve(reader.rows)
             cells = {
                 cell: (self.study.name, problem, optimizer)
                 for cell, (problem, optimizer) in self.cells.items()

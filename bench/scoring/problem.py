@@ -15,13 +15,13 @@ INRIA RR-6869). What an optimizer sees instead:
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from bench.errors import BenchError, PointError
+from bench.helpers.text import short_hash
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
 from bench.problem import Problem, with_own_box
 from bench.scoring import constraints
@@ -120,7 +120,7 @@ class Scored(Problem):
         """Return a hash of the problem's data and of the handling, which decides its values."""
         if not self.handling:
             return self.problem.fingerprint()
-        return hashlib.sha256(f"{self.handling} {self.problem.fingerprint()}".encode()).hexdigest()[:16]
+        return short_hash(f"{self.handling} {self.problem.fingerprint()}")
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""

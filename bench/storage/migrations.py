@@ -15,7 +15,8 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from bench.storage.cells import binding_of, read
+from bench.storage.cells import read
+from bench.storage.reading import bound
 from bench.storage.rows import TEXTS, VALUES, digest
 from bench.storage.schema import OLDEST, VERSION, create, layout, schema, values_of
 
@@ -90,8 +91,6 @@ def _rows(connection: sqlite3.Connection, older: tuple[str, ...]) -> Iterator[tu
         f"SELECT digest, cell, names, trial, {', '.join(older)} FROM older ORDER BY cell, trial"
     ):
         known = dict(zip(older, values, strict=True))
-        moved, fitting = [known.get(name) for name in VALUES], None
-        if cell in cells and (number is None or number in names):
-            bound = binding_of(cells[cell], names.get(number, (None, None)))
-            fitting = digest(bound, (trial, *moved)) if digest(bound, (trial, *values)) == noted else None
-        yield cell, trial, fitting, number, *moved
+        moved, before = [known.get(name) for name in VALUES], bound(cells, names, cell, number)
+        sound = before is not None and digest(before, (trial, *values)) == noted
+        yield cell, trial, digest(before or b"", (trial, *moved)) if sound else None, number, *moved

@@ -7,7 +7,7 @@ import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from itertools import islice
 from typing import Any
 
@@ -17,7 +17,7 @@ from bench.storage.cells import binding_of, read
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
 from bench.storage.traces import Key
-from bench.study.cell import Labels
+from bench.study.cell import Cell, Labels
 
 NAMED = 3  # damaged trials that a sentence names
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
@@ -98,14 +98,7 @@ class Reader:
         connection.execute("BEGIN")  # cells, names and rows of one moment, while a run adds to all
         self.cells = read(connection, rescue=rescue)
         names = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
-
-        @cache
-        def bound(cell: int, number: object) -> bytes | None:
-            if cell not in self.cells.all or not (number is None or number in names):
-                return None
-            return binding_of(self.cells.all[cell], names.get(number, (None, None)))
-
-        self._bound = bound
+        self._bound = cache(partial(bound, self.cells.all, names))
         self.names: dict[Any, tuple[str, str]] = {number: (decoded(a), decoded(b)) for number, (a, b) in names.items()}
 
     @property
@@ -183,23 +176,22 @@ class Reader:
             sqlite3.Error: where a part of the rows cannot be read.
         """
         labels = self.cells.selected if shown is None else shown
-        return (row for _, row in self._sound(labels.get, where, *values))
+        return (row for _, row in self.whole(where, *values, labels_of=labels.get))
 
-    def whole(self, where: str = "", *values: object) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Yield the cell and the columns of every row, selected or not, that meets a condition and fits its digest.
+    def whole(
+        self, where: str = "", *values: object, labels_of: Callable[[int], Labels | None] | None = None
+    ) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield the cell and the columns of the rows that meet a condition and fit their digests, selected or not.
+
+        ``labels_of`` returns the labels of a cell, None where it does not count; by default all cells count.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        return self._sound(self.cells.display_labels, where, *values)
-
-    def _sound(
-        self, shown: Callable[[int], Labels | None], where: str, *values: object
-    ) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Yield the cell and the columns of the rows that fit their digests, of the cells that have labels."""
         for row in self._rows(where, *values):
             _, cell, names, trial, *measured = row
-            if (labels := shown(cell)) is not None and self._fits(*row):
+            labels = (labels_of or self.cells.display_labels)(cell)
+            if labels is not None and self._fits(*row):
                 known = *labels, trial, *self.names.get(names, (None, None)), *measured
                 columns = dict(zip(COLUMNS, known, strict=True))
                 yield cell, columns | {name: decoded(columns[name]) for name in TEXTS if columns[name] is not None}
@@ -246,6 +238,13 @@ class Reader:
     def _place(self, row: Sequence[Any]) -> Key:
         _, cell, _, trial, *_ = row
         return (*self.cells.display_labels(cell), trial if isinstance(trial, int) else -1)
+
+
+def bound(cells: Mapping[int, Cell], names: Mapping[Any, Sequence[bytes]], cell: int, number: object) -> bytes | None:
+    """Return what the digests of a cell's rows with names of this number begin with; None where either is unknown."""
+    if cell not in cells or not (number is None or number in names):
+        return None
+    return binding_of(cells[cell], names.get(number, (None, None)))
 
 
 def record_digest(number: int, record: bytes) -> bytes:

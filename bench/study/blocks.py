@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection
 
 from bench.errors import BenchError, nearest
+from bench.families import function_of
 from bench.study.values import Value
 
 
@@ -38,7 +39,7 @@ class Blocks(Value):
         """Return the block of a problem; "" where there is none."""
         if isinstance(self.plain, str):
             return re.sub(r"(-[di][0-9]+)+$", "", label)
-        return self.plain.get(label, next((of for each, of in self.plain.items() if pooled(each) == label), ""))
+        return self.plain.get(label, next((of for each, of in self.plain.items() if function_of(each) == label), ""))
 
     def within(self, labels: Collection[str]) -> Blocks | None:
         """Return the blocks of these problems alone; None where they have none."""
@@ -52,8 +53,3 @@ class Blocks(Value):
         for label in self.plain if isinstance(self.plain, dict) else ():
             if label not in labels:
                 raise BenchError(f"{where}'blocks' names {label!r}, which is no problem{nearest(label, labels)}")
-
-
-def pooled(label: str) -> str:
-    """Return the label of a problem without its instance, as reports name it."""
-    return re.sub(r"-i[0-9]+$", "", label)

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from bench.errors import BenchError, nearest
+from bench.families import function_of
 from bench.numbers import MOST_TRIALS, is_whole
-from bench.study.blocks import pooled
 
 EXAMPLE = "as in [looks] trials = [10, 20, 30]"
 LEAST = 6  # trials: with fewer not even complete separation has a p of at most 0.05
@@ -76,7 +76,9 @@ class Looks(tuple[int, ...]):
             )
         if optimizers < 2:
             raise BenchError(f"{where}'looks' needs two optimizers or more: with one, no look can decide anything")
-        if several := next((function for function, number in Counter(map(pooled, problems)).items() if number > 1), ""):
+        if several := next(
+            (function for function, number in Counter(map(function_of, problems)).items() if number > 1), ""
+        ):
             raise BenchError(
                 f"{where}'looks' compares problem by problem, but reports pool the instances of {several!r}; take one "
                 "instance of each function, or leave out the looks"

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 
 from bench.errors import BenchError, nearest
-from bench.study.blocks import pooled
+from bench.families import function_of
 from bench.study.entries import Entry
 from bench.study.study import Study
 
@@ -33,7 +33,7 @@ def selected(
         BenchError: for a pattern or a dimension that no entry has, and where no problem has both.
     """
     kept = _matching(study.optimizers, optimizers, "optimizer", lambda label: {label})
-    chosen = _matching(study.problems, problems, "problem", lambda label: {label, pooled(label)})
+    chosen = _matching(study.problems, problems, "problem", lambda label: {label, function_of(label)})
     if dimensions is not None:
         wanted = {dimensions} if isinstance(dimensions, int) else set(dimensions)
         size = {entry.label: dimension_of(entry.label) for entry in study.problems}
@@ -45,7 +45,7 @@ def selected(
         raise BenchError(f"nothing of study {study.name!r} is selected; give other patterns or dimensions")
     if (kept, chosen) == (study.optimizers, study.problems):
         return study
-    labels = {label for entry in chosen for label in (entry.label, pooled(entry.label))}
+    labels = {label for entry in chosen for label in (entry.label, function_of(entry.label))}
     blocks = study.blocks and study.blocks.within(labels)
     plugins = {entry.name for entry in kept}
     controls = tuple(entry for entry in study.controls if entry.name in plugins)

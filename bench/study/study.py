@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import json
 import os
 import re
@@ -17,8 +16,9 @@ from typing import Any, NamedTuple
 import tomli_w
 
 from bench.errors import BenchError, nearest
+from bench.families import function_of
 from bench.helpers.parsing import parse_toml, read_text
-from bench.helpers.text import html_table, listed
+from bench.helpers.text import html_table, listed, short_hash
 from bench.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
@@ -28,7 +28,7 @@ from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
 from bench.study import entries
-from bench.study.blocks import Blocks, pooled
+from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
@@ -230,7 +230,7 @@ class Study:
             self._named("optimizer", self.optimizers, self.subject)
         labels = [entry.label for entry in self.problems]
         if self.blocks is not None:
-            self.blocks.require_known({*labels, *map(pooled, labels)}, f"study {where}: ")
+            self.blocks.require_known({*labels, *map(function_of, labels)}, f"study {where}: ")
         if self.tuning is not None:
             self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
         self.looks.require_fit(self.trials, len(self.optimizers), labels, f"study {where}: ")
@@ -392,7 +392,7 @@ class Study:
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks
-        return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+        return short_hash(json.dumps(content, sort_keys=True, default=str))
 
     def _handling(self) -> dict[str, Any]:
         """Return the handlings of constraints and of evaluations where they are not the default ones.

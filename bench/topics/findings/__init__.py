@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
+from bench.families import function_of
 from bench.results.results import StoredResults
 from bench.study import Study
-from bench.study.blocks import pooled
 from bench.study.descriptions import Descriptions, noted
 from bench.study.rope import Rope
 from bench.study.targets import Targets
@@ -126,7 +126,7 @@ class Findings:
     def selection(self) -> str:
         """Sentences on the optimizers, problems and versions that a selection leaves out; "" for a whole study."""
         shown = self.results.study
-        functions = {pooled(entry.label) for entry in shown.problems}
+        functions = {function_of(entry.label) for entry in shown.problems}
         sentences = (
             selection(self.results.whole, shown, by_instance=len(functions) < len(self.study.problems)),
             self.versions,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from bench.families import function_of
 from bench.report.wording import count, listing
 from bench.study import Study
-from bench.study.blocks import pooled
 
 NAMED = 6  # problems, or optimizers, that a sentence names
 
@@ -22,7 +22,7 @@ def selection(whole: Study, shown: Study, *, by_instance: bool) -> str:
     groups = {
         "optimizer": [[entry.label for entry in study.optimizers] for study in (whole, shown)],
         "problem": [
-            list(dict.fromkeys(entry.label if by_instance else pooled(entry.label) for entry in study.problems))
+            list(dict.fromkeys(entry.label if by_instance else function_of(entry.label) for entry in study.problems))
             for study in (whole, shown)
         ],
     }

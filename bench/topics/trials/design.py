@@ -7,9 +7,9 @@ from math import comb, isnan
 from typing import NamedTuple
 
 from bench import analysis
+from bench.families import function_of
 from bench.report.wording import count
 from bench.study import Study
-from bench.study.blocks import pooled
 
 MORE = 10  # trials, or problems, that are added
 
@@ -38,7 +38,7 @@ class PlannedTests(NamedTuple):
 
 def design(study: Study) -> PlannedTests:
     """Return the tests of a study that has no trial yet."""
-    instances = Counter(pooled(entry.label) for entry in study.problems)
+    instances = Counter(function_of(entry.label) for entry in study.problems)
     k, problems, trials = len(study.optimizers), len(instances), study.trials * min(instances.values())
     alone = bool(study.subject and not study.looks)  # looks test all pairs
     pairs = k - 1 if alone else comb(k, 2)

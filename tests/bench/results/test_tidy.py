@@ -43,7 +43,6 @@ def tidy(rows, size):
             kept["names"] = names.setdefault(lists, len(names) + 1)
         texts = {name: value.encode() for name, value in kept.items() if isinstance(value, str)}
         read.append(tuple((kept | texts).get(name) for name in READ))
-    frame.reserve(len(read))
     for start in range(0, len(read), size):
         frame.add(read[start : start + size], cells, {number: each for each, number in names.items()}, {1: 1, 2: 2})
     return frame.frame(PROBLEMS, OPTIMIZERS)
@@ -103,7 +102,6 @@ def test_no_trials_give_an_empty_frame():
 def test_numbers_that_do_not_fit_their_names_are_named_by_their_problem(name, value):
     frame, names = Tidy(), {1: (json.dumps(["u", "v"]), json.dumps(["m"]))}
     row = dict.fromkeys(READ) | {"cell": 1, "trial": 0, "names": 1, "x": bytes(16), "metrics": bytes(8), name: value}
-    frame.reserve(1)
     with pytest.raises(BenchError, match=f"the store is damaged: '{name}' of a trial of o on a cannot be read"):
         frame.add([tuple(row.values())], {1: ("s", "a", "o")}, names, {})
 
