@@ -1,11 +1,14 @@
 """The exception for bad input and that for a problem whose own code fails, and helpers for their messages."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib import import_module
 from math import inf
 from typing import Any
+
+Kinds = type[BaseException] | tuple[type[BaseException], ...]
 
 
 class BenchError(ValueError):
@@ -46,6 +49,28 @@ class PointError(RuntimeError):
 
 PROBLEM_FAILED = f"{ProblemError.__name__}: "
 """With which the stored error of a trial begins that was lost by its problem."""
+
+
+def reason(error: BaseException) -> str:
+    """Return why an exception was raised, on one line: the system's words, a BenchError's own, or type and message."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    message = (str(error) or "no message").splitlines()[0]
+    return message if isinstance(error, BenchError) else f"{type(error).__name__}: {message}"
+
+
+@contextmanager
+def explained(what: str, kinds: Kinds = OSError) -> Iterator[None]:
+    """Raise exceptions of these kinds as a BenchError that begins with what cannot be done.
+
+    A BenchError passes unchanged.
+    """
+    try:
+        yield
+    except BenchError:
+        raise
+    except kinds as error:
+        raise BenchError(f"{what}: {reason(error)}") from error
 
 
 def require(module: str, extra: str, needed: str) -> Any:

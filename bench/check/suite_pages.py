@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from bench.check.suites import VERDICTS, Comparison, by_function
-from bench.errors import BenchError
+from bench.errors import explained
 from bench.helpers.atomic import replacing
 from bench.helpers.markdown import code, plain, table
 from bench.helpers.text import count, joined
@@ -84,10 +84,8 @@ def write(comparisons: Sequence[Comparison], suite: str, output: Path) -> Path:
     Raises:
         BenchError: where they cannot be written.
     """
-    try:
+    with explained(f"{output} cannot be written"):
         output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BenchError(f"{output} cannot be written: {error.strerror or error}") from error
     rows = [{**asdict(each), **each.member._asdict(), "other": default_label(each.other)} for each in comparisons]
     columns = ["other", "function", "dimension", "instance", "verdict", "letter", "agree", "detail"]
     with replacing(output / f"{suite}.csv") as path:

@@ -16,7 +16,7 @@ from threading import Thread
 from types import TracebackType
 from typing import IO, Any, NamedTuple, cast
 
-from bench.errors import BenchError
+from bench.errors import BenchError, explained
 from bench.helpers.text import short_hash
 
 LONGEST = 2**26  # bytes of a line
@@ -84,10 +84,8 @@ class Talk:
     def __init__(self, command: ProgramCommand, wanted: str, folder: str | PathLike[str] | None = None) -> None:
         self._name, self._wanted = command.title, wanted
         pipe = subprocess.PIPE
-        try:
+        with explained(f"the program {command.words[0]} cannot be started"):
             self._process = subprocess.Popen(command.words, stdin=pipe, stdout=pipe, stderr=pipe, cwd=folder)
-        except OSError as error:
-            raise BenchError(f"the program {command.words[0]} cannot be started: {error.strerror}") from error
         pipes = self._process.stdin, self._process.stdout, self._process.stderr
         self._stdin, self._stdout, self._stderr = cast(tuple[IO[bytes], IO[bytes], IO[bytes]], pipes)
         self._complaints: deque[bytes] = deque(maxlen=3)  # the last lines that it wrote to standard error

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError, explained, nearest
 from bench.families import derive
 from bench.helpers.text import listed, short_hash
 from bench.optimizer import Optimizer, build, is_frozen
@@ -34,10 +34,7 @@ def require_class(name: str, kind: str = "optimizer") -> None:
     """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
     if not name.endswith(".py"):
         return
-    try:
-        parts = ast.parse(_content(Path(name), kind)).body
-    except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
-        raise BenchError(f"the {kind} file {name} cannot be read as Python: {error}") from error
+    parts = _parsed(Path(name), kind)
     kinds = (ast.ClassDef, ast.FunctionDef)
     names = [part.name for part in parts if isinstance(part, kinds) and not part.name.startswith("_")]
     holds = f"; it holds {listed(names)}" if names else ""
@@ -56,10 +53,7 @@ def is_problem(name: str) -> bool:
         BenchError: where the file is missing or no Python.
     """
     path, _, attribute = name.rpartition(":")
-    try:
-        parts = ast.parse(_content(Path(path), "plug-in")).body
-    except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
-        raise BenchError(f"the file {path} cannot be read as Python: {error}") from error
+    parts = _parsed(Path(path), "plug-in")
     classes = {part.name: part for part in parts if isinstance(part, ast.ClassDef)}
     bases = [attribute]
     for base in bases:  # which grows by the bases of the classes of this file
@@ -71,6 +65,12 @@ def is_problem(name: str) -> bool:
         if isinstance(part, (ast.Assign, ast.AnnAssign)) and attribute in ast.unparse(part).partition("=")[0]:
             return True
     return any(base.endswith("Problem") for base in bases[1:])
+
+
+def _parsed(path: Path, kind: str) -> list[ast.stmt]:
+    content = _content(path, kind)
+    with explained(f"the {kind} file {path} cannot be read as Python", (SyntaxError, ValueError)):  # of a NUL byte
+        return ast.parse(content).body
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
@@ -101,10 +101,8 @@ def load_problem(name: str, /, **options: Any) -> Problem:
         raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, names)}")
     problem = vars(module)[attribute]
     if callable(problem) and not isinstance(problem, Problem):
-        try:
+        with explained(f"{name!r} cannot be made", Exception):  # the file may raise anything
             problem = problem(**options)
-        except Exception as error:  # the file may raise anything
-            raise BenchError(f"{name!r} cannot be made: {type(error).__name__}: {error}") from error
     if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
     own = type(problem).fingerprint(problem)  # one that stands in the file may be loaded once more
@@ -164,10 +162,8 @@ def _module(optimizer: str) -> str:
 
 
 def _content(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> bytes:
-    try:
+    with explained(f"the {kind} file {path} cannot be read"):
         return read(path)
-    except OSError as error:
-        raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
 
 
 def _modules(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> dict[str, Module]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from bench.errors import BenchError, near, nearest
+from bench.errors import BenchError, explained, near, nearest, reason
 from bench.optimizer import Optimizer, build
 from bench.plugins import from_file, objects, registry
 from bench.problem import Problem, with_own_box
@@ -109,7 +109,7 @@ def load_problem(name: str, /, **options: object) -> Problem:
             names = [name] if on_grid else plugin.names()
         except (Exception, SystemExit) as error:  # a broken family must not block another's problem
             if name.startswith(family):
-                raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
+                raise BenchError(f"problem {name!r} cannot be looked up: {reason(error)}") from error
             continue
         if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
@@ -169,16 +169,8 @@ def _like_optimizer(name: str) -> str:
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
     """Call a family's loader; turn any exception into a BenchError of one sentence."""
-    try:
+    with explained(f"{name!r} cannot be loaded", (Exception, SystemExit)):
         return loader(name, **options)
-    except BenchError:
-        raise
-    except (Exception, SystemExit) as error:
-        raise BenchError(f"{name!r} cannot be loaded: {type(error).__name__}: {_first_line(error)}") from error
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 def _problem(loaded: Any, name: str) -> Problem:

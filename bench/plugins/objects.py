@@ -12,7 +12,7 @@ from copy import copy
 from functools import partial
 from typing import Any, NamedTuple
 
-from bench.errors import BenchError
+from bench.errors import BenchError, explained
 from bench.helpers.text import free, option, short_hash
 from bench.numbers import is_finite
 from bench.optimizer import Optimizer, build, defaults, is_frozen, settings
@@ -144,10 +144,8 @@ def _load(kind: str, name: str) -> Any:
         )
     if (own := _own.get(f"{kind} {name}")) is not None:
         return copy(own) if isinstance(own, (Problem, Optimizer)) else own
-    try:
+    with explained(f"{name!r} cannot be loaded here", Exception):  # it may miss a module
         return values.unpack(packed.content)
-    except Exception as error:  # it may miss a module here
-        raise BenchError(f"{name!r} cannot be loaded here: {type(error).__name__}: {error}") from error
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
@@ -206,12 +204,8 @@ def as_problem(
             raise BenchError(f"the problem {thing.name!r} is made already; leave out its bounds and options")
         return with_own_box(thing)
     if isinstance(thing, type) and issubclass(thing, Problem):
-        try:
+        with explained(f"{title(thing)!r} cannot be made", Exception):  # its code may raise anything
             return as_problem(thing(**options or {}), bounds)
-        except BenchError:
-            raise
-        except Exception as error:  # its code may raise anything
-            raise BenchError(f"{title(thing)!r} cannot be made: {type(error).__name__}: {error}") from error
     if not callable(thing) or isinstance(thing, type):
         raise BenchError(f"{title(thing)!r} is no problem: give a name, a bench.Problem, or a function with bounds")
     if bounds is None:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError, PointError
+from bench.errors import BenchError, PointError, explained
 from bench.helpers.text import short_hash
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
 from bench.problem import Problem, with_own_box
@@ -248,14 +248,10 @@ def _constrained(problem: Problem) -> bool:
     """Return whether a problem has constraints."""
     if type(problem).violations is Problem.violations:
         return False
-    try:
+    with explained(f"problem {problem.name!r}: its violations cannot be computed", Exception):
         violations = problem.violations(problem.lower[np.newaxis].copy())
         if violations is not None and np.ndim(violations) != 2:
             raise ValueError(f"they have the shape {np.shape(violations)}, not (n, m)")
-    except Exception as error:  # a plug-in may raise anything
-        raise BenchError(
-            f"problem {problem.name!r}: its violations cannot be computed: {type(error).__name__}: {error}"
-        ) from error
     return violations is not None and bool(np.size(violations))
 
 

@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from bench.errors import BenchError
+from bench.errors import explained
 from bench.helpers.parsing import parse_json
 
 FILE = "committed.json"
@@ -38,14 +38,12 @@ def read(folder: Path) -> Committed:
 def write(folder: Path, committed: Committed) -> None:
     """Replace the note; raises BenchError where it cannot be written."""
     path = folder / FILE
-    try:
+    with explained(f"{path} cannot be written"):
         file = os.open(path, os.O_WRONLY | os.O_CREAT, 0o644)
         try:
             overwrite(file, 0, json.dumps(committed._asdict()), _LENGTH)
         finally:
             os.close(file)
-    except OSError as error:
-        raise BenchError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 def overwrite(file: int, line: int, text: str, length: int) -> None:

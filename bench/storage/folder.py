@@ -15,7 +15,7 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
-from bench.errors import BenchError
+from bench.errors import BenchError, explained
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
@@ -173,12 +173,10 @@ class Folder:
             BenchError: where the new one cannot be written, or is not empty.
         """
         left_out = shutil.ignore_patterns(f"{self.store.path.name}*", committed.FILE, LOCK, under_way.FILE)
-        try:
+        with explained(f"the results cannot be saved in {path}"):
             if path.exists() and any(path.iterdir()):
                 raise BenchError(f"{path} is not empty; give a new folder")
             shutil.copytree(self.path, path, ignore=left_out, dirs_exist_ok=True)
-        except OSError as error:
-            raise BenchError(f"the results cannot be saved in {path}: {error.strerror or error}") from error
         self.store.copy(path / self.store.path.name)
         return path
 

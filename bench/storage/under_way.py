@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError
+from bench.errors import explained
 from bench.helpers.parsing import parse_json
 from bench.storage.committed import overwrite
 from bench.trial import Trial
@@ -37,10 +37,8 @@ class UnderWay:
 def noting(folder: Path, holder: Mapping[str, Any]) -> Iterator[UnderWay]:
     """Yield the file of a run by the process ``holder``; its content stays where the run is killed, and only there."""
     path = folder / FILE
-    try:
+    with explained(f"{path} cannot be written"):
         file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
-    except OSError as error:
-        raise BenchError(f"{path} cannot be written: {error.strerror}") from error
     try:
         with suppress(OSError):
             overwrite(file, 0, json.dumps(holder), _LINE)
