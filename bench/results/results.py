@@ -262,10 +262,10 @@ class StoredResults:
         shared, optimizers = self._labels[0], set(self.planned)
         return Traces(
             {
-                (problem, optimizer): cell
+                key: packed
                 for source in self._read_sources
-                for (problem, optimizer), cell in source.folder.store.traces(source.cells).cells.items()
-                if problem in shared and optimizer in optimizers
+                for key, packed in source.folder.store.traces(source.cells).packed.items()
+                if key[0] in shared and key[1] in optimizers
             }
         )
 

@@ -26,7 +26,6 @@ def test_traces_are_found_by_key_and_failed_trials_have_none():
     assert traces["p", "a", 0].evaluations.tolist() == [1, 5, 40]
     assert traces["p", "a", 0].values.tolist() == [3.0, 1.5, -2.0]
     assert len(traces["p", "a", 7].values) == 0
-    assert [trace.values.tolist() for trace in traces.cells["p", "b"]] == [[7.0]]
     for missing in (("p", "a", 3), ("p", "a", 8), ("p", "c", 0), ("q", "a", 0)):
         assert traces.get(missing) is None
 
