@@ -179,10 +179,8 @@ def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer
         raise BenchError(f"optimizer {name!r} cannot be made: {error}; give its parameters defaults") from error
 
 
-@lru_cache(maxsize=512)
-def _hints(cls: type) -> dict[str, Any]:
-    """Return the types of a class's fields; cached, because their evaluation takes longer than a short trial."""
-    return get_type_hints(cls)
+_hints = lru_cache(maxsize=512)(get_type_hints)
+"""Return the types of a class's fields; cached, because their evaluation takes longer than a short trial."""
 
 
 def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> None:

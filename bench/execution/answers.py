@@ -96,7 +96,10 @@ def row(answer: Mapping[str, Any], box: Box, budget: int) -> Row:
     if (nfev == budget) != (stop == "budget"):  # a word that only the harness uses, and only at the end of the budget
         raise RefusedError(f"it stopped by {printable(stop, 50)!r} after {nfev} of {budget} evaluations")
     measured["stop"] = printable(stop, 201)
-    return finished(measured, box.variables, x, _metrics(answer), trace, _log(answer, nfev))
+    metrics = answer.get("metrics")
+    if not isinstance(metrics, dict) or not all(type(value) is float for value in metrics.values()):
+        raise RefusedError("the metrics of its best point are no numbers")
+    return finished(measured, box.variables, x, metrics, trace, _log(answer, nfev))
 
 
 def _value(answer: Mapping[str, Any], column: Column) -> Any:
@@ -111,13 +114,6 @@ def _check(column: Column, values: Mapping[str, Any]) -> None:
     value, most = values[column.name], values.get(column.within, column.most)
     if not column.least <= value <= most or (column.unit and value == inf):
         raise RefusedError(f"its {column.name} is {value!s:.30}, and must be from {column.least} to {most}")
-
-
-def _metrics(answer: Mapping[str, Any]) -> dict[str, float]:
-    described = answer.get("metrics")
-    if not isinstance(described, dict) or not all(type(value) is float for value in described.values()):
-        raise RefusedError("the metrics of its best point are no numbers")
-    return described
 
 
 def _log(answer: Mapping[str, Any], nfev: int) -> Logs:

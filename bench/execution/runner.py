@@ -133,7 +133,8 @@ def run(
         under_way = held.enter_context(folder.lock())
         repaired = repair(folder, study.trials)  # before anything else reads the store
         study, selection = folder.select(study, checked.fingerprints)
-        before = folder.trials_asked()
+        asked = [record.get("trials") for record in folder.environments()]
+        before = max((number for number in asked if isinstance(number, int)), default=0)
         folder.claim(study, selection)
         for other in others:
             with folder.store.writer() as writer:

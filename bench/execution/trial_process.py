@@ -36,7 +36,6 @@ from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
 from bench.trial import Result, Trial, doubt, measured, numbers, result, search
-from bench.typing import Floats
 
 
 def begin(study: Study, files: Files, held: Objects, data: dict[str, str]) -> None:
@@ -51,7 +50,7 @@ def begin(study: Study, files: Files, held: Objects, data: dict[str, str]) -> No
     global _begun
     _begun = study
     take(files)
-    objects.take(held)
+    objects.held.update(held)
     _data.update(data)
 
 
@@ -144,7 +143,9 @@ def warm_up(optimizer: str, box: Box) -> bool:
         _warm.add(optimizer)
         if not is_warm:
             chosen = _study().optimizer(optimizer)
-            problem = FunctionProblem(_sphere, box.lower, box.upper, vectorized=True, integer=box.integer)
+            problem = FunctionProblem(
+                lambda x: (x * x).sum(axis=1), box.lower, box.upper, vectorized=True, integer=box.integer
+            )
             search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
         scanner(budget, len(box.lower))  # the optimizer may have imported numba
         if is_warm:
@@ -228,11 +229,6 @@ def as_answer(result: Result) -> dict[str, Any]:
     packed = {"x": result.x.astype("<f8").tobytes(), "trace": result.trace.packed()}
     texts = {name: base64.b64encode(content).decode() for name, content in packed.items()}
     return measured(result) | texts | {"log": result.log}
-
-
-def _sphere(x: Floats) -> Floats:
-    values: Floats = (x * x).sum(axis=1)
-    return values
 
 
 def _failure(error: BaseException) -> str:

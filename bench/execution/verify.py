@@ -90,7 +90,8 @@ def verify(
     chosen = _chosen(folder, store, trials, study.seed)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
-    jobs = n_jobs or _other_number(folder)
+    cores, noted = int(cpu_count()), [record.get("jobs") for record in folder.environments()]
+    jobs = n_jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
@@ -106,9 +107,9 @@ def verify(
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
     outcome = Verification(cells, len(chosen), jobs, different, notes, store)
-    noted = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
+    about = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
     kept = {key: value for key, value in folder.noted(VERIFICATION).items() if key == AT_ENDS}
-    folder.note(VERIFICATION, kept | {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | noted)
+    folder.note(VERIFICATION, kept | {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | about)
     return outcome
 
 
@@ -127,10 +128,3 @@ def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[T
         )
     choice = random.Random(seed)
     return [trial for cell in cells.values() for trial in choice.sample(cell, min(trials, len(cell)))]
-
-
-def _other_number(folder: Folder) -> int:
-    """Return a number of workers other than the last run's, and that leaves no core idle."""
-    noted = [record.get("jobs") for record in folder.environments()]
-    cores = int(cpu_count())
-    return cores + 1 if noted[-1:] == [cores] else cores

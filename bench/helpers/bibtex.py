@@ -110,17 +110,13 @@ def parse(bibtex: str) -> list[Work]:
         body = bibtex[entry.end() : start - 1]
         if not (key := _KEY.match(body)):
             raise BenchError(f"a BibTeX entry needs a plain key and a comma after it: {entry[0]}{body[:40]!r}")
-        if unknown := next((command[0] for command in _COMMAND.finditer(body) if not _is_safe(command[1])), ""):
+        commands = [found for found in _COMMAND.finditer(body) if found[1] is None or found[1].isalpha()]
+        if unknown := next((found[0] for found in commands if found[1] not in SAFE), ""):  # None: ^^ is a backslash
             raise BenchError(f"the BibTeX entry {key[1]!r} has {unknown[:40]!r}, TeX that no reference needs")
         works.append(Work(key[1], entry[1], body[key.end() :].strip()))
     if not works and bibtex.strip():
         raise BenchError(f"a BibTeX text holds no entry: {bibtex.strip()[:40]!r}")
     return works
-
-
-def _is_safe(name: str | None) -> bool:
-    """Return whether a reference may have a command; None stands for ^^, with which TeX writes a backslash, too."""
-    return name in SAFE or (name is not None and not name.isalpha())
 
 
 def _closing(text: str, start: int) -> int:

@@ -235,9 +235,7 @@ def _hashes_of_module(name: str) -> Code:
     return hashes(linked(name))
 
 
-@cache
-def _distributions() -> Mapping[str, list[str]]:
-    return packages_distributions()
+_distributions = cache(packages_distributions)
 
 
 _LIBRARY = tuple(sysconfig.get_paths()[key] for key in ("stdlib", "platstdlib"))

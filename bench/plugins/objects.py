@@ -43,11 +43,6 @@ held: Objects = {}
 _own: dict[str, Any] = {}  # those that were given in this process: to load a copy would write to their classes
 
 
-def take(objects: Objects) -> None:
-    """Have this process load these objects."""
-    held.update(objects)
-
-
 def is_object(name: str) -> bool:
     """Return whether a name stands for an object of a session."""
     return name.startswith(PREFIX)

@@ -48,9 +48,12 @@ def entries(group: str) -> dict[str, EntryPoint]:
     """Return the entry points of ``bench.<group>`` by name.
 
     Raises:
-        BenchError: when two packages offer different plug-ins under one name.
+        BenchError: when two packages offer different plug-ins under one name, or a top-level module of this
+            distribution is not its own.
     """
-    _refuse_foreign_modules()
+    for module in own_modules():
+        if sentence := conflict(module):
+            raise BenchError(sentence)
     plugins: dict[str, EntryPoint] = {}
     for entry in _readable(f"bench.{group}"):
         if not entry.pattern.match(entry.value):
@@ -157,7 +160,8 @@ def conflict(module: str) -> str:
             "from another folder, rename that module, or keep the two packages in environments of their own"
         )
     noted = re.search(rf"^{module}/__init__\.py,sha256=([^,]+),", own().read_text("RECORD") or "", re.MULTILINE)
-    if noted and noted[1] != _record_hash(Path(origin)):  # an editable installation notes none
+    found = urlsafe_b64encode(hashlib.sha256(Path(origin).read_bytes()).digest()).decode().rstrip("=")
+    if noted and noted[1] != found:  # an editable installation notes none
         packages = " and ".join(claimants(module)) or "another package"
         return f"the file {origin} of {DISTRIBUTION} was replaced, by {packages}; {again} of their own"
     return ""
@@ -170,15 +174,3 @@ def claimants(module: str) -> list[str]:
         installed for installed in distributions() if f"\n{file}," in "\n" + (installed.read_text("RECORD") or "")
     )
     return sorted({installed.name for installed in holders} - {DISTRIBUTION})
-
-
-def _record_hash(file: Path) -> str:
-    """Return a file's SHA-256 as an installation's RECORD notes it."""
-    return urlsafe_b64encode(hashlib.sha256(file.read_bytes()).digest()).decode().rstrip("=")
-
-
-def _refuse_foreign_modules() -> None:
-    """Refuse to run where a top-level module of this distribution is not its own; raises BenchError."""
-    for module in own_modules():
-        if sentence := conflict(module):
-            raise BenchError(sentence)

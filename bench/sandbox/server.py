@@ -88,8 +88,9 @@ class _Server:
         while True:
             try:
                 received = self._channel.receive()
-            except BrokenChannelError:
-                self._end_all()
+            except BrokenChannelError:  # the owner has ended: end this process, and all that it and its copies started
+                kill(os.getpid())
+                os._exit(1)
             assert received is not None  # no time limit was given
             self._number, payload = received
             try:
@@ -198,11 +199,6 @@ class _Server:
                     os.kill(stray, signal.SIGKILL)
                 _reap(stray, _PAUSE)
         return ["value", code]
-
-    def _end_all(self) -> None:
-        """End this process and all that it and its copies started: the owner has ended."""
-        kill(os.getpid())
-        os._exit(1)
 
 
 def _reap(pid: int, seconds: float) -> int | None:

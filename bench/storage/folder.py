@@ -147,11 +147,6 @@ class Folder:
                 "run' makes the present ones, or put back what was changed"
             )
 
-    def trials_asked(self) -> int:
-        """Return the largest number of trials of each cell that a run here was asked for, 0 before the first trial."""
-        noted = [record.get("trials") for record in self.environments()]
-        return max((number for number in noted if isinstance(number, int)), default=0)
-
     def claim(self, study: Study, selection: Selection | None = None) -> None:
         """Make a study the one of this folder, which must be locked: note in the store the cells that it selects.
 

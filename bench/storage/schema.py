@@ -9,7 +9,7 @@ from contextlib import closing
 from functools import cache
 from typing import Any
 
-from bench.columns import STORED, Column
+from bench.columns import STORED
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, NAMES
 
@@ -25,11 +25,6 @@ SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN name
 _KINDS = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
 
 
-def _definition(column: Column) -> str:
-    needs = " NOT NULL" * column.required + f" REFERENCES {column.table}" * bool(column.table)
-    return f"{column.name} {_KINDS[column.kind]}{needs}"
-
-
 def values_of(version: int | None) -> tuple[str, ...]:
     """Return the columns of ``results`` in a layout, beside cell, trial, digest and names."""
     return tuple(column.name for column in STORED if column.since <= (version or VERSION))
@@ -42,7 +37,12 @@ def schema(version: int = VERSION) -> str:
     A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
     """
     values = values_of(version)
-    definitions = [_definition(column) for column in STORED if column.name in values]
+    definitions = [
+        f"{column.name} {_KINDS[column.kind]}{' NOT NULL' * column.required}"
+        + f" REFERENCES {column.table}" * bool(column.table)
+        for column in STORED
+        if column.name in values
+    ]
     return f"""
 CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
 CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);

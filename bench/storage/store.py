@@ -20,7 +20,7 @@ from bench.storage import committed, migrations
 from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
-from bench.storage.rows import COLUMNS
+from bench.storage.rows import COLUMNS, decoded
 from bench.storage.schema import OLDEST, ONE, SELECTED, VERSION, found, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
@@ -268,7 +268,7 @@ class Store:
             if connection is None or layout(connection) is None:
                 connection = opened.enter_context(closing(sqlite3.connect(":memory:")))
                 prepare(connection, Committed())
-            connection.text_factory = _decoded
+            connection.text_factory = decoded
             yield connection
 
     def require(self) -> None:
@@ -279,11 +279,6 @@ class Store:
     def _select(self, query: str) -> Iterator[tuple[Any, ...]]:
         with self._read() as connection:
             yield from connection.execute(query)
-
-
-def _decoded(text: bytes) -> str:
-    """Return a text, which damage may have left no UTF-8."""
-    return text.decode(errors="replace")
 
 
 def _refusal(path: Path, error: Exception) -> BenchError:

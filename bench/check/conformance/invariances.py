@@ -66,14 +66,10 @@ def _report(subject: Subject, found: dict[str, str]) -> str:
     kept, lost = ([name for name in found if bool(found[name]) is broken] for broken in (False, True))
     sentences = [f"the run is kept under {joined(kept)}"] if kept else []
     sentences += [f"it changes under {joined([f'{name} ({found[name]})' for name in lost])}"] if lost else []
-    if found.get("budget") and not _says(optimizer, "budget"):
+    texts = getattr(type(optimizer), "__doc__", ""), getattr(type(optimizer).minimize, "__doc__", "")
+    if found.get("budget") and not any("budget" in (text or "") for text in texts):
         sentences.append("its documentation does not say that its course depends on the budget")
     return "; ".join(sentences)
-
-
-def _says(optimizer: Any, word: str) -> bool:
-    texts = (getattr(type(optimizer), "__doc__", ""), getattr(type(optimizer).minimize, "__doc__", ""))
-    return any(word in (text or "") for text in texts)
 
 
 def _where(subject: Subject, name: str) -> str:
