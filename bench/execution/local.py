@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import AbstractContextManager
 from itertools import islice
 from queue import SimpleQueue
 from threading import Lock
@@ -17,16 +18,13 @@ OnBegin = Callable[[int, Trial], None]
 Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that made it
 
 
-class Local:
+class Local(AbstractContextManager["Local"]):
     """A context of ``jobs`` supervisors of processes, which are kept for the next trials of the same task."""
 
     def __init__(self, jobs: int) -> None:
         self.jobs = jobs
         self._task: Task | None = None
         self._supervisors: list[Supervisor] = []
-
-    def __enter__(self) -> Local:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._end()

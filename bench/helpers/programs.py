@@ -8,12 +8,11 @@ import shlex
 import shutil
 import subprocess
 from collections import deque
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from os import PathLike
 from pathlib import Path
 from select import select
 from threading import Thread
-from types import TracebackType
 from typing import IO, Any, NamedTuple, cast
 
 from bench.errors import BenchError, explained
@@ -72,7 +71,7 @@ class ProgramCommand(NamedTuple):
         return " ".join(Path(word).name for word in self.words[:2])
 
 
-class Talk:
+class Talk(AbstractContextManager["Talk"]):
     """A running program, and the lines to and from it; it ends with the context, or when it is closed.
 
     Args:
@@ -92,10 +91,7 @@ class Talk:
         self._reader = Thread(target=self._listen, daemon=True)
         self._reader.start()
 
-    def __enter__(self) -> Talk:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
         self.close(0 if isinstance(error, Exception) else None)
 
     def close(self, grace: float | None = None) -> None:

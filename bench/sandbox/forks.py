@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from copy import copy
 from threading import Event, Lock
 from typing import Any
@@ -13,7 +13,7 @@ from bench.sandbox.process import LostError, Process, RemoteError
 from bench.sandbox.server import FORKS
 
 
-class ForkServer:
+class ForkServer(AbstractContextManager["ForkServer"]):
     """Starts processes in which the same calls were made, and branches into fork servers that make further calls.
 
     Where processes fork, it holds one that has made the calls, and the processes of its branches are forked from it.
@@ -33,9 +33,6 @@ class ForkServer:
         self._started: list[Process] = []  # anew; forks end with them
         self._calls: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]] = []
         self._process: Process | None = None
-
-    def __enter__(self) -> ForkServer:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.kill()

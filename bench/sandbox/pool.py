@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from queue import SimpleQueue
-from types import TracebackType
 from typing import Any
 
 from joblib import cpu_count
@@ -23,7 +22,7 @@ def number(jobs: int) -> int:
     return int(cpu_count()) if jobs == -1 else jobs
 
 
-class Pool:
+class Pool(AbstractContextManager["Pool"]):
     """A thread a job, each with a process of its own that makes one call after the other.
 
     Args:
@@ -39,10 +38,7 @@ class Pool:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(self._workers))
 
-    def __enter__(self) -> Pool:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def submit(

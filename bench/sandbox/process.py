@@ -12,10 +12,9 @@ import sys
 import tempfile
 import weakref
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from math import inf
 from time import monotonic
-from types import TracebackType
 from typing import Any
 
 from bench.sandbox import tree
@@ -95,7 +94,7 @@ FAILURES = (TimeExceededError, MemoryExceededError, PrintedTooMuchError, DiedErr
 """Errors of a call that plug-in code can cause; a LostError may have any cause."""
 
 
-class Process:
+class Process(AbstractContextManager["Process"]):
     """A Python process that calls functions of importable modules, one after another, and forks copies of itself.
 
     It ends at the latest with the process that started it, a copy with its original. One thread at a time may use a
@@ -140,10 +139,7 @@ class Process:
         self.note: Any = None  # the last one of the present call (bench.sandbox.server.note)
         return end
 
-    def __enter__(self) -> Process:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @property

@@ -14,7 +14,6 @@ import threading
 import time
 import warnings
 from contextlib import suppress
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -48,7 +47,7 @@ class SideEffects:
         self._state = _state()
         return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.altered = _state() != self._state
         deadline = time.monotonic() + _GRACE
         for thread in set(threading.enumerate()) - self._threads:

@@ -115,7 +115,11 @@ class Writer:
     def number(self, cell: Cell) -> int:
         """Return the number of a cell, which is added where it is new, within :meth:`transaction`."""
         if cell not in self._numbers:
-            parts = [self._part(*part) for part in (("problems", cell.problem), ("optimizers", cell.optimizer))]
+            parts = []
+            for table, record in (("problems", cell.problem), ("optimizers", cell.optimizer)):
+                self._connection.execute(f"INSERT OR IGNORE INTO {table} (record) VALUES (?)", (record,))
+                found = self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (record,))
+                parts.append(int(found.fetchone()[0]))
             made = self._connection.execute(
                 "INSERT INTO cells (problem, optimizer, evaluations, seed) VALUES (?, ?, ?, ?)", (*parts, *cell[2:])
             )
@@ -186,11 +190,6 @@ class Writer:
             made = self._connection.execute("INSERT INTO names (variables, metric_names) VALUES (?, ?)", texts)
             self._names[texts] = int(made.lastrowid or 0)
         return self._names[texts]
-
-    def _part(self, table: str, record: str) -> int:
-        """Return the number of the record of a problem or an optimizer, which is added where it is new."""
-        self._connection.execute(f"INSERT OR IGNORE INTO {table} (record) VALUES (?)", (record,))
-        return int(self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (record,)).fetchone()[0])
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
