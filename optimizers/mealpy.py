@@ -127,7 +127,7 @@ class Mealpy(Family):
     name = "mealpy"
     module = "mealpy"
     extra = "mealpy"
-    left_out = TABLE["left_out"]
+    facts = TABLE
 
     def members(self) -> list[str]:
         """Return the names of mealpy's classes but those left out."""

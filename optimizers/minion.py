@@ -89,11 +89,7 @@ class Minion(Family):
     name = "minion"
     module = "minionpy"
     extra = "minion"
-    left_out = TABLE["left_out"]
-
-    def members(self) -> list[str]:
-        """Return the names of minionpy's algorithms in the table."""
-        return list(TABLE["members"])
+    facts = TABLE
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of an algorithm of minionpy."""

@@ -156,7 +156,7 @@ class Nevergrad(Family):
     name = "nevergrad"
     module = "nevergrad"
     extra = "nevergrad"
-    left_out = TABLE["left_out"]
+    facts = TABLE
 
     def require(self) -> Any:
         """Return nevergrad; its import draws random numbers, here from a fixed seed and without a trace."""

@@ -50,11 +50,7 @@ class Optuna(Family):
     name = "optuna"
     module = "optuna"
     extra = "optuna"
-    left_out = TABLE["left_out"]
-
-    def members(self) -> list[str]:
-        """Return the names of optuna's classes in the table."""
-        return list(TABLE["members"])
+    facts = TABLE
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a sampler."""

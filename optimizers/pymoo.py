@@ -86,11 +86,7 @@ class Pymoo(Family):
     name = "pymoo"
     module = "pymoo"
     extra = "pymoo"
-    left_out = TABLE["left_out"]
-
-    def members(self) -> list[str]:
-        """Return the names of pymoo's classes in the table."""
-        return list(TABLE["members"])
+    facts = TABLE
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a pymoo class."""

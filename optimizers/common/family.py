@@ -101,21 +101,22 @@ class Family(ABC):
         name: the family's name, the first half of ``"mealpy:OriginalGWO"``.
         module: the module to import.
         extra: the optional extra that installs the library, "" for a library that is always installed.
-        left_out: why optimizers of the library are no members, and which: patterns of their names, by reason.
+        facts: the family's table (:func:`table`): ``members`` by name, unless the library lists them, and ``left_out``:
+            why optimizers of the library are no members, and which: patterns of their names, by reason.
     """
 
     name: ClassVar[str]
     module: ClassVar[str]
     extra: ClassVar[str] = ""
-    left_out: ClassVar[Mapping[str, list[str]]] = {}
+    facts: ClassVar[Mapping[str, Any]] = {}
 
     def __reduce__(self) -> str:
         """Pickle by reference, as ``mealpy`` of optimizers.mealpy: a process then makes each member's class once."""
         return self.name
 
-    @abstractmethod
     def members(self) -> list[str]:
         """Return the library's own names of its optimizers."""
+        return list(self.facts["members"])
 
     @abstractmethod
     def derive(self, member: str) -> type[Optimizer]:
@@ -168,7 +169,8 @@ class Family(ABC):
 
     def why_left_out(self, member: str) -> str:
         """Return the reason for which an optimizer of the library is no member, "" for a member or an unknown name."""
-        reasons = (why for why, names in self.left_out.items() if any(fnmatchcase(member, n) for n in names))
+        left_out = self.facts.get("left_out", {}).items()
+        reasons = (why for why, names in left_out if any(fnmatchcase(member, n) for n in names))
         return next(reasons, "")
 
     def require(self) -> Any:

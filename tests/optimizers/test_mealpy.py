@@ -23,7 +23,7 @@ def run(name, problem=None, *, budget=400, seed=1, **options):
 
 
 def test_the_members_are_mealpy_s_classes_but_those_left_out():
-    listed, left_out = set(library.get_all_optimizers(verbose=False)), set().union(*mealpy.left_out.values())
+    listed, left_out = set(library.get_all_optimizers(verbose=False)), set().union(*mealpy.facts["left_out"].values())
     assert {name.partition(":")[2] for name in mealpy.names()} == listed - left_out
     assert listed >= left_out.union(TABLE["no_swarm"], TABLE["works"], *TABLE["remarks"].values())
 

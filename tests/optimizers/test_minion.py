@@ -31,7 +31,7 @@ def test_every_algorithm_of_minionpy_is_a_member_or_left_out():
     base = {module.MinimizerBase, module.Minimizer}
     found = {ALIASES.get(each.__name__, each.__name__) for each in kinds if issubclass(each, module.MinimizerBase)}
     found -= {each.__name__ for each in base}
-    left_out = set().union(*minion.left_out.values())
+    left_out = set().union(*minion.facts["left_out"].values())
     assert found == (MEMBERS.keys() | left_out) - {"NLSHADE_LBC"}
     assert not MEMBERS.keys() & left_out
     assert minion.names() == sorted(f"minion:{name}" for name in MEMBERS)

@@ -109,7 +109,7 @@ def test_wrong_options_are_refused_in_one_sentence(name, options, message):
 
 
 def test_what_is_left_out_is_no_member():
-    patterns = set().union(*nevergrad.left_out.values())
+    patterns = set().union(*nevergrad.facts["left_out"].values())
     left_out = {each: {name for name in ng.optimizers.registry if fnmatchcase(name, each)} for each in patterns}
     assert all(left_out.values())
     assert sum(map(len, left_out.values())) == len(set.union(*left_out.values()))  # one reason each

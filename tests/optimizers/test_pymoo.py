@@ -33,7 +33,7 @@ def test_every_algorithm_of_pymoo_is_a_member_or_left_out():
                 for each in classes
                 if isinstance(each, type) and issubclass(each, Algorithm) and each.__module__.endswith(module.name)
             }
-    assert found == MEMBERS.keys() | set().union(*pymoo.left_out.values())
+    assert found == MEMBERS.keys() | set().union(*pymoo.facts["left_out"].values())
     known = {"module", "parameters", "about", "works", "unmapped"}
     assert all(entry.keys() <= known for entry in MEMBERS.values())
     assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= PARAMETERS.keys()
