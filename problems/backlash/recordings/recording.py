@@ -1,6 +1,6 @@
-"""A recording of motor speed over time, and its windows."""
+"""A recording of motor speed over time, and the windows in which recordings are read."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
@@ -45,20 +45,6 @@ class Recording:
     def duration(self) -> float:
         """The time from the first sample to the last, s."""
         return self.dt * (len(self.speed) - 1)
-
-    def window(self, begin: float | None = None, end: float | None = None) -> "Recording":
-        """Return the samples at begin <= t <= end, in the recording's own time, s; None leaves that end open.
-
-        Raises:
-            BenchError: for a window that ends before it begins, or holds fewer than three samples.
-        """
-        count = len(self.speed)
-        near = 1e-6  # of a sample: a limit at a sample's time includes the sample despite rounding
-        first = 0 if begin is None else max(0, int(np.ceil((begin - self.start) / self.dt - near)))
-        last = count - 1 if end is None else min(count - 1, int(np.floor((end - self.start) / self.dt + near)))
-        if last - first < 2:
-            raise too_few((begin, end), max(0, last - first + 1), self.start, self.start + self.duration)
-        return replace(self, start=self.start + first * self.dt, speed=self.speed[first : last + 1])
 
 
 def parse_window(text: str) -> Window:

@@ -10,6 +10,7 @@ import problems.backlash.sensor.batch as batch
 from problems.backlash.commands.estimate import estimate
 from problems.backlash.joint.writing import write_recording
 from problems.backlash.signature.datasets import noisy
+from tests.problems.backlash.cut import cut
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,7 @@ def calibration(tmp_path_factory):
 def recording(tmp_path_factory):
     """A recording of two load turns and a bit."""
     path = tmp_path_factory.mktemp("recordings") / "joint4.csv"
-    made = noisy(8).window(0.0, 0.9)
+    made = cut(noisy(8), 0.0, 0.9)
     write_recording(path, made.time, made.speed)
     return path
 

@@ -10,6 +10,7 @@ from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.period import find_period, period_from_gear
 from problems.backlash.signature.datasets import dataset
+from tests.problems.backlash.cut import cut
 
 SAMPLE = 0.002
 
@@ -46,9 +47,9 @@ def test_the_period_is_made_whole_only_where_that_is_within_its_uncertainty():
 
 def test_two_load_turns_are_enough():
     for level in (2, 12, 20):
-        made = noisy(level, dataset(level).speed, 3).window(0.0, 0.8)
+        made = cut(noisy(level, dataset(level).speed, 3), 0.0, 0.8)
         assert find_period(made) == pytest.approx(0.4, abs=SAMPLE)
-        assert find_period(made.window(0.0, 0.7)) is None or find_period(made.window(0.0, 0.7)) < 0.36
+        assert find_period(cut(made, 0.0, 0.7)) is None or find_period(cut(made, 0.0, 0.7)) < 0.36
 
 
 def test_no_period_is_claimed_of_noise():

@@ -10,6 +10,7 @@ from bench import BenchError, load_problem
 from problems.backlash.recordings import Recording, parse_window, read
 from problems.backlash.recordings import tables as tables_module
 from problems.backlash.recordings.screen import warnings
+from tests.problems.backlash.cut import cut
 
 T = 0.002 * np.arange(50)
 V = np.round(100 + 0.5 * np.sin(20 * T), 4)
@@ -88,7 +89,7 @@ def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
     ],
 )
 def test_what_no_heading_says_is_reported(tmp_path, heading, options, said):
-    made = read(write(tmp_path, heading + rows(T, V)), **options).window(0.002)
+    made = read(write(tmp_path, heading + rows(T, V)), **options)
     notes = [note for note in warnings(made) if "the reader took" in note]
     assert len(notes) == len(said)
     assert all(part in note for part, note in zip(said, notes, strict=True))
@@ -228,19 +229,6 @@ def test_a_long_file_is_not_split_line_by_line(tmp_path, monkeypatch):
     assert len(touched) < 10
 
 
-def test_a_window_holds_its_ends_and_keeps_the_time():
-    whole = Recording(1.0, 0.002, V, "rpm")
-    part = whole.window(1.01, 1.02)
-    np.testing.assert_array_equal(part.speed, V[5:11])
-    np.testing.assert_allclose(part.time, whole.time[5:11], atol=1e-12)
-    assert part.unit == "rpm"
-    np.testing.assert_array_equal(whole.window(None, 1.02).speed, V[:11])
-    np.testing.assert_array_equal(whole.window(1.01, None).speed, V[5:])
-    np.testing.assert_array_equal(whole.window(-5, 50).speed, V)
-    with pytest.raises(BenchError, match=r"window 5:6 holds 0 samples, .* lasts from 1 to 1\.098 s"):
-        whole.window(5, 6)
-
-
 def test_a_window_is_typed_with_a_colon():
     assert parse_window("18.99:20.11") == (18.99, 20.11)
     assert parse_window("2:") == (2.0, None)
@@ -349,8 +337,8 @@ def test_what_is_damaged_outside_the_window_costs_nothing(tmp_path):
 def test_a_window_of_a_position_is_that_of_its_speed(tmp_path):
     path = write(tmp_path, "time_s,angle_rev\n" + rows(T, 100 * T))
     whole = read(path)
-    for ends in ((0.02, 0.06), (0.021, 0.061), (0.0205, None), (None, 0.0331)):
-        np.testing.assert_allclose(read(path, window=ends).time, whole.window(*ends).time, atol=1e-12)
+    for ends in ((0.02, 0.06), (0.021, 0.061), (0.0205, np.inf), (-np.inf, 0.0331)):
+        np.testing.assert_allclose(read(path, window=ends).time, cut(whole, *ends).time, atol=1e-12)
 
 
 @pytest.mark.parametrize("lost", [[17], [17, 18, 300, 700], [500]])

@@ -13,6 +13,7 @@ from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.screen import _running_median, screen, steady_window, warnings
 from problems.backlash.signature.datasets import dataset
+from tests.problems.backlash.cut import cut
 
 RNG = np.random.default_rng(0)
 S = dataset(12).speed
@@ -35,7 +36,7 @@ def test_a_good_recording_passes_however_it_is_noisy_rounded_or_cut(level):
         noisy = speed + span * rng.uniform(-0.5, 0.5, len(speed))
         made = recording(noisy if decimals is None else np.round(noisy, decimals))
         screen(made, nominal_rps=100, period=0.4)
-        screen(made.window(0.3, 0.7), nominal_rps=-100, period=0.4)
+        screen(cut(made, 0.3, 0.7), nominal_rps=-100, period=0.4)
     screen(recording(digits(speed, 5)), period=0.4)  # as the published ones: 99.987 and 100.12
     screen(recording(-speed), nominal_rps=100, period=0.4)
     assert warnings(recording(speed), period=0.4) == []
@@ -131,7 +132,7 @@ def test_a_motion_that_is_not_steady_is_refused_with_the_part_that_is(speed, wha
     begin, end = map(float, re.search(r"--window ([\d.]+):([\d.]+)", str(caught.value)).groups())
     assert begin == pytest.approx(window[0], abs=0.15)
     assert end == pytest.approx(window[1], abs=0.15)
-    part = made.window(begin, end)
+    part = cut(made, begin, end)
     screen(part)
     assert not any("--window" in message for message in warnings(part))
 

@@ -14,6 +14,7 @@ from problems.backlash.recordings import read_joints
 from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.signature.datasets import noisy
+from tests.problems.backlash.cut import cut
 
 NONE = Settings(calibration=None, resamples=0)
 
@@ -27,7 +28,7 @@ def read(path):
 
 
 def recording(path):
-    return noisy(int(path.stem)).window(0.0, 0.9)
+    return cut(noisy(int(path.stem)), 0.0, 0.9)
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from problems.backlash.sensor.estimate import Settings, estimate, signature_prob
 from problems.backlash.signature.calibration import calibrate, sensor_calibration
 from problems.backlash.signature.datasets import noisy
 from problems.backlash.signature.model import A
+from tests.problems.backlash.cut import cut
 
 PLAIN = Settings(resamples=0)
 
@@ -148,7 +149,7 @@ def test_a_drift_of_the_mean_speed_hides_no_backlash():
 
 def test_three_load_turns_are_enough():
     made = noisy(10)
-    found = estimate(made.window(end=1.2), Settings(resamples=0))
+    found = estimate(cut(made, end=1.2), Settings(resamples=0))
     assert found.verdict == "early"
     assert found.amplitude_rps == pytest.approx(made.peak, rel=0.15)
 
@@ -263,7 +264,7 @@ def test_settings_out_of_range_are_refused(options, message):
 
 
 def test_a_recording_in_which_any_disturbance_could_hide_is_undecided_without_a_calibration():
-    short = estimate(noisy(12).window(0.0, 0.298), Settings(calibration=None, period=0.132, resamples=0))
+    short = estimate(cut(noisy(12), 0.0, 0.298), Settings(calibration=None, period=0.132, resamples=0))
     assert (short.verdict, short.amplitude_rps) == ("undecided", 0.0)
     quiet = estimate(noisy(0), Settings(calibration=None, period=0.4, resamples=0))
     assert (quiet.verdict, quiet.amplitude_rps) == ("no backlash", 0.0)

@@ -8,6 +8,7 @@ from problems.backlash.sensor.evidence import resampled
 from problems.backlash.signature.datasets import noisy
 from problems.backlash.signature.model import OMEGA, TAU, A
 from problems.backlash.signature.problem import SignatureFit
+from tests.problems.backlash.cut import cut
 
 
 def resamples(problem, x, count, seed=0):
@@ -22,7 +23,7 @@ def resamples(problem, x, count, seed=0):
     "options", [{}, {"period": 0.40005}, {"single": True}], ids=["box", "T_d between samples", "single"]
 )
 def test_a_refit_is_the_reference_fit_of_its_signal(options):
-    problem = SignatureFit("refit", noisy(12).window(0.0, 2.4 if "single" not in options else 0.5), **options)
+    problem = SignatureFit("refit", cut(noisy(12), 0.0, 2.4 if "single" not in options else 0.5), **options)
     x = problem.reference().x
     signals = resamples(problem, x, 3)
     for signal, found in zip(signals, problem.near(x, signals), strict=True):
