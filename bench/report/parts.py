@@ -229,6 +229,7 @@ class Section:
         sections: subsections, one level deep.
         on_demand: whether this section is printed only when it is open.
         problem: the label of the problem that a subsection is about; rows of tables that name it link to it.
+        apart: figures that are written as files and listed among them, and not shown on the page.
     """
 
     title: str
@@ -242,6 +243,7 @@ class Section:
     folded: bool = False
     on_demand: bool = False
     problem: str = ""
+    apart: tuple[Figure, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
@@ -250,6 +252,8 @@ class Section:
         )
         if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
+        if not all(isinstance(figure, Figure) for figure in _sequence(self.apart)):
+            raise TypeError("a section's figures apart must be Figure")
         if not all(isinstance(card, Card) for card in _sequence(self.cards)):
             raise TypeError("a section's cards must be Card")
         if any(not isinstance(section, Section) or section.sections for section in _sequence(self.sections)):

@@ -121,7 +121,7 @@ class Draft:
     def begin(self, section: Section) -> None:
         """Have the figures of a section and of its subsections drawn."""
         for part in (section, *section.sections):
-            figures = [item.figure for item in part.items if isinstance(item, Figure)]
+            figures = [item.figure for item in (*part.items, *part.apart) if isinstance(item, Figure)]
             self.drawer.begin(figures, pdf=self.printed(part))
 
     def printed(self, section: Section) -> bool:
@@ -171,6 +171,8 @@ class Draft:
         """Return a section with its files written, ready for the page."""
         printed = self.printed(section)
         view = View(anchor, section, [self.item(part, printed=printed) for part in section.items], [], [])
+        for figure in section.apart:
+            self.item(figure, printed=printed)
         for subsection in section.sections:
             inner = self.anchor(PROBLEM if subsection.problem else anchor, subsection.problem or subsection.title)
             if subsection.problem:

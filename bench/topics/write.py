@@ -133,7 +133,7 @@ def _marked(topic: Topic, findings: Findings) -> list[Section]:
     sections = topic.sections(findings)
     if findings.subject:
         for part in (part for section in sections for part in (section, *section.sections)):
-            for item in part.items:
+            for item in (*part.items, *part.apart):
                 if isinstance(item, Figure):
                     style.mark(item.figure, findings.subject)
     return sections

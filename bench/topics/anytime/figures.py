@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -62,11 +62,40 @@ def _banded(optimizers: Iterable[str]) -> str:
     return ", with the quartiles as a band" if len(list(optimizers)) <= MOST_BANDS else ""
 
 
+def figures_apart(shown: Sequence[Figure], functions: Mapping[str, str], optimizers: Iterable[str]) -> list[Figure]:
+    """Return a figure of each of several functions: the regret where it is known, else the values, a panel a problem.
+
+    ``shown`` are the figures of :func:`convergence_figure` and :func:`regret_figure`, whose curves are drawn again;
+    ``functions`` has the function of each problem.
+    """
+    problems: dict[str, list[str]] = {}
+    for label, function in functions.items():
+        problems.setdefault(function, []).append(label)
+    kinds = (("regret-curves", "regret", regret), ("convergence", "best objective value", convergence))
+    figures = []
+    for function, labels in problems.items() if len(problems) > 1 else ():
+        for kind, what, draw in kinds:
+            drawn = [figure.data for figure in shown if figure.name.startswith(kind)]
+            curves = [table[table["problem"].isin(labels)] for table in drawn]
+            if sum(table["problem"].nunique() for table in curves) == len(labels):
+                caption = f"Convergence on {function}: the median {what} over evaluations{_banded(optimizers)}."
+                columns = COLUMNS if len(labels) > 1 else 1
+                name = f"convergence-{function}"
+                figures.append(over_evaluations(name, caption, draw, pd.concat(curves), optimizers, columns))
+                break
+    return figures
+
+
 def over_evaluations(
-    name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Iterable[str]
+    name: str,
+    caption: str,
+    draw: Callable[..., Axes],
+    curves: pd.DataFrame,
+    optimizers: Iterable[str],
+    columns: int = COLUMNS,
 ) -> Figure:
     """Return a figure of curves over evaluations, a panel a problem, each drawn by ``draw``."""
-    figure, axes = panels(curves, style.pens(optimizers), draw, across=0.46)
+    figure, axes = panels(curves, style.pens(optimizers), draw, across=0.46, columns=columns)
     for ax in axes:
         style.span(ax, curves["evaluations"])
     shown = at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))

@@ -12,8 +12,15 @@ from bench import analysis
 from bench.report.parts import Figure, File, Part, Section, Table
 from bench.report.wording import count, leaders, listing
 from bench.study.targets import Targets
-from bench.topics.anytime.figures import convergence_figure, course_figure, ecdf_figure, ert_figure, regret_figure
-from bench.topics.anytime.leads import figure, sentences
+from bench.topics.anytime.figures import (
+    convergence_figure,
+    course_figure,
+    ecdf_figure,
+    ert_figure,
+    figures_apart,
+    regret_figure,
+)
+from bench.topics.anytime.leads import SAY, figure, sentences
 from bench.topics.anytime.profiles import sections as profiles
 from bench.topics.findings import Findings, Trials
 from bench.topics.topic import Topic
@@ -70,12 +77,24 @@ def section(findings: Findings) -> Section:
         )
         for dimension, labels in by_dimension.items()
     )
+    every = [item for part in own_parts for item in part.items if isinstance(item, Figure)]
+    apart = figures_apart(every, _functions(findings.trials), findings.display.drawn)
     return Section(
         TITLE,
-        text,
+        (*text, SAY("apart", apart[0].name, len(apart))) if apart else text,
         (*course(findings), *figure(findings), together, *rates),
         sections=(*profiles(findings), *own_parts),
+        apart=tuple(apart),
     )
+
+
+def _functions(trials: Trials) -> dict[str, str]:
+    """Return the function of each problem, which several dimensions share; of no suite, the problem itself."""
+    features = {label: trials.known[label].features for label in trials.problems}
+    return {
+        label: f"{own['suite']}-{own['function']}" if {"suite", "function"} <= set(own) else label
+        for label, own in features.items()
+    }
 
 
 def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, suffix: str = "") -> Iterator[Figure]:

@@ -32,7 +32,7 @@ def sections(findings: Findings) -> list[Section]:
     )
     several = findings.trials.precisions != []
     wide.index = pd.Index(
-        [f"{measure}, {sample}" if sample and several else measure for measure, sample in order],
+        [_words(measure, sample, several) for measure, sample in order],
         name="measure",
     )
     table = Table(
@@ -44,6 +44,13 @@ def sections(findings: Findings) -> list[Section]:
         data=found,
     )
     return [Section(TITLE, (text,), (table,), folded=True)]
+
+
+def _words(measure: str, sample: str, several: bool) -> str:
+    """Return an analysis in words; a set of targets has no sample."""
+    if not sample:
+        return f"targets: {measure}"
+    return f"{measure}, {sample}" if several else measure
 
 
 def _named(names: object) -> str:

@@ -47,6 +47,7 @@ def section_lines(section, level="##"):
     lines += section.text
     for item in section.items:
         lines += table_lines(item) if isinstance(item, Table) else ["", f"Figure {item.name}: {item.caption}"]
+    lines += ["", "Figures apart: " + ", ".join(figure.name for figure in section.apart)] if section.apart else []
     lines += ["", "Works: " + ", ".join(re.findall(r"@\w+\{(\w+)", section.code))] if section.code else []
     problems = [each for each in section.sections if each.problem]
     for each in section.sections:

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from bench import analysis
 from bench.objective import Trace
 from bench.plots import style
-from bench.topics.anytime.figures import convergence_figure, ecdf_figure, ert_figure, regret_figure
+from bench.topics.anytime.figures import convergence_figure, ecdf_figure, ert_figure, figures_apart, regret_figure
 from bench.topics.datasets.figures import distribution_figure
 from bench.topics.figures import at_round_numbers
 from bench.topics.findings import BEST
@@ -72,6 +72,23 @@ def every_figure(optimizers, problems=("p", "q")):
         forest_figure(improvements(optimizers)),
         timing_figure(clock(optimizers)),
     ]
+
+
+class TestApart:
+    """Problems p and q of function f, whose optimum is known, and r of g."""
+
+    def test_each_function_has_a_figure_of_its_regret_or_else_of_its_values(self):
+        shown = [convergence_figure(curves(["p", "q", "r"], "ab"), "ab"), regret_figure(curves(["p", "q"], "ab"), "ab")]
+        of_f, of_g = figures_apart(shown, {"p": "f", "q": "f", "r": "g"}, "ab")
+        assert [each.name for each in (of_f, of_g)] == ["convergence-f", "convergence-g"]
+        assert [ax.get_ylabel() for ax in of_f.figure.axes] == ["regret", ""]
+        assert [ax.get_ylabel() for ax in of_g.figure.axes] == ["best value so far"]
+        assert set(of_f.data["problem"]) == {"p", "q"}
+        assert "Convergence on g: the median best objective value over evaluations" in of_g.caption
+
+    def test_the_only_function_has_none(self):
+        shown = [convergence_figure(curves(["p", "q"], "ab"), "ab")]
+        assert figures_apart(shown, {"p": "f", "q": "f"}, "ab") == []
 
 
 class TestEveryFigure:

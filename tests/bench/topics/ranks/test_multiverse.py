@@ -10,7 +10,11 @@ def test_it_counts_the_analyses_that_agree_and_claims_nothing(make, tmp_path):
     (table,) = section.items
     assert section.folded
     assert table.frame.loc["median"].tolist() == ["a"] * 3
-    assert table.frame.loc["quantiles"].tolist() == ["–", "a", "a"]  # none is reached within a tenth of the budget
+    assert table.frame.loc["targets: quantiles"].tolist() == [
+        "–",
+        "a",
+        "a",
+    ]  # none is reached within a tenth of the budget
     assert table.bold.to_numpy().sum() == 17
     assert section.text[0].startswith(
         "Of 17 analyses that could have been chosen, a alone is first in 17, and before b in 17"
