@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from bench.analysis.similarity import Similarity
 from bench.atlas.compare import Atlas, centre_bias, findings
@@ -29,23 +30,13 @@ from bench.report.wording import cell_text
 
 INDEX, MARK, MAP_FILE = "index.md", "implementations.csv", "map.svg"
 TABLES = ("implementations", "pairs", "tests", "medians", "times")
-RULE = (
-    "Two implementations are *different* where their trials differ on at least one function in at least one of four "
-    "measures by an exact Kolmogorov-Smirnov test: the median value of the first generation, that of the next two, the "
-    "mean of the logarithm of the best value so far, and the final best. p is adjusted by Holm's method over all "
-    "{tests} tests of this atlas (pairs, functions and measures), at 5%. Implementations of one letter were not found "
-    "different from each other."
-)
-PAIRS = (
-    f"The columns count the functions, of {len(PROBLEMS)}, on which a pair differs in the first generation (start), in "
-    "the next two, in the course of the best value and in the final best. The largest difference is that of median "
-    "final bests, among the functions of the column final. The distance of two searches goes from 0 to 1; in brackets "
-    "is that of two halves of the same trials."
-)
-MAP = (
-    "Implementations near each other search alike, whatever their method; colours are those of methods. The map leaves "
-    "out {stress:.0%} of the squared distances."
-)
+
+PAGES = Environment(
+    loader=PackageLoader(__package__, ""), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    keep_trailing_newline=True,
+)  # fmt: skip
+PAGES.filters |= {"plain": plain, "paragraph": lambda text: " ".join(text.split())}
+PAGES.globals |= {"count": count, "joined": joined, "table": table}
 
 
 def write_atlas(atlas: Atlas, methods: Sequence[Method], output: Path, *, trials: int, budget: int, seed: int) -> Path:
@@ -126,88 +117,49 @@ def frames(atlas: Atlas) -> dict[str, pd.DataFrame]:
 
 def index_page(atlas: Atlas, methods: Sequence[Method], size: str) -> str:
     """Return the first page: methods by libraries, what else was found, and the map."""
-    of_method = {method.name: [seen for seen in atlas.surveyed if seen.implementation.method == method.name]
-           for method in methods}  # fmt: skip
     libraries = list(dict.fromkeys(seen.implementation.library for seen in atlas.surveyed))
-    rows = [
-        [f"[{plain(method.title)}]({method.name}.md)"]
-        + [
-            ", ".join(_cell(atlas, seen) for seen in of_method[method.name] if seen.implementation.library == library)
+    rows = []
+    for method in methods:
+        alike = [seen for seen in atlas.surveyed if seen.implementation.method == method.name]
+        cells = (
+            ", ".join(_cell(atlas, seen) for seen in alike if seen.implementation.library == library)
             for library in libraries
-        ]
-        for method in methods
-    ]
-    several = atlas.pairs.groupby("method", sort=False)["different"].sum()
-    counted = (
-        f"{atlas.counted}. In {int((several == 0).sum())} of {count(len(several), 'method')} with several "
-        "implementations, no pair is."
-    )
-    parts = [
-        "# An atlas of implementations",
-        f"{count(len(atlas.surveyed), 'implementation')} of {count(len(methods), 'method')}: {size}.",
-        " ".join(
-            filter(None, (RULE.format(tests=f"{len(atlas.tests):,}"), atlas.doubt, counted if len(several) else ""))
-        ),
-        table(["method", *map(plain, libraries)], rows),
-    ]
+        )
+        rows.append([f"[{plain(method.title)}]({method.name}.md)", *cells])
     noted = [
         [plain(entry.method), code(entry.label), plain(finding)]
         for seen in atlas.surveyed
         for entry in [seen.implementation]
         for finding in findings(seen)
     ]
-    if noted:
-        parts += ["## Biases, parameters without effect, failures",
-                  table(["method", "implementation", "finding"], noted)]  # fmt: skip
-    if atlas.similarity is not None:
-        parts += [
-            "## The map",
-            MAP.format(stress=atlas.similarity.stress),
-            "![A map of all implementations by how alike they search, and a tree of their distances](map.svg)",
-        ]
-    versions = sorted({seen.code for seen in atlas.surveyed if seen.code and not seen.failed})
-    parts += ["## Versions", "\n".join(f"- {plain(version)}" for version in versions)]
-    return "\n\n".join(parts) + "\n"
+    return PAGES.get_template("index.md.j2").render(
+        atlas=atlas, methods=methods, size=size, libraries=[plain(library) for library in libraries], rows=rows,
+        several=atlas.pairs.groupby("method", sort=False)["different"].sum(), noted=noted,
+        versions=sorted({seen.code for seen in atlas.surveyed if seen.code and not seen.failed}),
+    )  # fmt: skip
 
 
 def method_page(atlas: Atlas, method: Method, size: str) -> str:
     """Return the page of a method: its implementations, their differences, and median final bests."""
     of_method = [seen for seen in atlas.surveyed if seen.implementation.method == method.name]
     alive = [seen for seen in of_method if not seen.failed]
-    pairs = atlas.pairs[atlas.pairs["method"] == method.name]
-    parts = [f"# {plain(method.title)}", plain(f"{size}. {method.conditions}".strip())]
-    parts += [table(
-        ["implementation", "letter", "code", "evaluations", "finding"],
-        [_implementation_row(atlas, seen) for seen in of_method],
-    )]  # fmt: skip
-    if len(pairs):
-        parts += [
-            "## Which of them differ",
-            " ".join(filter(None, (PAIRS, atlas.doubt))),
-            table(
-                ["pair", "verdict", "start", "next", "course", "final", "largest difference", "distance"],
-                [_pair_row(row) for row in pairs.to_dict("records")],
-            ),
-        ]
-    parts += ["## Options, and what is documented", "\n".join(map(_documented, of_method))]
+    pairs = atlas.pairs[atlas.pairs["method"] == method.name].to_dict("records")
     explained = {seen.implementation.label for seen in of_method if seen.implementation.differs}
-    unexplained = [
-        f"{code(row['first'])} against {code(row['second'])}"
-        for row in pairs.to_dict("records")
-        if row["different"] and not explained & {row["first"], row["second"]}
+    medians = [
+        [problem, *(cell_text(float(np.median(seen.measures[problem][:, MEASURES.index("final")]))) for seen in alive)]
+        for problem in PROBLEMS
     ]
-    if unexplained:
-        parts.append(f"No documented difference is known here for {joined(unexplained)}.")
-    if alive:
-        parts += ["## Median final bests", table(
-            ["function", *(code(seen.implementation.label) for seen in alive)],
-            [
-                [problem, *(cell_text(float(np.median(seen.measures[problem][:, MEASURES.index("final")])))
-                            for seen in alive)]
-                for problem in PROBLEMS
-            ],
-        )]  # fmt: skip
-    return "\n\n".join(parts) + "\n"
+    return PAGES.get_template("method.md.j2").render(
+        atlas=atlas, method=method, size=size, problems=len(PROBLEMS),
+        implementations=[_implementation_row(atlas, seen) for seen in of_method],
+        pairs=[_pair_row(row) for row in pairs], documented=[_documented(seen) for seen in of_method],
+        unexplained=[
+            f"{code(row['first'])} against {code(row['second'])}"
+            for row in pairs
+            if row["different"] and not explained & {row["first"], row["second"]}
+        ],
+        alive=[code(seen.implementation.label) for seen in alive], medians=medians if alive else [],
+    )  # fmt: skip
 
 
 def _cell(atlas: Atlas, seen: Surveyed) -> str:
