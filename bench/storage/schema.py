@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import re
 import sqlite3
-from collections.abc import Iterator, Sequence
 from contextlib import closing
 from functools import cache
-from typing import Any
 
 from bench.columns import STORED
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, NAMES
+from bench.storage.rows import NAMES
 
 VERSION, OLDEST = 5, 4
 """The layout of new stores, and the first one from which :mod:`bench.storage.migrations` leads to it."""
-
-ONE = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
-"""The SQL condition of one trial."""
 
 SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN names ON names.id = results.names"
 """The SQL tables of the trials that the last study selects, under the labels that it shows."""
@@ -119,11 +114,3 @@ def prepare(connection: sqlite3.Connection, begun: Committed) -> None:
         connection.execute("BEGIN IMMEDIATE")
         create(connection, schema())
         connection.execute("INSERT INTO committed VALUES (?, 0)", (begun.commits,))
-
-
-def found(
-    connection: sqlite3.Connection, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
-) -> Iterator[dict[str, Any]]:
-    """Yield the columns of the selected rows that meet an SQL condition, cell by cell, damaged or not."""
-    query = f"SELECT {', '.join(columns)} FROM {SELECTED} WHERE {where} ORDER BY results.cell, trial"
-    return (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))

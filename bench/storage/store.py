@@ -21,7 +21,7 @@ from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS, decoded
-from bench.storage.schema import OLDEST, ONE, SELECTED, VERSION, found, layout, prepare, strange
+from bench.storage.schema import OLDEST, SELECTED, VERSION, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
 from bench.study.cell import Labels
@@ -127,12 +127,14 @@ class Store:
         self, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
     ) -> Iterator[dict[str, Any]]:
         """Yield the columns of every selected row that meets an SQL condition, cell by cell, damaged or not."""
+        query = f"SELECT {', '.join(columns)} FROM {SELECTED} WHERE {where} ORDER BY results.cell, trial"
         with self._read() as connection:
-            yield from found(connection, where, values, columns)
+            yield from (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial, as :meth:`rows` yields it, or None."""
-        return next(self.rows(ONE, (problem, optimizer, trial)), None)
+        one = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
+        return next(self.rows(one, (problem, optimizer, trial)), None)
 
     def held(self) -> Cells:
         """Return the cells of the store, and which of them its last study selects."""
