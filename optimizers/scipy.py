@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
 import logging
 import warnings
 from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from importlib.metadata import version
 from typing import Any, ClassVar, Literal
 
@@ -38,9 +36,11 @@ class ScipyOptimizer(Adapter):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or scipy ends by a criterion of its own, which is declared."""
+        from scipy import optimize
+
         try:
             with silence():
-                result = function(self.solver, rng)(self.target(objective), **self.arguments(objective, rng))
+                result = getattr(optimize, self.solver)(self.target(objective), **self.arguments(objective, rng))
                 objective.stop(self.reason(result))
         except (RuntimeError, SystemError) as error:  # by scipy, from an error of the problem or the end of the budget
             raise error.__cause__ or error from None
@@ -108,7 +108,7 @@ class DifferentialEvolution(ScipyOptimizer):
             return super().target(objective)
         return lambda x: self.values(objective, x.T)
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         agents = self.agents if self.agents is not None else max(5, 15 * objective.dimension)
         return self.passed("agents", "mutation_to") | {
@@ -117,6 +117,7 @@ class DifferentialEvolution(ScipyOptimizer):
             "mutation": self.mutation if self.mutation_to is None else (self.mutation, self.mutation_to),
             "init": objective.initial(agents),
             "vectorized": self.updating == "deferred",
+            "rng": rng,
         }
 
 
@@ -147,10 +148,15 @@ class DualAnnealing(ScipyOptimizer):
     accept: float = parameter(-5.0, minimum=-1e4, maximum=-5, tune=(-100.0, -5.0))
     no_local_search: bool = False
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
-        x0 = objective.initial(1)[0]
-        return self.passed() | {"bounds": box(objective), "maxiter": objective.budget, "maxfun": np.inf, "x0": x0}
+        return self.passed() | {
+            "bounds": box(objective),
+            "maxiter": objective.budget,
+            "maxfun": np.inf,
+            "x0": objective.initial(1)[0],
+            "rng": rng,
+        }
 
 
 @dataclass(frozen=True)
@@ -257,6 +263,7 @@ class BasinHopping(ScipyOptimizer):
             "niter": objective.budget,
             "minimizer_kwargs": {"method": "L-BFGS-B", "bounds": box(objective)},
             "take_step": Hop(self.stepsize, objective, rng),
+            "rng": rng,
         }
 
 
@@ -278,16 +285,6 @@ class Hop:
 def box(objective: Objective) -> list[tuple[float, float]]:
     """Return the box as d pairs (lower, upper)."""
     return list(zip(objective.lower.tolist(), objective.upper.tolist(), strict=True))
-
-
-def function(name: str, rng: np.random.Generator) -> Any:
-    """Return the function of ``scipy.optimize``, which draws from ``rng`` if it draws at all."""
-    from scipy import optimize
-
-    solver = getattr(optimize, name)
-    accepted = inspect.signature(solver).parameters
-    drawing = next((key for key in ("rng", "seed") if key in accepted), None)  # until scipy 1.14: seed
-    return partial(solver, **{drawing: rng}) if drawing else solver
 
 
 @contextmanager

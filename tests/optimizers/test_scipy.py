@@ -7,7 +7,7 @@ from threadpoolctl import threadpool_limits
 
 from bench import BenchError, solve
 from bench.seeds import streams
-from optimizers.scipy import MEMBERS, function, scipy
+from optimizers.scipy import MEMBERS, scipy
 from tests.optimizers.observed import BEST, LOWER, UPPER, Recorded, bowl
 
 
@@ -36,8 +36,9 @@ def test_differential_evolution_is_scipy_s():
         "maxiter": 34,
         "tol": 0.0,
         "polish": False,
+        "rng": search,
     }
-    function("differential_evolution", search)(lambda x: values.append(waves(x[np.newaxis])[0]) or values[-1], **theirs)
+    optimize.differential_evolution(lambda x: values.append(waves(x[np.newaxis])[0]) or values[-1], **theirs)
     assert (ours.nfev, len(values)) == (700, 700)
     assert ours.fun == min(values)
 
@@ -48,11 +49,12 @@ def test_dual_annealing_is_scipy_s():
     values = []
     x0 = LOWER + (UPPER - LOWER) * start.random(3)
     with threadpool_limits(limits=1):
-        function("dual_annealing", search)(
+        optimize.dual_annealing(
             lambda x: values.append(waves(x[np.newaxis])[0]) or values[-1],
             list(zip(LOWER, UPPER, strict=True)),
             x0=x0,
             maxfun=900,
+            rng=search,
         )
     assert ours.fun == min(values[:900])
 
