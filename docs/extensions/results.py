@@ -8,6 +8,7 @@ site's ``examples/PAGE/FILE.html``.
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import textwrap
@@ -19,6 +20,7 @@ import blocks
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
+logger = logging.getLogger(__name__)
 LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference/api|reference|explanation)/[\w-]+)/")
 REPORT = re.compile(r"(?:examples/|\{report\} )([\w-]+)/")
 REPEATED = ("", "tutorials", "how-to")  # the parts of the site all of whose pages are run
@@ -28,7 +30,10 @@ PROGRESS = re.compile(r"\d[\d,]* of [\d,]+ runs done(, about .* left)?")  # the 
 
 
 def run_pages(app: Sphinx) -> None:
-    """Run each page of these parts, or whose files another page shows, unless it has run as it is; two at a time."""
+    """Run each page of these parts, or whose files another page shows, unless it has run as it is; two at a time.
+
+    A page that fails is a warning, so that one build names all of them.
+    """
     source = Path(app.srcdir)
     texts = [page.read_text(encoding="utf-8") for page in blocks.PAGES]
     pages = {source / f"{name}.md" for text in texts for name in LINK.findall(text)}
@@ -36,12 +41,24 @@ def run_pages(app: Sphinx) -> None:
     shown = {name for text in texts for name in REPORT.findall(text)}
     stale = [page for page in sorted(pages) if not blocks.has_run(page)]
     with ProcessPoolExecutor(2, get_context("spawn"), max_tasks_per_child=1) as pool:
-        for page, _ in zip(stale, pool.map(blocks.run_anew, stale), strict=True):
-            logging.getLogger(__name__).info("ran the blocks of %s", page.relative_to(source))
+        for page, (fault, seconds) in zip(stale, pool.map(tried, stale), strict=True):
+            logger.info("ran the blocks of %s in %.0f s of processor time", page.relative_to(source), seconds)
+            if fault:
+                logger.warning("%s", fault)
             shutil.rmtree(site_of(page), ignore_errors=True)
     for page in sorted(pages):
         if page.stem in shown and not site_of(page).exists():
             publish(blocks.folder_of(page), site_of(page))
+
+
+def tried(page: Path) -> tuple[str, float]:
+    """Run a page anew in this process, begun for it; return its first fault, "" for none, and the processor seconds."""
+    fault = ""
+    try:
+        blocks.run_anew(page)
+    except blocks.BlockError as error:
+        fault = str(error)
+    return fault, sum(os.times()[:4])
 
 
 def site_of(page: Path) -> Path:
