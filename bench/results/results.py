@@ -121,7 +121,7 @@ class StoredResults:
 
     @property
     def partial(self) -> bool:
-        """Whether this is another view than that of the folders as they are: a selection, or with earlier versions."""
+        """Whether this is a selection of the folders' results, or has earlier versions."""
         return self.study is not self.whole or bool(self._versions)
 
     def select(self, *, optimizers: Patterns = None, problems: Patterns = None, dimensions: Dimensions = None) -> Self:

@@ -94,7 +94,7 @@ class Findings:
 
     @property
     def declared(self) -> bool:
-        """Whether the first run already named the subject: only then are other pairs no hypotheses of the page.
+        """Whether the first run already named the subject; only then are other pairs no hypotheses of the page.
 
         Looks test all pairs.
         """
@@ -104,7 +104,7 @@ class Findings:
 
     @property
     def leader(self) -> str:
-        """The optimizer that the page speaks for: the subject, or else the first in rank."""
+        """The subject, or without one the optimizer that is first in rank; the page compares it with each other one."""
         return self.subject or self.final.ranked[0]
 
     @property
