@@ -35,7 +35,7 @@ class Verdict:
 
     @property
     def outcome(self) -> str:
-        """The outcome in a word, ``"passed"``, ``"FAILED"`` for a breach of the contract, ``"BIASED"`` for a bias of the method."""
+        """The outcome in a word, ``"passed"``, ``"FAILED"`` for a broken rule, ``"BIASED"`` for a bias."""
         return "passed" if self.passed else "FAILED" if self.kind == "conformance" else "BIASED"
 
     def as_dict(self) -> dict[str, object]:
