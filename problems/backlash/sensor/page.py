@@ -74,7 +74,7 @@ def _joints(joints: Sequence[Joint], settings: Settings) -> Table:
             "half-gap, mrad": [_half_gap(joint) for joint in joints],
             "change, mrad": [_change(joint) for joint in joints],
             "limit reached": [_reached(joint) for joint in joints],
-            "latest recording": [_latest(joint) for joint in joints],
+            "latest recording": [joint.series.label(joint.series.at[-1]) for joint in joints],
         },
         index=pd.Index(name, name="joint"),
     )
@@ -118,10 +118,6 @@ def _reached(joint: Joint) -> str:
         "no growth": f"unknown: no growth in the latest {joint.trend.latest if joint.trend else 0} recordings",
         "unknown": "unknown",
     }[status]
-
-
-def _latest(joint: Joint) -> str:
-    return joint.series.label(joint.series.at[-1])
 
 
 def _trend(trends: Sequence[Trend], settings: Settings) -> list[Figure]:

@@ -10,7 +10,7 @@ fewer than half.)
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -164,13 +164,14 @@ def joints_of(estimated: Sequence[Estimated], settings: Settings) -> list[Joint]
         outcomes = tuple(estimated[i] for i in each.members)
         estimates = [outcome.estimate for outcome in outcomes]
         made.append(Joint(each, outcomes, trend(each, estimates, **options) if len(outcomes) > 1 else None))
-    order = {id(one): place for place, one in enumerate(fastest_first(each.trend for each in made if each.trend))}
-    return sorted(made, key=lambda each: order.get(id(each.trend), len(order)))
+    return sorted(made, key=lambda each: growth(each.trend))
 
 
-def fastest_first(trends: Iterable[Trend]) -> list[Trend]:
-    """Return trends sorted by growth, the significant ones first."""
-    return sorted(trends, key=lambda one: (one.quantity, not one.significant, -one.line.slope if one.line else 0))
+def growth(one: Trend | None) -> tuple[bool, str, bool, float]:
+    """Return a key that sorts trends by growth, the significant ones first; None, of a single recording, comes last."""
+    if one is None:
+        return True, "", True, 0.0
+    return False, one.quantity, not one.significant, -one.line.slope if one.line else 0.0
 
 
 def fit_line(time: Floats, values: Floats, confidence: float) -> Line | None:
