@@ -99,8 +99,8 @@ def _page(comparisons: Sequence[Comparison], suite: str) -> str:
     several = versions(comparisons, suite)
     dimensions = joined([str(size) for size in sorted({each.member.dimension for each in comparisons})])
     parts = [
-        f"# Who computes {suite} alike?",
-        f"The values of each function, in {dimensions} dimensions, at the same points as {code(suite)} computes them.",
+        f"# {suite} in other implementations",
+        f"The values of each function in {dimensions} dimensions, beside those of {code(suite)} at the same points.",
         "\n".join(f"- {plain(sentence)}" for sentence in summary(comparisons, suite)),
         table(*cells(comparisons)),
     ]

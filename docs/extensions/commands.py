@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,8 @@ from sphinx.application import Sphinx
 from typer.main import get_command
 
 from extensions.pages import code, plain, table, write
+
+LISTED = re.compile(r"<list\[(\w+)\]>")  # the type of what may be given several times, as its meaning says
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -33,7 +36,7 @@ def page(name: str, command: Any, level: int = 1) -> str:
     parts = [f"{'#' * level} {name}", *map(plain, (command.help or "").split("\n\n")), f"```text\n{usage}\n```"]
     for kind in ("argument", "option"):
         records = [each.get_help_record(context) for each in command.params if each.param_type_name == kind]
-        if rows := [(code(shown), plain(about)) for shown, about in filter(None, records)]:
+        if rows := [(code(LISTED.sub(r"<\1>", shown)), plain(about)) for shown, about in filter(None, records)]:
             parts.append(table((kind, "meaning"), rows))
     parts += [page(f"{name} {each.name}", each, level + 1) for each in getattr(command, "commands", {}).values()]
     return "\n\n".join(parts) + "\n"
