@@ -16,6 +16,7 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.stats import norm, wilcoxon
 
 from bench import analysis
@@ -23,6 +24,7 @@ from bench.analysis import bounded
 from bench.analysis.across import p_of_means
 from bench.analysis.direction import Effects, effects, intervals, mean_of, p_values, stacked, stratified
 from bench.analysis.error_rates import Stratum, claims
+from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
 
 Draw = Callable[[np.random.Generator, int, int, int], Floats]  # optimizers, studies, trials
@@ -55,6 +57,15 @@ def mostly_tied(rng: np.random.Generator, optimizers: int, studies: int, trials:
 def failures(rng: np.random.Generator, optimizers: int, studies: int, trials: int) -> Floats:
     values = equal(rng, optimizers, studies, trials)
     values[rng.random(values.shape) < 0.2] = np.inf
+    return values
+
+
+def skewed(rng: np.random.Generator, optimizers: int, studies: int, trials: int) -> Floats:
+    """A lognormal first optimizer against normal ones, with a mean that leaves A12 at 0.5."""
+    values = equal(rng, optimizers, studies, trials)
+    quantiles = np.exp(1.5 * norm.ppf((np.arange(4_000) + 0.5) / 4_000))
+    mean = brentq(lambda at: float(norm.cdf(at - quantiles).mean()) - 0.5, -9.0, 9.0)
+    values[0] = np.exp(1.5 * values[0]) - mean
     return values
 
 
@@ -94,6 +105,16 @@ SUBJECTS = (  # name, draw, optimizers, problems, trials, more
     *(("chosen for its results, all pairs", equal, *design, {"chosen": "counted"})
       for design in ((5, 8, 15), (10, 24, 15))),
 )  # fmt: skip
+BBOB = (5, 4, 5, 5, 5)  # functions of its classes
+CLASSES = (  # name, draw, optimizers, sizes of the classes of functions, trials
+    *(("identical", equal, 5, sizes, trials)
+      for sizes in (BBOB, (2, 22), (2, 2, 2, 18), (12, 12)) for trials in (5, 15)),
+    *(("identical", equal, 2, sizes, 15) for sizes in (BBOB, (2, 22), (12, 12))),
+    *((name, draw, 5, sizes, 15) for name, draw in (
+        ("90% ties", mostly_tied), ("success .9", successes(0.9)), ("20% failures", failures),
+        ("spreads 1 to 100", spread(100.0)), ("a skewed subject", skewed),
+    ) for sizes in (BBOB, (2, 22))),
+)  # fmt: skip
 POPULATIONS = (  # shares and values of A12 of a problem, of mean 0.5
     ((0.8, 0.2), (0.6, 0.1)), ((0.9, 0.1), (0.55, 0.05)), ((0.95, 0.05), (0.525, 0.025)), ((0.2, 0.8), (0.9, 0.4)),
     ((0.1, 0.9), (0.95, 0.45)), ((0.05, 0.95), (0.975, 0.475)), ((0.5, 0.5), (1.0, 0.0)), ((0.5, 0.5), (0.8, 0.2)),
@@ -122,6 +143,14 @@ def main(studies: int) -> None:
     header("a subject against k - 1 rivals", "k", "N", "n", "problem", "over all", "parts", "any")
     for name, draw, k, problems, trials, more in SUBJECTS:
         row(name, k, problems, trials, *map(share, of_subject(draw, k, problems, trials, studies, **more)))
+    header("a subject by class of functions", "k", "sizes", "n", "problem", "over all", "classes", "any")
+    for name, draw, k, sizes, trials in CLASSES:
+        row(name, k, "+".join(map(str, sizes)), trials, *map(share, by_class(draw, k, sizes, trials, studies)))
+    header("better in all classes but the first", "k", "sizes", "problem", "class", "any")
+    for k, sizes in ((5, BBOB), (5, (2, 22)), (5, (22, 2)), (2, BBOB), (2, (2, 22))):
+        for shift in (0.5, 2.0):
+            found = but_the_first(k, sizes, 15, shift, studies)
+            row(f"by {shift} SD, 15 trials", k, "+".join(map(str, sizes)), *map(share, found))
     header("further problems, N 2 to 50", "too low", "too high", "interval")
     for shares, values in POPULATIONS:
         every = [further(shares, values, problems, trials, studies) for problems in NUMBERS for trials in (15, 51)]
@@ -206,10 +235,50 @@ def of_subject(
     parts = [list(range(start, problems, step)) for step in (2, 4) for start in range(step) if problems >= 2 * step]
     if chosen == "counted":
         on_problem, over_all, _ = claims(strata, level)
-        where = claims(strata, level._replace(course=level.course * 2 / k), parts=parts)[2]
+        where = claims(strata, level._replace(course=level.course * 2 / k, across=0.0), parts=parts)[2]
     else:
         on_problem, over_all, where = claims(strata, level, 2 if draw is two_best else k, parts)
     return on_problem, over_all, where, on_problem | over_all | where
+
+
+def by_class(draw: Draw, k: int, sizes: Sequence[int], trials: int, studies: int) -> tuple[Flags, Flags, Flags, Flags]:
+    """Return which studies claim anything of a subject that equals its rivals, in classes of functions, too."""
+    rng, problems = np.random.default_rng((k, *sizes, trials)), sum(sizes)
+    strata = ([[*draw(rng, k, studies, trials)]] for _ in range(problems))
+    level = analysis.levels([trials] * problems, k - 1, (k - 1) * problems)
+    on_problem, over_all, where = claims(strata, level, parts=_places(sizes))
+    return on_problem, over_all, where, on_problem | over_all | where
+
+
+def but_the_first(k: int, sizes: Sequence[int], trials: int, shift: float, studies: int) -> tuple[Flags, Flags, Flags]:
+    """Return which studies claim anything in the first class, where a subject equals its rivals.
+
+    In the others it is better: what is claimed there, and over all problems, is true.
+    """
+    rng, problems = np.random.default_rng((k, *sizes, trials, 3)), sum(sizes)
+    values = rng.standard_normal((problems, k, studies, trials))
+    values[sizes[0] :, 1:] += shift
+    level = analysis.levels([trials] * problems, k - 1, (k - 1) * problems)
+    found = stacked([stacked([effects(of[0], of[rival]) for rival in range(1, k)]) for of in values])
+    a12, ratio, smaller = map(np.asarray, found)
+    alone = p_values(found)
+    classes = np.array([p_of_means(Effects(a12[at], ratio[at], smaller[at])) for at in _places(sizes)])
+    opened = np.array([(holm(own) <= level.across).all() for own in p_of_means(found).T])
+    on_problem, where = (
+        np.array(
+            [
+                (holm(own.ravel())[: first * (k - 1)] <= at).any()
+                for own, at in zip(np.moveaxis(p, 2, 0), by, strict=True)
+            ]
+        )
+        for p, first, by in ((alone, sizes[0], np.full(studies, level.problems)), (classes, 1, level.in_parts(opened)))
+    )
+    return on_problem, where, on_problem | where
+
+
+def _places(sizes: Sequence[int]) -> list[list[int]]:
+    ends = np.cumsum(sizes)
+    return [list(range(end - size, end)) for size, end in zip(sizes, ends, strict=True)]
 
 
 def of_chances(rng: np.random.Generator, chances: Floats, trials: int) -> Effects:

@@ -13,6 +13,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.stats import norm
 
 from bench.analysis.across import p_of_means
@@ -47,6 +48,14 @@ class Levels(NamedTuple):
     problems: float
     across: float
     course: float = 0.0
+
+    def in_parts(self, opened: ArrayLike) -> Floats:
+        """Return the level of the tests of a subject in parts of the problems and at smaller budgets.
+
+        It is that of the course. Where the gate is ``opened``, because every test over all problems rejects, these pass
+        their level on: a family of hypotheses after the one that guards it (Bretz, Maurer, Brannath and Posch 2009).
+        """
+        return self.course + self.across * np.asarray(opened, dtype=np.float64)
 
 
 class ClaimRates(NamedTuple):
@@ -174,7 +183,9 @@ def claims(
         of_parts = [Effects(*(each[list(places)] for each in (a12, ratio, smaller))) for places in parts]
         every = [p_of_means(of_part) for of_part in of_parts]
         none = np.zeros_like(over_all)
-        where = _holm(np.concatenate(every), np.tile(equal, len(every)), level.course) if every else none
+        steps = np.sort(p, axis=0) * np.arange(len(p), 0, -1)[:, np.newaxis]
+        opened = level.in_parts((steps <= level.across).all(axis=0))
+        where = _holm(np.concatenate(every), np.tile(equal, len(every)), opened) if every else none
         return on_problem, over_all, where
     won = np.zeros((optimizers, p.shape[1]), dtype=np.int64)
     for place, (first, second) in enumerate(rivals):
@@ -183,11 +194,15 @@ def claims(
     return on_problem, over_all, (won == optimizers - 1).any(axis=0)
 
 
-def _holm(p: Floats, equal: Flags, level: float) -> Flags:
-    """Return in which studies Holm's method rejects any of the ``equal`` pairs, from p-values of (pairs, studies)."""
+def _holm(p: Floats, equal: Flags, level: float | Floats) -> Flags:
+    """Return in which studies Holm's method rejects any of the ``equal`` pairs, from p-values of (pairs, studies).
+
+    ``level`` may differ by study.
+    """
     if equal.all():  # it begins with the smallest
         return np.asarray(p.min(axis=0) * len(p) <= level)
-    return np.array([bool((holm(own)[equal] <= level).any()) for own in p.T])
+    levels_of = np.broadcast_to(level, p.shape[1:])
+    return np.array([bool((holm(own)[equal] <= at).any()) for own, at in zip(p.T, levels_of, strict=True)])
 
 
 def _pairs(stratum: Stratum, of_first: bool) -> Effects:

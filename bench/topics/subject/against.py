@@ -62,6 +62,7 @@ class Against:
         rivals: in the order of their places.
         parts: of :func:`bench.analysis.in_parts`.
         levels: of the tests.
+        parts_level: of all tests in parts together (:meth:`bench.analysis.Levels.in_parts`).
         pairs: the pairs over which the tests are adjusted.
         declared: whether the first run named the subject, so that its pairs alone are tested.
         looks: whether the study declares looks, which test every pair.
@@ -78,6 +79,7 @@ class Against:
     rivals: Sequence[Rival]
     parts: pd.DataFrame
     levels: Levels
+    parts_level: float
     pairs: int
     declared: bool
     looks: bool
@@ -152,7 +154,7 @@ def against(findings: Findings) -> Against:
             )
         )  # fmt: skip
     return Against(
-        subject, rivals, _parts(findings, complete), final.levels, final.tested,
+        subject, rivals, _parts(findings, complete), final.levels, _parts_level(findings), final.tested,
         declared=findings.declared, looks=bool(findings.results.study.looks), problems=len(complete),
         trials=trials.per_cell_words, budget=findings.budget_words,
         target=findings.anytime.target_set.at(findings.anytime.target_set.level),
@@ -163,16 +165,23 @@ def against(findings: Findings) -> Against:
 def _parts(findings: Findings, complete: Sequence[str]) -> pd.DataFrame:
     """Return the subject against each rival by dimension, by class of functions, and at smaller budgets."""
     final, level = findings.final, findings.final.levels.course
-    earlier = findings.anytime.earlier_leads(findings.subject, level)
+    earlier = findings.anytime.earlier_leads(findings.subject, level)  # whose p does not depend on a level
     subjects = 1 if final.subject else len(findings.trials.optimizers)
     return analysis.in_parts(
         final.pairs,
         parts_of(findings, complete),
         earlier if level else earlier.head(0),
         findings.subject,
-        level,
+        _parts_level(findings),
         subjects,
     )
+
+
+def _parts_level(findings: Findings) -> float:
+    """Return the level of the tests in parts, to which those over all problems pass theirs where all of them reject."""
+    final = findings.final
+    opened = (final.tested_overall["p_holm"] <= final.levels.across).all()
+    return float(final.levels.in_parts(opened))
 
 
 def parts_of(findings: Findings, complete: Sequence[str]) -> dict[tuple[str, str], list[str]]:

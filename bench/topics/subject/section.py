@@ -72,7 +72,7 @@ def _where(known: Against) -> Table:
         "against-rivals-in-parts",
         f"The probability that a run of {known.subject} ends lower in parts of the problems and at smaller budgets.",
         wide,
-        note=f"+: shown to be better, −: to be worse, at {known.levels.course:g} for all of this table together, by "
+        note=f"+: shown to be better, −: to be worse, at {known.parts_level:g} for all of this table together, by "
         f"Holm’s method. Classes and dimensions of two problems at least.",
         data=table,
     )

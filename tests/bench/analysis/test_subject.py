@@ -15,7 +15,7 @@ from bench.analysis import (
     signs_of,
     summarise,
 )
-from bench.analysis.error_rates import claims
+from bench.analysis.error_rates import Levels, claims
 from bench.analysis.pairwise import holm
 
 EARLIER = pd.DataFrame({"share": [0.1], "optimizer": ["c"], "probability": [0.2], "p": [1e-9], "shown": [False]})
@@ -134,3 +134,15 @@ def test_a_claim_on_a_part_is_found_where_it_is_true():
     _, over_all, in_part = claims(studies, level, parts=[[0, 1], [2, 3]])
     assert in_part.all()
     assert over_all.mean() < 0.2
+
+
+def test_a_level_passes_on_to_parts_where_every_test_over_all_problems_rejects():
+    level = Levels(0.01, 0.035, 0.005)
+    assert level.in_parts([False, True]).tolist() == pytest.approx([0.005, 0.04])
+    values = np.random.default_rng(1).standard_normal((8, 3, 200, 15))
+    values[:2, 1:] += 0.7
+    shut = claims([[list(of)] for of in values], level, parts=[[0, 1]])[2].mean()
+    values[2:, 1:] += 2.0  # on the other problems, which opens the gate
+    _, over_all, opened = claims([[list(of)] for of in values], level, parts=[[0, 1]])
+    assert over_all.all()
+    assert opened.mean() > shut + 0.2

@@ -26,7 +26,8 @@ def rival(label, outcome, chance=0.7, **more):
 
 def known(*rivals, **more):
     facts = {
-        "subject": "rDE", "rivals": rivals, "parts": PARTS, "levels": Levels(0.01, 0.035, 0.005), "pairs": len(rivals),
+        "subject": "rDE", "rivals": rivals, "parts": PARTS, "levels": Levels(0.01, 0.035, 0.005), "parts_level": 0.005,
+        "pairs": len(rivals),
         "declared": True, "looks": False, "problems": 24, "trials": "15 trials", "budget": "1,000 d evaluations",
         "target": "precision 1e-8", "conditions": "", "sweep": "", "selected": False,
     }  # fmt: skip
@@ -150,6 +151,15 @@ def test_the_table_has_a_row_for_each_rival(folder):
     assert table.frame["better / worse / open"].to_dict() == {"a": "0 / 2 / 0", "c": "2 / 0 / 0"}
     assert table.frame.index.name == "b against"
     assert set(table.data) >= {"label", "outcome", "chance", "low", "high", "p", "ratio"}
+
+
+def test_tests_over_all_problems_that_all_reject_pass_their_level_on_to_parts(make, folder, tmp_path):
+    known = against(findings(folder))
+    assert known.parts_level == pytest.approx(known.levels.course + known.levels.across)
+    alike = against(findings(make(tmp_path / "s", changes={"c": {"fun": 6.0}, "b": {"fun": 6.0}})))
+    assert alike.parts_level == alike.levels.course
+    rule = verdict.section(findings(folder)).cards[4].text[0]
+    assert f"together, by Holm’s method, or at {known.parts_level:g} where every test over all problems rejects" in rule
 
 
 def test_without_a_subject_there_is_no_section(folder):
