@@ -16,6 +16,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
+from bench.analysis.cells import NO_TRACE
 from bench.columns import FEATURES, RESERVED, STORED
 from bench.errors import BenchError
 from bench.formats import naming
@@ -26,7 +27,6 @@ from bench.objective import Trace
 COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
 KEYS = ["problem", "optimizer", "trial"]
-NONE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 _COUNTS, _NUMBERS, _TEXTS = (
     tuple(column.name for column in STORED if column.kind is kind and column.frame and not column.required)
     for kind in (int, float, str)
@@ -148,7 +148,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         optimizer = label(row["optimizer"], str(trials))
         problem = label(row["problem"], str(trials))
         dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
-        yield ImportedRun(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NONE), key[2], columns)
+        yield ImportedRun(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NO_TRACE), key[2], columns)
 
 
 def _known(value: float) -> float | None:

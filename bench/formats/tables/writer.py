@@ -10,10 +10,10 @@ from itertools import chain
 import numpy as np
 import pandas as pd
 
+from bench.analysis.cells import NO_TRACE
 from bench.columns import FRAME
 from bench.errors import require
 from bench.formats.trials import FormatWriter, readme
-from bench.objective import Trace
 from bench.results.results import StoredResults
 
 TEXTS, COUNTS = (tuple(column.name for column in FRAME if column.kind is kind) for kind in (str, int))
@@ -21,7 +21,6 @@ WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {
     "csv": lambda frame: frame.to_csv(index=False, lineterminator="\n"),
     "parquet": lambda frame: frame.to_parquet(engine="pyarrow", index=False),
 }
-NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
 def files(results: StoredResults, kind: str) -> Iterator[tuple[str, str | bytes]]:
