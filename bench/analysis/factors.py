@@ -10,26 +10,33 @@ The chances of all combinations on a problem are a function of the parameters on
 apart into main effects and interactions (Hutter, Hoos and Leyton-Brown 2014, An efficient approach for assessing
 hyperparameter importance, ICML). Each part's variance over the grid holds a known part of the randomness of the trials,
 which is subtracted: the variance of a parameter without any effect is 0 in expectation, and below it as often as above.
+
+Whether a parameter matters at all on these problems, by itself or together with others, is tested by permutation: were
+it without effect, its values could be exchanged among the trials of a block, in which all else is equal. That holds
+whatever the distributions are, with ties and failed trials as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, product
+from math import comb
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest, chi2, rankdata
+from scipy.stats import binomtest, rankdata
 
-from bench.analysis.across import friedman
-from bench.analysis.cells import cells, labels
-from bench.analysis.direction import ALPHA, least_p
+from bench.analysis.across import friedman, p_of_means
+from bench.analysis.cells import labels
+from bench.analysis.direction import ALPHA, effects, least_p, stacked, stratified
 from bench.analysis.pairwise import holm
+from bench.analysis.strata import strata
 from bench.study.sweep import Levels, Sweep
 from bench.typing import Floats
 
-FEWEST = 5  # trials of each combination, from which a parameter is tested on a single problem
+PERMUTATIONS = (199, 4_999)  # of a test, the fewest and the most
+WORK = 10_000_000  # values that a test permutes
 HIGHER, TRIALS = "higher interactions", "randomness of trials"
 """The names of the components that are no parameter and no pair of parameters."""
 
@@ -41,50 +48,63 @@ class Contributions(NamedTuple):
 
     Attributes:
         levels: problem, factor, level and ``chance``, the mean over the combinations with that value.
-        effects: problem, component, ``share`` of the variance of the chances of single trials, and p. Components are
-            the parameters, their pairs as "a × b", :data:`HIGHER` and :data:`TRIALS`; their shares add up to 1, and
-            those of parts without effect scatter about 0. Shares are missing where a combination has a single trial, or
-            all trials tie. p is that of :func:`stratified_test`, of parameters only, and missing below :data:`FEWEST`
-            trials.
+        effects: problem, component and ``share`` of the variance of the chances of single trials. Components are the
+            parameters, their pairs as "a × b", :data:`HIGHER` and :data:`TRIALS`; their shares add up to 1, and those
+            of parts without effect scatter about 0. Shares are missing where a combination has a single trial, or all
+            trials tie.
+        tests: :func:`level_tests`, with ``p_here``, of :func:`permutation_test` over the blocks of all problems,
+            adjusted over the parameters, below which p_holm then never is, and ``worse``, a list of the values of a
+            parameter that matters which are shown to end higher than the best one: by the test of the mean A12 over
+            blocks, Bonferroni over all pairs of values of all parameters.
         left_out: the problems on which a combination has no trial.
     """
 
     levels: pd.DataFrame
     effects: pd.DataFrame
+    tests: pd.DataFrame
     left_out: list[str]
+
+
+Group = dict[Levels, Floats]  # the values of each combination on an instance
 
 
 def contributions(frame: pd.DataFrame, sweep: Sweep) -> Contributions:
     """Return the contributions of a sweep's parameters on each problem; the sweep must lack no combination."""
     factors = {name: levels for name, levels in sweep.factors.items() if len(levels) > 1}
-    by_cell = cells(frame[frame["optimizer"].isin(list(sweep.labels.values()))], merge=True)
     chosen = {
         tuple(level for name, level in zip(sweep.factors, levels, strict=True) if name in factors): label
         for levels, label in sweep.labels.items()
     }
-    levels, effects, left_out = [], [], []
-    for problem in labels(frame, "problem"):
-        samples = {key: by_cell.get((problem, label), np.empty(0)) for key, label in chosen.items()}
-        fewest = min(map(len, samples.values()))
-        if not fewest:
+    own = frame[frame["optimizer"].isin(list(chosen.values()))]
+    place = {label: number for number, label in enumerate(labels(own, "optimizer"))}
+    levels, shares, left_out, compared = [], [], [], list[list[Group]]()
+    for problem, instances in strata(own).items():
+        groups = [{key: group[place[label]] for key, label in chosen.items()} for group in instances if place]
+        samples = {key: np.concatenate([group[key] for group in groups]) for key in chosen if groups}
+        if not samples or not min(map(len, samples.values())):
             if any(map(len, samples.values())):
                 left_out.append(problem)
             continue
+        compared.append(groups)
         chances_of = dict(zip(samples, chances(list(samples.values())), strict=True))
         means = [float(chances_of[key].mean()) for key in product(*factors.values())]
         parts = decomposed(np.reshape(means, [len(values) for values in factors.values()]))
         for axis, (name, own_levels) in enumerate(factors.items()):
             main = 0.5 + parts[(axis,)].ravel()
             levels += [(problem, name, level, chance) for level, chance in zip(own_levels, main, strict=True)]
-        tested = {
-            name: stratified_test(_strata(samples, factors, name)) if fewest >= FEWEST else np.nan for name in factors
-        }
-        for component, share in _shares(chances_of, parts, list(factors)).items():
-            effects.append((problem, component, share, tested.get(component, np.nan)))
+        shares += [(problem, *part) for part in _shares(chances_of, parts, list(factors)).items()]
+    by_level = pd.DataFrame(levels, columns=["problem", "factor", "level", "chance"])
+    tests = level_tests(by_level)
+    here = holm(np.array([permutation_test(_ranked(compared, factors, name)) for name in tests["factor"]], dtype=float))
+    level = ALPHA / max(sum(comb(len(values), 2) for values in factors.values()), 1)
+    worse: list[Any] = [
+        [*_worse(compared, factors, str(row.factor), str(row.best), level)] if row.best and p <= ALPHA else []
+        for row, p in zip(tests.itertuples(), here, strict=True)
+    ]
+    p_holm = np.maximum(tests["p_holm"], here)
+    shares_of = pd.DataFrame(shares, columns=["problem", "component", "share"])
     return Contributions(
-        pd.DataFrame(levels, columns=["problem", "factor", "level", "chance"]),
-        pd.DataFrame(effects, columns=["problem", "component", "share", "p"]),
-        left_out,
+        by_level, shares_of, tests.assign(p_here=here, p_holm=p_holm, worse=pd.Series(worse, dtype=object)), left_out
     )
 
 
@@ -122,28 +142,27 @@ def decomposed(grid: Floats) -> dict[tuple[int, ...], Floats]:
     return parts
 
 
-def stratified_test(strata: list[list[Floats]]) -> float:
-    """Return p of the test that the samples of every stratum come from one distribution, against a common shift.
+def permutation_test(blocks: Sequence[Sequence[Floats]], seed: int = 0) -> float:
+    """Return p of the test that, in every block, the samples of all values of a parameter have one distribution.
 
-    Each stratum holds a sample for each value of the parameter, all else being equal. Ranks within strata are summed
-    with the weights of van Elteren (1960, Bulletin de l'Institut International de Statistique 37), for two samples or
-    more; the chi-squared statistic uses the variances under permutation within strata, so ties are accounted for. With
-    one stratum it is the test of Kruskal and Wallis, with one value a sample Friedman's.
+    Each block holds a sample for each value, all else being equal. The statistic adds the variation between the means
+    of the values over all blocks to that within each block, over the root of their number, so that both weigh the same
+    where nothing has an effect: effects count whose direction differs from block to block, and with single trials those
+    that do not (Pesarin and Salmaso 2010, Permutation Tests for Complex Data). Values are exchanged within blocks.
     """
-    k = len(strata[0])
-    total, variance = np.zeros(k), np.zeros((k, k))
-    for samples in strata:
-        sizes = np.array([len(sample) for sample in samples], dtype=float)
-        n = sizes.sum()
-        ranks = rankdata(np.concatenate(samples))
-        sums = np.array([part.sum() for part in np.split(ranks, np.cumsum([len(sample) for sample in samples])[:-1])])
-        total += (sums - sizes * ranks.mean()) / (n + 1)
-        spread = ranks.var() * n / max(n - 1, 1)
-        variance += spread * (np.diag(sizes) - np.outer(sizes, sizes) / n) / (n + 1) ** 2
-    if variance.trace() < 1e-12:  # all values tie
-        return 1.0
-    statistic = float(total[:-1] @ np.linalg.pinv(variance[:-1, :-1]) @ total[:-1])
-    return float(chi2.sf(statistic, k - 1))
+    rng, trials = np.random.default_rng(seed), sum(len(sample) for block in blocks for sample in block)
+    number = int(np.clip(WORK // max(trials, 1), *PERMUTATIONS))
+    apart = np.zeros(1 + number)  # the first is that of the samples as they are
+    over_all, weights = np.zeros((1 + number, len(blocks[0]))), np.zeros(len(blocks[0]))
+    for block in blocks:
+        sizes = np.array([len(sample) for sample in block])
+        values = np.tile(np.concatenate(block) - np.mean(np.concatenate(block)), (1 + number, 1))
+        rng.permuted(values[1:], axis=1, out=values[1:])
+        sums = np.add.reduceat(values, np.cumsum(sizes) - sizes, axis=1)
+        apart += (sums**2 / sizes).sum(axis=1)
+        over_all, weights = over_all + sums, weights + sizes
+    found = apart / np.sqrt(len(blocks)) + (over_all**2 / weights).sum(axis=1)
+    return float(np.mean(found >= found[0] - 1e-9))
 
 
 def mean_shares(effects: pd.DataFrame) -> pd.Series[float]:
@@ -186,13 +205,39 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     return tests.assign(p_holm=holm(tests["p"].to_numpy(dtype=float)))
 
 
-def _strata(samples: Mapping[Levels, Floats], factors: Mapping[str, Levels], name: str) -> list[list[Floats]]:
+def _ranked(compared: Sequence[Sequence[Group]], factors: Mapping[str, Levels], name: str) -> list[list[Floats]]:
+    """Return the blocks of a parameter with ranks among all trials of an instance, from 0 to 1, in place of values."""
+    blocks = []
+    for group in (group for groups in compared for group in groups):
+        ranks = rankdata(np.concatenate([*group.values()]))
+        ends = np.cumsum([len(values) for values in group.values()])[:-1]
+        blocks += _blocks(dict(zip(group, np.split(ranks / len(ranks), ends), strict=True)), factors, name)
+    return blocks
+
+
+def _worse(
+    compared: Sequence[Sequence[Group]], factors: Mapping[str, Levels], name: str, best: str, level: float
+) -> Iterator[str]:
+    """Yield the values of a parameter that are shown to end higher than the best one, in the mean over blocks."""
+    place = factors[name].index(best)
+    for other, value in enumerate(factors[name]):
+        pairs = [
+            stratified([effects(block[place][np.newaxis], block[other][np.newaxis]) for block in instances])
+            for groups in compared
+            for instances in zip(*(_blocks(group, factors, name) for group in groups), strict=True)
+        ]
+        every = stacked(pairs)
+        if other != place and every.a12.mean() > 0.5 and float(p_of_means(every)[0]) <= level:
+            yield value
+
+
+def _blocks(samples: Group, factors: Mapping[str, Levels], name: str) -> list[list[Floats]]:
     """Return the samples of each value of a parameter, by the combinations of all others."""
     axis = list(factors).index(name)
-    strata: dict[Levels, list[Floats]] = {}
+    blocks: dict[Levels, list[Floats]] = {}
     for key in product(*factors.values()):
-        strata.setdefault(key[:axis] + key[axis + 1 :], []).append(samples[key])
-    return list(strata.values())
+        blocks.setdefault(key[:axis] + key[axis + 1 :], []).append(samples[key])
+    return list(blocks.values())
 
 
 def _shares(

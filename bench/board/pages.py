@@ -19,7 +19,7 @@ SHORT = 12  # digits shown of a hash
 def write_index(
     path: Path, archives: Sequence[Archive], standings: Sequence[SettingRanks], addresses: Mapping[str, str]
 ) -> None:
-    """Write the first page: the rule, the archives, and a table for each setting."""
+    """Write the first page: a table for each setting, and below them the rule and the archives."""
     rows = [
         {"archive": archive.name, "study": archive.study.title or archive.study.name, "trials": f"{archive.trials:,}"}
         | archive.provenance
@@ -28,8 +28,11 @@ def write_index(
     caption = f"{count(len(archives), 'archive')}, each unpacked and compared with its checksums and digests."
     table = _table("archives", caption, pd.DataFrame(rows), archives, addresses)
     settings = [_setting(standing, archives, addresses) for standing in standings]
-    lead = f"{count(len(archives), 'archive')}; a section below for each of {count(len(standings), 'setting')}."
-    write_page(path, "A board of packed studies", lead, [Section("The rule", (RULE,), (table,)), *settings])
+    lead = (
+        f"{count(len(archives), 'archive')}; a section for each of {count(len(standings), 'setting')}, and below them "
+        "the rule and the archives."
+    )
+    write_page(path, "A board of packed studies", lead, [*settings, Section("The rule", (RULE,), (table,))])
 
 
 def write_study(path: Path, archive: Archive) -> None:

@@ -1,4 +1,7 @@
-"""The ``bench`` command. Exit codes: 1 after failed trials, 2 with one sentence for bad input, 130 for Ctrl-C."""
+"""The ``bench`` command.
+
+Exit codes: 1 after trials that failed or returned too early, 2 with one sentence for bad input, 130 for Ctrl-C.
+"""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +16,7 @@ from rich.text import Text
 
 from bench.cli import completion
 from bench.helpers.console import print_error
+from bench.helpers.text import listed
 from bench.numbers import require_jobs, span
 from bench.study import Study
 
@@ -56,6 +57,12 @@ def run_shown(study: Study, output: Path | None, console: Console, **settings: A
     except WorkerDiedError as error:
         print_error(str(error))
         sys.exit(1)
+
+
+def too_early(returned: Mapping[str, int]) -> str:
+    """Return a line on the trials that ended before the budget without a declared reason, by optimizer."""
+    who = listed([f"{label} ({number:,})" for label, number in returned.items()])
+    return f"trials that ended before the budget without a declared reason: {who}"
 
 
 def checked_jobs(value: int | None) -> int | None:

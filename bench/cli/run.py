@@ -31,6 +31,7 @@ from bench.cli.console import (
     Targets,
     Untrusted,
     run_shown,
+    too_early,
 )  # fmt: skip
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
@@ -198,9 +199,6 @@ def command(
             report_on([outcome.folder, *beside], console, jobs=jobs, beside_best=best)
     else:
         print_line(f"results in {outcome.folder}", console=console)
-    if outcome.undeclared:
-        who = listed([f"{label} ({number:,})" for label, number in outcome.undeclared.items()])
-        print_line(f"trials that ended before the budget without a declared reason: {who}", "yellow", console)
     for line in outcome.different:
         print_line(line, "red", console)
     if outcome.spared:
@@ -216,7 +214,10 @@ def command(
         print_error(f"{count(outcome.failed, 'trial')} failed; see the report or 'bench status {outcome.folder}'")
     if outcome.different:
         print_error("some trials are not repeated bit by bit: what their optimizers keep from trial to trial, or time")
-    if outcome.failed or unsound or outcome.different:
+    if outcome.undeclared:
+        remedy = 'loop until the budget ends the run, or call objective.stop("reason")'
+        print_error(f"{too_early(outcome.undeclared)}; {remedy}")
+    if outcome.failed or unsound or outcome.different or outcome.undeclared:
         sys.exit(1)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +9,7 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Parameters, table
+from bench.cli.console import Jobs, Parameters, table
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.console import pairs, print_line, steps
@@ -39,6 +38,7 @@ def command(
     budget: Annotated[str, typer.Option(help="Evaluations of a trial: a number, or such as '300 * d'.")] = "1500",
     option: Parameters = None,
     seed: Annotated[int, typer.Option(help="Seed of the trials.")] = 0,
+    jobs: Jobs = -1,
     plot: Annotated[Path, typer.Option(help="The file of the map (svg, pdf or png).")] = Path("similar.svg"),
     csv: Annotated[Path | None, typer.Option(help="Write the pairs with all digits into this file.")] = None,
 ) -> None:
@@ -49,7 +49,7 @@ def command(
     adjusted by Holm's method, at 5%. Options of --set go to all.
     """
     from bench.analysis.similarity import similarity
-    from bench.check.behaviour import behaviours, common_problems, recorder
+    from bench.check.behaviour import behaviours, recorders
     from bench.plots import style
     from bench.plots.similarity import similarity_map
     from bench.report.wording import count, p_text
@@ -63,7 +63,7 @@ def command(
         raise BenchError("similarity needs at least two optimizers; name another one")
     loaded = {name: loading.load_optimizer(name, **pairs(option)) for name in names}
     chosen = [name for pattern in problem or () for name in selection.matching(pattern)]
-    problems = {name: partial(recorder, loading.load_problem(name)) for name in chosen} or common_problems()
+    problems = recorders(chosen)
     spent = Budget.read(budget, "--budget")
     budgets = {label: spent.evaluations(make().dimension) for label, make in problems.items()}
     least = min(budgets.values())
@@ -72,7 +72,8 @@ def command(
         loaded_optimizer.check_budget(least, name)
     console = Console()
     with steps(console, "similar") as on_progress:
-        result = similarity(behaviours(loaded, problems, trials, budgets, seed, on_progress), seed=seed)
+        made = behaviours(names, pairs(option), chosen, trials, budgets, seed, jobs, on_progress)
+    result = similarity(made, seed=seed)
     rows = []
     for name in names:
         involved = result.pairs[(result.pairs["first"] == name) | (result.pairs["second"] == name)]

@@ -14,7 +14,7 @@ from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.text import Text
 
-from bench.cli.console import Output, table
+from bench.cli.console import Output, table, too_early
 from bench.helpers.console import duration, print_line
 from bench.helpers.text import count
 from bench.study.cell import read
@@ -105,6 +105,8 @@ def summary(folder: Folder) -> Group:
         rows.append((entry.label, done, Text(str(lost), "red" if lost else ""), planned, mean))
     head = Text(f"study {study.name}" + f": {study.title}" * bool(study.title)), Text(f"study hash {study.identity()}")
     lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
+    if returned := folder.store.undeclared():
+        lines.append(Text(too_early(returned), "red"))
     lines += map(Text, _kept(folder))
     if study.looks:
         at = ", ".join(f"{list(stopped.values()).count(look)} at {look}" for look in sorted({*stopped.values()}))

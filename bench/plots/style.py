@@ -172,24 +172,34 @@ def plain(label: str, at_most: int = 28) -> str:
 
 
 def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
-    """Return a short name for each label: of a sweep with long labels, the values that differ.
+    """Return a short name for each label, all of them distinct: of a sweep with long labels, the values that differ.
 
-    Long labels that would still read the same begin where they differ.
+    Long labels that would still read the same begin where they differ, or else have a number.
     """
-    short = {label: plain(text, at_most) for label, text in _differing(list(labels), at_most).items()}
+    texts = _differing(list(labels), at_most)
+    short = {label: plain(text, at_most) for label, text in texts.items()}
+    for group in _alike(short):
+        alike_letters = takewhile(lambda letters: len(set(letters)) == 1, zip(*group, strict=False))
+        start = max(len(list(alike_letters)) - 3, 0)
+        short |= {label: plain("…" + label[start:], at_most) for label in group}
+    left = [label for group in _alike(short) for label in group]
+    return short | {label: f"{plain(label, at_most - 4)} {number}" for number, label in enumerate(left, 1)}
+
+
+def _alike(short: Mapping[str, str]) -> list[list[str]]:
+    """Return the labels that have one name, for each name of several."""
     alike: dict[str, list[str]] = {}
     for label, name in short.items():
         alike.setdefault(name, []).append(label)
-    for group in alike.values():
-        if len(group) > 1:
-            alike_letters = takewhile(lambda letters: len(set(letters)) == 1, zip(*group, strict=False))
-            start = max(len(list(alike_letters)) - 3, 0)
-            short |= {label: plain("…" + label[start:], at_most) for label in group}
-    return short
+    return [group for group in alike.values() if len(group) > 1]
 
 
 def _differing(labels: Sequence[str], at_most: int) -> dict[str, str]:
-    """Return each label; of those as ``name[a=1,b=2]`` that share a name and are too long, without what all share."""
+    """Return each label; of those as ``name[a=1,b=2]`` that share a name and are too long, without what all share.
+
+    Where this is still too long, the values stand without the names of their parameters, after as much of ``name`` as
+    fits.
+    """
     texts = {label: label for label in labels}
     sweeps: dict[tuple[str, int], dict[str, list[str]]] = {}
     for label in labels:
@@ -200,7 +210,12 @@ def _differing(labels: Sequence[str], at_most: int) -> dict[str, str]:
     for (name, _), members in sweeps.items():
         differ = [len(set(column)) > 1 for column in zip(*members.values(), strict=True)]
         if any(differ) and max(map(len, members)) > at_most:
-            texts |= {label: f"{name}[{','.join(compress(parts, differ))}]" for label, parts in members.items()}
+            kept = {label: [*compress(parts, differ)] for label, parts in members.items()}
+            if max(len(",".join(parts)) for parts in kept.values()) > at_most - 5:
+                kept = {label: [part.partition("=")[2] or part for part in parts] for label, parts in kept.items()}
+            short = {label: ",".join(parts) for label, parts in kept.items()}
+            room = at_most - 2 - max(map(len, short.values()))
+            texts |= {label: f"{plain(name, room)}[{own}]" if room > 2 else own for label, own in short.items()}
     return texts
 
 

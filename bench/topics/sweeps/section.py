@@ -5,8 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.analysis.direction import ALPHA
-from bench.analysis.factors import FEWEST, HIGHER, TRIALS, Contributions, contributions, level_tests, mean_shares
-from bench.analysis.pairwise import holm
+from bench.analysis.factors import HIGHER, TRIALS, Contributions, contributions, mean_shares
 from bench.plots import style
 from bench.plots.factors import main_effect, share_map
 from bench.report.parts import Figure, Part, Section, Table
@@ -57,15 +56,15 @@ def _of(sweep: Sweep, result: Contributions | None) -> Section:
         return Section(
             sweep.name, (f"No problem has trials of every combination of {sweep.name}.",), (), tuple(warnings)
         )
-    tests, shares = level_tests(result.levels), mean_shares(result.effects).clip(lower=0)
+    tests, shares = result.tests, mean_shares(result.effects).clip(lower=0)
     problems = result.levels["problem"].nunique()
-    text = [_size(sweep, problems), _ranking(sweep, result, shares)]
-    text += [*_values(result, tests, problems), *_pairs(tests, shares)]
-    items: list[Part] = [_main_effects(sweep, result)]
+    text = [_size(sweep, problems), _matter(tests, problems), _ranking(sweep, result, shares)]
+    text += [*_values(tests, problems), *_pairs(tests, shares)]
+    items: list[Part] = [_parameters(sweep, result, shares), _main_effects(sweep, result)]
     factors = list(tests["factor"])
     if len(factors) > 1 and len(shares):
         items.append(_share_map(sweep, shares, factors))
-    items += [_levels(sweep, result, tests), _effects(sweep, result)]
+    items += [_levels(sweep, result), _effects(sweep, result)]
     return Section(sweep.name, tuple(filter(None, text)), tuple(items), tuple(warnings))
 
 
@@ -96,15 +95,31 @@ def _ranking(sweep: Sweep, result: Contributions, shares: pd.Series[float]) -> s
     return sentence
 
 
-def _values(result: Contributions, tests: pd.DataFrame, problems: int) -> list[str]:
+def _matter(tests: pd.DataFrame, problems: int) -> str:
+    """Return which parameters change the results on these problems, by themselves or together with others."""
+    shown, open_ = list[str](), list[str]()
+    for name, p in zip(tests["factor"], tests["p_here"], strict=True):
+        (shown if p <= ALPHA else open_).append(f"{name} ({p_text(p)})")
+    on = " on this problem" if problems == 1 else f" on these {problems} problems"
+    parts = [f"{listing(shown, 12)} {'matters' if len(shown) == 1 else 'matter'}{on}"] if shown else []
+    if open_:
+        parts.append(f"{'of' if shown else 'Of'} {listing(open_, 12)} no effect is shown{'' if shown else on}")
+    return f"{'; '.join(parts)}: permutation tests, adjusted over the parameters."
+
+
+def _values(tests: pd.DataFrame, problems: int) -> list[str]:
     """Return for each parameter which value is best, as far as problems and trials allow a statement."""
     sentences = []
-    shown = _shown(result)
     for row in tests.to_dict("records"):
         name, best = row["factor"], row["best"]
         clear = row["p_holm"] <= ALPHA and not row["note"]
         top, low = f"{row['chance']:.2f}", f"{row['lowest']:.2f}"
-        value = f"{best} has the highest mean chance ({top}; the lowest is {low})"
+        worse = (
+            f"is shown to be better than {listing(row['worse'], 12)}"
+            if row["worse"]
+            else "no value is shown to be worse"
+        )
+        value = f"{best} has the highest mean chance ({top}; the lowest is {low}), and {worse}"
         if not best or (top == low and not clear):
             value = f"no value stands out, as the mean chance of each is {top}"
         if problems == 1:
@@ -115,24 +130,8 @@ def _values(result: Contributions, tests: pd.DataFrame, problems: int) -> list[s
             outcome = f"{count(problems, 'problem')} are too few to test it across problems"
         else:
             outcome = f"no difference across problems is shown ({p_text(row['p_holm'])}, adjusted)"
-        single = ""
-        if name in shown:
-            on, tested = shown[name]
-            single = f" On {on} of {count(tested, 'problem')} the trials themselves show a difference."
-        sentences.append(f"{name}: {value}; {outcome}.{single}")
+        sentences.append(f"{name}: {value}; {outcome}.")
     return sentences
-
-
-def _shown(result: Contributions) -> dict[str, tuple[int, int]]:
-    """Return on how many of how many problems the trials show a difference between the values of each parameter."""
-    tested = result.effects.dropna(subset="p")
-    if tested.empty:
-        return {}
-    clear = pd.Series(holm(tested["p"].to_numpy(dtype=float)) <= ALPHA, index=tested.index)
-    return {
-        str(name): (int(is_clear.sum()), len(is_clear))
-        for name, is_clear in clear.groupby(tested["component"], sort=False)
-    }
 
 
 def _pairs(tests: pd.DataFrame, shares: pd.Series[float]) -> list[str]:
@@ -192,25 +191,50 @@ def _share_map(sweep: Sweep, shares: pd.Series[float], factors: list[str]) -> Fi
     return Figure(f"interactions-{sweep.name}", caption, figure, data)
 
 
-def _levels(sweep: Sweep, result: Contributions, tests: pd.DataFrame) -> Table:
+def _parameters(sweep: Sweep, result: Contributions, shares: pd.Series[float]) -> Table:
+    """Return a row a parameter: whether it matters, and which of its values are best."""
+    tests = result.tests.set_index(pd.Index(result.tests["factor"], name="parameter"))
+    across = [MISSING if note else _p(p) for p, note in zip(tests["p_holm"], tests["note"], strict=True)]
+    shown = pd.DataFrame(
+        {
+            "matters (p)": [_p(p) for p in tests["p_here"]],
+            "share": shares.reindex(tests.index),
+            "best value": tests["best"].replace("", MISSING),
+            "shown to be worse": [", ".join(worse) or MISSING for worse in tests["worse"]],
+            "across problems (p)": across,
+        }
+    )
+    return Table(
+        f"parameters-{sweep.name}",
+        f"Which parameters of {sweep.name} matter, and which values of them.",
+        shown,
+        decimals={"share": 2},
+        note="Matters: whether the results on these problems depend on the parameter, by itself or with others "
+        "(permutation test); share: of the variance, by itself; shown to be worse: than the best value, in the mean "
+        "over problems and the other parameters; across problems: whether the values differ on further problems, of "
+        "which these would be a sample. All three are tested at 5% for all parameters together, the last two only "
+        "where the first shows something.",
+        data=result.tests.assign(worse=[", ".join(worse) for worse in result.tests["worse"]]),
+    )
+
+
+def _p(p: float) -> str:
+    return p_text(p).removeprefix("p ").removeprefix("= ")
+
+
+def _levels(sweep: Sweep, result: Contributions) -> Table:
     chances = result.levels.groupby(["factor", "level"], sort=False)["chance"]
     shown = chances.mean().rename("mean chance").reset_index()
     highest = result.levels.groupby(["problem", "factor"])["chance"].transform("max")
     first = result.levels[result.levels["chance"] >= highest - 1e-9].groupby(["factor", "level"]).size()
     keys = pd.MultiIndex.from_frame(shown[["factor", "level"]])
     shown["best on problems"] = first.reindex(keys, fill_value=0).to_numpy()
-    p = {
-        row["factor"]: MISSING if row["note"] else p_text(row["p_holm"]).removeprefix("p ").removeprefix("= ")
-        for row in tests.to_dict("records")
-    }
-    shown["p (Holm)"] = shown["factor"].map(p)
     return Table(
         f"levels-{sweep.name}",
         f"The values of the parameters of {sweep.name}, over {count(result.levels['problem'].nunique(), 'problem')}.",
         shown.rename(columns={"factor": "parameter", "level": "value"}),
         decimals={"mean chance": 3},
-        note="p: whether the values of the parameter differ across problems; –: cannot be tested. The file has every "
-        "problem.",
+        note="The file has every problem.",
         data=result.levels,
     )
 
@@ -225,9 +249,7 @@ def _effects(sweep: Sweep, result: Contributions) -> Table:
         shown.rename_axis("problem").rename_axis(columns=None),
         decimals=2,
         note="0: no more than the randomness of trials explains; the file has the estimates, which may be below 0. "
-        "–: a combination has a single trial, or all trials tie. p in the file: whether the trials on this "
-        "problem show a difference between the values of a parameter (van Elteren’s test; from "
-        f"{FEWEST} trials a combination on).",
+        "–: a combination has a single trial, or all trials tie.",
         data=result.effects,
     )
 

@@ -24,11 +24,18 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
     rows: list[list[str]] = []
     if verdict.cards:
         ranking = findings.final.ranking.set_index("optimizer").to_dict("index")
-        for label in findings.final.ranked[:MOST]:
+        names = style.names(findings.final.ranked[:MOST], LONGEST)
+        for label, short in names.items():
             row = ranking[label]
             first = f"{row['first']:g} of {row['problems']:g}"
-            name = style.plain(label, LONGEST).replace(r"\$", "$")
-            rows.append([name, f"{row['mean_rank']:.2f}", first, percent(findings.anytime.near_best[label])])
+            rows.append(
+                [
+                    short.replace(r"\$", "$"),
+                    f"{row['mean_rank']:.2f}",
+                    first,
+                    percent(findings.anytime.near_best[label]),
+                ]
+            )
     more = len(findings.trials.optimizers) - len(rows) if rows else 0
     return {
         "sentence": sentences[0] if sentences else "",

@@ -85,6 +85,11 @@ def test_optimizers_of_one_setting_are_ranked_together(two, tmp_path):
     ]  # fmt: skip
 
 
+def test_the_first_page_opens_with_a_ranking(two, tmp_path):
+    page = write_board(two, tmp_path / "site").page.read_text(encoding="utf-8")
+    assert page.index("4 optimizers ranked on") < page.index("each unpacked and compared")
+
+
 def test_every_row_says_where_it_comes_from(two, tmp_path):
     page = write_board(two, tmp_path / "board").page.read_text()
     table = page.partition("bbob-f01")[2].partition("</table>")[0]

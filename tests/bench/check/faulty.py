@@ -81,6 +81,17 @@ class Empty(Walker):
 
 
 @dataclass(frozen=True)
+class Crowded(Walker):
+    """Draws two others than an agent and than each other, which it says nowhere."""
+
+    agents: int = parameter(10, minimum=1)
+
+    def minimize(self, objective, rng):
+        rng.choice(self.agents, 3, replace=False)
+        super().minimize(objective, rng)
+
+
+@dataclass(frozen=True)
 class Demanding(Walker):
     step: float
 

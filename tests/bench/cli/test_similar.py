@@ -8,7 +8,7 @@ import pytest
 def test_it_prints_clusters_and_draws_a_map(bench_here, tmp_path):
     done = bench_here(
         "similar", "hill-climber", "scatter", "--problem", "sphere-[23]", "--trials", "12", "--budget", "25 * d",
-        "--plot", tmp_path / "map.svg", "--csv", tmp_path / "pairs.csv",
+        "--jobs", 2, "--plot", tmp_path / "map.svg", "--csv", tmp_path / "pairs.csv",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "Every optimizer differs from every other one." in done.stdout

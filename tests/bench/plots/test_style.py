@@ -1,5 +1,7 @@
 """The look that all plots share, whose axes they draw on, and which problems they refuse."""
 
+from itertools import product
+
 import matplotlib
 import numpy as np
 import pandas as pd
@@ -176,6 +178,16 @@ def test_long_labels_of_a_sweep_show_the_values_that_differ():
     ]  # fmt: skip
     assert names["gwo"] == "gwo"
     assert style.names(labels[:1], 24)[labels[0]] == style.plain(labels[0], 24)  # nothing differs
+
+
+@pytest.mark.parametrize("at_most", [14, 18, 24])
+def test_names_of_a_sweep_over_many_parameters_are_distinct(at_most):
+    every = product((15, 30), (0.5, 0.9), (0.1, 0.9), ("false", "true"))
+    labels = ["RestartDE[agents={},F={},CR={},restart={}]".format(*values) for values in every]
+    names = [*style.names(labels, at_most).values()]
+    assert len(set(names)) == 16
+    assert max(map(len, names)) <= at_most
+    assert names[0] == {14: "Restar…se] 1", 18: "15,0.5,0.1,false", 24: "Res…DE[15,0.5,0.1,false]"}[at_most]
 
 
 def test_short_labels_of_a_sweep_stay_as_they_are():

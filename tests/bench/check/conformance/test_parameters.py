@@ -14,6 +14,8 @@ FAULTS = [
     (faulty.Greedy, "parameters", "takes anything as 'step'", "call super().__post_init__()"),
     (faulty.Hasty, "parameters", "a wrong 'step' raises TypeError", "before anything else"),
     (faulty.Empty, "parameters", "it takes agents=0", "the least population that the method works with"),
+    (faulty.Empty, "parameters", "it takes agents=0", "; runs of it end with 1 agent"),
+    (faulty.Crowded, "parameters", "it fails with agents=1, the least", "runs of it end with 3 agents, and not with 2"),
     (faulty.Demanding, "parameters", "'step' has no default", "a default"),
     (faulty.Abstract, "parameters", "no method minimize", "write minimize"),
     (faulty.Misfit, "parameters", "BenchError: parameter 'step' of Misfit must be a whole number", "that fit"),

@@ -22,9 +22,12 @@ def test_a_study_without_a_sweep_has_no_section(make, tmp_path):
 
 def test_shares_best_values_and_tests_are_stated(make, tmp_path):
     found = section(make(tmp_path / "s", SEVEN, tuple(OPTIONS), options=OPTIONS))
-    effects, shares, levels, each = found.items
+    parameters, effects, shares, levels, each = found.items
     assert levels.frame["best on problems"].tolist() == [7, 0, 7, 0]
-    assert levels.frame["p (Holm)"].tolist() == ["0.031"] * 4  # 2 / 2^7, twice
+    assert parameters.frame["across problems (p)"].tolist() == ["0.031"] * 2  # 2 / 2^7, twice
+    assert parameters.frame["matters (p)"].tolist() == ["< 0.001"] * 2
+    assert parameters.frame["shown to be worse"].tolist() == ["2", "y"]
+    assert "n (p < 0.001) and h (p < 0.001) matter on these 7 problems" in found.text[2]
     assert shares.data["share"].sum() == pytest.approx(1, abs=0.01)  # estimates below 0 are shown as 0
     assert each.frame.shape == (7, 4)
     assert set(effects.data["factor"]) == {"n", "h"}
@@ -36,6 +39,7 @@ def test_one_problem_one_trial_and_failures_support_no_claim(make, tmp_path):
     few = " ".join(section(make(tmp_path / "b", ("p", "q"), tuple(OPTIONS), 1, options=OPTIONS)).text)
     assert "Shares of the variance are not known: a combination has a single trial" in few
     assert "2 problems are too few to test it across problems" in few
+    assert "no effect is shown on these 2 problems" in few, few
     lost = section(make(tmp_path / "c", SEVEN, tuple(OPTIONS), options=OPTIONS, fail=list(product(SEVEN, OPTIONS))))
     assert "n: no value stands out, as the mean chance of each is 0.50" in " ".join(lost.text)
 
@@ -57,4 +61,4 @@ def test_two_sweeps_are_two_subsections(make, tmp_path):
     both = OPTIONS | {f"w[k={k}]": {"k": k} for k in (1, 2, 3)}
     found = section(make(tmp_path / "s", SEVEN, tuple(both), options=both))
     assert [each.title for each in found.sections] == ["o", "w"]
-    assert len(found.sections[1].items) == 3
+    assert len(found.sections[1].items) == 4
