@@ -56,7 +56,7 @@ def test_many_optimizers_of_long_names_fit_a_narrow_terminal(make, tmp_path):
     assert found["more"] == "and 3 other optimizers"
     assert max(map(len, lines(found))) <= 80
     assert len({name for name, *_ in found["rows"]}) == MOST
-    assert found["rows"][0][0] == "an-optimizer-with-a-l…its-options[0]"
+    assert found["rows"][0][0] == "an-optimizer-with-a-l…ts-options[0]"
 
 
 def test_without_a_comparison_it_states_why(make, tmp_path):
