@@ -10,7 +10,7 @@ within limits is that of Bhatia and Davis (2000, Am. Math. Mon. 107), and a mean
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import permutations
 from typing import NamedTuple
 
@@ -175,19 +175,14 @@ CHECKS: dict[str, Callable[[PaperCell, Facts], Iterator[str]]] = {
 """The checks of one cell, by kind."""
 
 
-def _groups(cells: Iterable[PaperCell], by: Callable[[PaperCell], tuple[object, ...]]) -> list[list[PaperCell]]:
-    groups: dict[tuple[object, ...], list[PaperCell]] = {}
-    for cell in cells:
-        groups.setdefault(by(cell), []).append(cell)
-    return list(groups.values())
-
-
 def _ranks(cells: Sequence[PaperCell]) -> Iterator[Remark]:
     """Yield a remark on each cell whose rank contradicts the numbers that the ranks of its table follow best."""
     ranked = [cell for cell in cells if "rank" in cell.numbers]
-    groups = _groups(ranked, lambda cell: cell.key[:-1])
+    groups: dict[tuple[object, ...], list[PaperCell]] = {}
+    for cell in ranked:
+        groups.setdefault(cell.key[:-1], []).append(cell)
     names = [name for name in ("mean", "best", "median") if all(name in cell.numbers for cell in ranked)]
-    wrong = {name: [pair for group in groups if (pair := _swapped(group, name))] for name in names}
+    wrong = {name: [pair for group in groups.values() if (pair := _swapped(group, name))] for name in names}
     if not names:
         return
     followed = min(wrong, key=lambda name: len(wrong[name]))
