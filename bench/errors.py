@@ -47,16 +47,27 @@ class PointError(RuntimeError):
         self.values, self.failed = values, failed
 
 
+LONGEST = 3_000
+"""Characters that are read of an exception's message."""
+
 PROBLEM_FAILED = f"{ProblemError.__name__}: "
 """With which the stored error of a trial begins that was lost by its problem."""
 
 
+def typed(error: BaseException) -> str:
+    """Return an exception as one line: its type, and the first line of its message."""
+    try:
+        message = (str(error)[:LONGEST].strip() or "no message").splitlines()[0]
+    except BaseException as another:  # __str__ is plug-in code too
+        message = f"its message cannot be read: {type(another).__name__}"
+    return f"{type(error).__name__}: {message}"
+
+
 def reason(error: BaseException) -> str:
-    """Return why an exception was raised, on one line: the system's words, a BenchError's own, or type and message."""
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    message = (str(error) or "no message").splitlines()[0]
-    return message if isinstance(error, BenchError) else f"{type(error).__name__}: {message}"
+    """Return why an exception was raised: the system's words, a BenchError's own, or its type and message."""
+    if isinstance(error, BenchError):
+        return str(error)
+    return error.strerror if isinstance(error, OSError) and error.strerror else typed(error)
 
 
 @contextmanager

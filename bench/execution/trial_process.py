@@ -47,8 +47,8 @@ def begin(study: Study, files: Files, held: Objects, data: dict[str, str]) -> No
         held: its plug-ins that are objects of a session.
         data: hashes of its problems' data, by label.
     """
-    global _begun
-    _begun = study
+    global _study
+    _study = study
     take(files)
     objects.held.update(held)
     _data.update(data)
@@ -61,11 +61,10 @@ def check_problems() -> dict[str, Any]:
     sentence on why.
     """
     try:
-        study = _study()
-        hashes, dimensions = study.data(_problem)
+        hashes, dimensions = _study.data(_problem)
         for label in hashes:
-            require_possible(_problem(label), *study.evaluation)
-        modules = defining([_problem(entry.label).unscored for entry in study.problems])
+            require_possible(_problem(label), *_study.evaluation)
+        modules = defining([_problem(entry.label).unscored for entry in _study.problems])
         return {"hashes": hashes, "dimensions": dimensions, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -74,9 +73,8 @@ def check_problems() -> dict[str, Any]:
 def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str, Any]:
     """Load the optimizers of one package; return what decides their trials and the machine, as for problems."""
     try:
-        study = _study()
-        hashes = study.code(labels, dimensions)
-        modules = defining([study.optimizer(label) for label in labels])
+        hashes = _study.code(labels, dimensions)
+        modules = defining([_study.optimizer(label) for label in labels])
         return {"hashes": hashes, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -101,7 +99,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
     except BaseException as error:  # only its own trials fail
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
-        scanner(_study().evaluations(problem.dimension), problem.dimension)
+        scanner(_study.evaluations(problem.dimension), problem.dimension)
         if isinstance(problem.unscored, FunctionProblem):
             problem.unscored.find_out()
         if compiles and (kind := type(problem.unscored)) not in _warm:
@@ -127,7 +125,7 @@ def probe(label: str) -> float:
 def load_optimizer(label: str) -> None:
     """Load an optimizer, so that its modules are imported; its trials report errors."""
     with contextlib.suppress(BaseException):
-        _study().optimizer(label)
+        _study.optimizer(label)
     _settle()
 
 
@@ -138,11 +136,11 @@ def warm_up(optimizer: str, box: Box) -> bool:
     reaches all its trials.
     """
     with contextlib.suppress(BaseException):  # the trial itself will report the error
-        budget = _study().evaluations(len(box.lower))
+        budget = _study.evaluations(len(box.lower))
         is_warm = optimizer in _warm
         _warm.add(optimizer)
         if not is_warm:
-            chosen = _study().optimizer(optimizer)
+            chosen = _study.optimizer(optimizer)
             problem = FunctionProblem(
                 lambda x: (x * x).sum(axis=1), box.lower, box.upper, vectorized=True, integer=box.integer
             )
@@ -168,15 +166,14 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
     effects = SideEffects()
     answer: dict[str, Any] = {}
     try:
-        study = _study()
-        optimizer = study.optimizer(trial.optimizer)
+        optimizer = _study.optimizer(trial.optimizer)
         if box is None:
-            problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *study.evaluation)
+            problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation)
         else:
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
         with effects, problem as minimized:
-            budget = study.evaluations(minimized.dimension)
-            limit = study.time if box is None else None  # else the other process has it
+            budget = _study.evaluations(minimized.dimension)
+            limit = _study.time if box is None else None  # else the other process has it
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit)
             answer = as_answer(_found)
         reason = _why_void(effects)
@@ -191,10 +188,10 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
     Return what :func:`bench.execution.answers.row` reads, and the metrics of the best point; or the error of the
     problem.
     """
-    study, problem = _study(), _problem(trial.problem)
-    with evaluated(problem, *study.evaluation) as minimized:
-        budget = study.evaluations(problem.dimension)
-        objective = scoring.objective(minimized, budget, streams(trial.seed)[0], seconds=study.time)
+    problem = _problem(trial.problem)
+    with evaluated(problem, *_study.evaluation) as minimized:
+        budget = _study.evaluations(problem.dimension)
+        objective = scoring.objective(minimized, budget, streams(trial.seed)[0], seconds=_study.time)
         seconds = apart.serve(objective, end)
     try:
         kept = result(objective, trial.seed, seconds, 0.0)
@@ -205,8 +202,6 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
 
 def confirm(label: str) -> dict[str, Any]:
     """Evaluate the best point of the trial that this process has made once more; return its metrics, or an error."""
-    if _found is None:
-        raise RuntimeError("no trial was made in this process")
     return _confirmed(_found, _problem(label))
 
 
@@ -257,15 +252,9 @@ def _settle() -> None:
     reset_random()
 
 
-def _study() -> Study:
-    if _begun is None:
-        raise RuntimeError("no study was begun in this process")
-    return _begun
-
-
 @cache
 def _problem(label: str) -> Problem:
-    problem = _study().problem(label)
+    problem = _study.problem(label)
     if _data.get(label, "") not in ("", problem.fingerprint()):
         raise BenchError(
             f"the data of problem {label!r} changed while the study ran, so none of its trials is made with the new "
@@ -274,7 +263,7 @@ def _problem(label: str) -> Problem:
     return problem
 
 
-_begun: Study | None = None
-_found: Result | None = None  # of the last trial
+_study: Study
+_found: Result  # of the last trial
 _data: dict[str, str] = {}  # hashes by label
 _warm: set[type | str] = set()  # kinds of problems, and optimizers

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from bench.errors import typed
 from bench.helpers.text import printable
 
 _LONGEST = 300  # characters of an exception's line
@@ -16,11 +17,7 @@ _FRAME = re.compile(r'^  File ".*$', re.MULTILINE)
 
 def describe_error(error: BaseException) -> str:
     """Return an exception as one printable line of about 300 characters: its type and message."""
-    try:
-        message = (str(error)[: 10 * _LONGEST].strip() or "no message").splitlines()[0]
-    except BaseException as another:  # __str__ is plug-in code too
-        message = f"its message cannot be read: {type(another).__name__}"
-    return printable(f"{type(error).__name__}: {message}".replace("\n", " "), _LONGEST)
+    return printable(typed(error).replace("\n", " "), _LONGEST)
 
 
 def end_of_output(written: bytes) -> str:

@@ -17,10 +17,9 @@ from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import loading
 from bench.study.entries import Entry
 from bench.study.study import Study
+from bench.study.tuned import AUTOMATIC
 
 LONGEST = 200  # characters of a value
-AUTOMATIC = option(None)
-"""The text of a condition that the optimizer chooses by itself, so that others cannot share it."""
 
 Values = dict[str, str]  # of parameters, as texts by name
 
@@ -53,7 +52,7 @@ class Description:
         """The conditions that others may share; without an option, it starts at random."""
         for name in CONDITIONS:
             value = self.conditions.get(name, "random" if name == "start" else AUTOMATIC)
-            if value != AUTOMATIC:
+            if value != AUTOMATIC:  # what an optimizer chooses by itself, others cannot share
                 yield name, value
 
 

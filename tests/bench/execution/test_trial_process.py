@@ -21,9 +21,7 @@ def confirmed(monkeypatch, small_study):
         assert "error" not in trial_process.make(Trial("any", label, 0, 1))
         return trial_process.confirm("any")
 
-    yield confirm
-    monkeypatch.setattr(trial_process, "_begun", None)
-    monkeypatch.setattr(trial_process, "_found", None)
+    return confirm
 
 
 def problem(function=lambda x: (x**2).sum(axis=1), describe=lambda x: {"norm": abs(x).sum()}):
