@@ -100,12 +100,7 @@ class Scored(Problem):
 
     def violations(self, x: Floats) -> Floats | None:
         """Return the (n, m) violations of the (n, d) points ``x``; a point is feasible where all are at most 0."""
-        if not self.handling:
-            return None
-        excess = floats(self.problem.violations(x.copy()), "violations", self.problem)  # type: ignore[arg-type]
-        if excess.ndim != 2 or len(excess) != len(x):
-            raise ValueError(f"problem {self.name!r} returned violations of shape {excess.shape} for {len(x)} points")
-        return excess
+        return violations_of(self.problem, x) if self.handling else None
 
     def repair(self, x: Floats) -> Floats:
         """Return the points nearest to the (n, d) ``x`` by the problem's own rule."""
@@ -237,6 +232,17 @@ def scored(problem: Problem, handling: str, on_error: str = "fail") -> Problem:
     return problem
 
 
+def violations_of(problem: Problem, x: Floats) -> Floats:
+    """Return the (n, m) violations of the (n, d) points, m = 0 without constraints; raises ValueError otherwise."""
+    returned = problem.violations(x.copy())
+    if returned is None:
+        return np.empty((len(x), 0))
+    excess = floats(returned, "violations", problem)
+    if excess.ndim != 2 or len(excess) != len(x):
+        raise ValueError(f"problem {problem.name!r} returned violations of shape {excess.shape} for {len(x)} points")
+    return excess
+
+
 def require_on_error(value: Any, what: str = "'on_error'") -> str:
     """Return one of :data:`ON_ERROR`; raises BenchError for anything else, naming it ``what``."""
     if value not in ON_ERROR:
@@ -249,10 +255,7 @@ def _constrained(problem: Problem) -> bool:
     if type(problem).violations is Problem.violations:
         return False
     with explained(f"problem {problem.name!r}: its violations cannot be computed", Exception):
-        violations = problem.violations(problem.lower[np.newaxis].copy())
-        if violations is not None and np.ndim(violations) != 2:
-            raise ValueError(f"they have the shape {np.shape(violations)}, not (n, m)")
-    return violations is not None and bool(np.size(violations))
+        return bool(violations_of(problem, problem.lower[np.newaxis]).size)
 
 
 def _check_integer(problem: Problem, flags: Flags) -> None:

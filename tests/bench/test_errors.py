@@ -5,7 +5,7 @@ import json
 import pytest
 
 from bench import BenchError
-from bench.errors import nearest, require
+from bench.errors import explained, nearest, require
 
 
 @pytest.mark.parametrize(
@@ -57,3 +57,30 @@ def test_an_extra_that_lacks_a_module_of_its_own_is_not_taken_for_missing(tmp_pa
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(ModuleNotFoundError, match="bench_missing"):
         require("bench_incomplete", "parquet", "the format needs")
+
+
+class UnprintableError(Exception):
+    def __str__(self):
+        raise OSError
+
+
+@pytest.mark.parametrize(
+    ("raised", "said"),
+    [
+        (FileNotFoundError(2, "No such file or directory"), "it fails: No such file or directory"),
+        (KeyError("a"), "it fails: KeyError: 'a'"),
+        (ValueError("one\ntwo"), "it fails: ValueError: one"),
+        (RuntimeError(), "it fails: RuntimeError: no message"),
+        (UnprintableError(), "it fails: UnprintableError: its message cannot be read: OSError"),
+        (BenchError("a sentence"), "a sentence"),
+    ],
+)
+def test_what_is_explained_is_one_sentence(raised, said):
+    with pytest.raises(BenchError) as error, explained("it fails", Exception):
+        raise raised
+    assert str(error.value) == said
+
+
+def test_other_kinds_are_not_explained():
+    with pytest.raises(KeyError), explained("it fails"):
+        raise KeyError

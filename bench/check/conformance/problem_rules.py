@@ -12,7 +12,6 @@ from bench.check.conformance.problem_subject import (
     rounded,
     sample,
     true_values,
-    violations,
 )
 from bench.check.conformance.recording import ViolationError
 from bench.errors import BenchError
@@ -25,6 +24,7 @@ from bench.plugins.loading import family, load_optimizer
 from bench.plugins.selection import is_of_suite
 from bench.problem import Problem
 from bench.scoring import constraints, scored
+from bench.scoring.problem import violations_of
 from bench.typing import Flags, Floats
 
 TOLERANCE = 1e-9
@@ -107,7 +107,7 @@ def check_batches(subject: ProblemSubject) -> str:
     """A point has the same bits alone, in a batch, in another order, a second time and after other calls."""
     problem = subject.fresh()
     x = sample(problem, 64, subject.seed)
-    for what, function in (("value", true_values), ("violation", violations)):
+    for what, function in (("value", true_values), ("violation", violations_of)):
         whole = function(problem, x)
         _expect_same(what, whole, function(problem, x), "a second time")
         _expect_same(what, whole, np.concatenate([function(problem, row[None]) for row in x]), "alone")
@@ -164,7 +164,7 @@ def check_box_repair(subject: ProblemSubject) -> str:
     moved = np.abs(again - points) > TOLERANCE * width
     if moved.any():
         raise ViolationError(f"{int(moved.any(axis=1).sum())} of {len(x)} points move when repaired again", remedy)
-    excess = violations(problem, rounded(points, flags))
+    excess = violations_of(problem, rounded(points, flags))
     feasible = (excess <= 0).all(axis=1)
     if problem.repairs and not feasible.all():
         raise ViolationError(
@@ -206,7 +206,7 @@ def _least(optimum: float) -> float:
 
 def _feasible_values(problem: Problem, x: Floats) -> Floats:
     """Return the (n,) true values of the (n, d) points, +inf where a constraint is violated."""
-    return np.where((violations(problem, x) <= 0).all(axis=1), true_values(problem, x), np.inf)
+    return np.where((violations_of(problem, x) <= 0).all(axis=1), true_values(problem, x), np.inf)
 
 
 def check_instances(subject: ProblemSubject) -> str:

@@ -10,9 +10,10 @@ from threadpoolctl import threadpool_limits
 
 from bench.check.conformance.recording import RecordedRun, seeded_global_states
 from bench.check.conformance.subject import AnySubject
-from bench.objective import as_values, floats, integer_flags, repaired
+from bench.objective import as_values, integer_flags, repaired
 from bench.plugins.loading import load_problem
 from bench.problem import Problem, with_own_box
+from bench.scoring.problem import violations_of
 from bench.trial import numbers
 from bench.typing import Flags, Floats
 
@@ -76,20 +77,9 @@ def observed(problem: Problem, x: Floats, seed: int) -> Floats:
     return as_values(problem, problem.evaluate(x.copy(), rng), len(x))  # type: ignore[call-arg]
 
 
-def violations(problem: Problem, x: Floats) -> Floats:
-    """Return the (n, m) violations of the (n, d) points, m = 0 without constraints; raises ValueError otherwise."""
-    returned = problem.violations(x.copy())
-    if returned is None:
-        return np.empty((len(x), 0))
-    excess = floats(returned, "violations", problem)
-    if excess.ndim != 2 or len(excess) != len(x):
-        raise ValueError(f"problem {problem.name!r} returned violations of shape {excess.shape} for {len(x)} points")
-    return excess
-
-
 def everything(problem: Problem, x: Floats, seed: int) -> Floats:
     """Return all that a problem returns of the (n, d) points, a row a point: values, repaired points, violations."""
-    columns = [true_values(problem, x)[:, None], repaired(problem, x), violations(problem, x)]
+    columns = [true_values(problem, x)[:, None], repaired(problem, x), violations_of(problem, x)]
     if problem.noisy:
         columns.append(observed(problem, x, seed)[:, None])
     described = [[value for _, value in sorted(numbers(problem.describe(row.copy())).items())] for row in x]

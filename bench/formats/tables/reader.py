@@ -148,7 +148,9 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         optimizer = label(row["optimizer"], str(trials))
         problem = label(row["problem"], str(trials))
         dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
-        yield ImportedRun(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NO_TRACE), key[2], columns)
+        yield ImportedRun(
+            problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NO_TRACE), key[2], columns
+        )
 
 
 def _known(value: float) -> float | None:

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from bench.helpers.text import file_name, free, joined, printable, unique
+from bench.helpers.text import file_name, free, joined, printable, short_hash, unique
 from tests.bench.names import HOSTILE
 
 
@@ -45,3 +45,7 @@ def test_printable_text_has_no_hidden_characters_and_a_limit(text, shown):
 
 def test_parts_are_joined_with_an_and_before_the_last():
     assert [joined(parts) for parts in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+
+
+def test_a_text_and_its_bytes_have_one_hash():
+    assert short_hash("é") == short_hash("é".encode()) == "4a99557e4033c353"

@@ -179,7 +179,7 @@ def test_what_cannot_be_handled():
         scored(quadrant(), "repair")
     with pytest.raises(BenchError, match="its violations cannot be computed: ZeroDivisionError"):
         scored(quadrant(violations=lambda x: 1 / 0), "death")
-    with pytest.raises(BenchError, match=r"they have the shape \(1,\), not \(n, m\)"):
+    with pytest.raises(BenchError, match=r"returned violations of shape \(1,\) for 1 points"):
         scored(quadrant(violations=lambda x: -x[:, 0]), "death")
     with pytest.raises(BenchError, match=r"'constraints' must be one of .*, not 'deth'; did you mean 'death'\?"):
         solve(quadrant(), "scatter", budget=20, constraints="deth")
