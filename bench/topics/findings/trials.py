@@ -11,6 +11,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
+from bench.analysis.strata import rows
 from bench.report.wording import count
 from bench.results.compared import Compared
 from bench.results.results import ProblemFacts, StoredResults
@@ -36,6 +37,11 @@ class Trials(Compared):
     def precisions(self) -> list[str]:
         """The problems with pooled instances, whose values are precisions; those of all others are objective values."""
         return self.pooled.functions
+
+    @cached_property
+    def stratified(self) -> list[str]:
+        """The problems whose trials are compared within each of their instances."""
+        return [label for label, strata in rows(self.frame).items() if len(strata) > 1]
 
     @cached_property
     def replications(self) -> list[Replication]:

@@ -82,6 +82,7 @@ def facts(findings: Findings) -> dict[str, Any]:
     return {
         "selection": findings.selection,
         "replications": trials.replications,
+        "within": len(trials.stratified),  # problems compared instance by instance
         "known": trials.known,  # facts of the problems, by label
         "suites": problem_words.suites(trials.known),
         "empty": int((trials.coverage["stored"] == 0).sum()),
@@ -92,7 +93,7 @@ def facts(findings: Findings) -> dict[str, Any]:
         "pairs": final.tests,
         "levels": final.levels,
         "blocks": len({trials.blocks[str(label)] for label in final.medians.index}),
-        "permutation_tests": int(final.pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties
+        "permutation_tests": int(final.tested_pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties
         "ranked_problems": len(final.medians),
         "known_optima": int(anytime.targets.drop_duplicates("problem")["known"].sum()),
         "targets": anytime.targets["problem"].nunique(),

@@ -134,6 +134,7 @@ def _meaning(trials: Trials, members: pd.DataFrame) -> str:
             f"does: all their trials are trials of the problem, and {'the' if some else 'its'} values are precisions, "
             f"the best objective value less the optimum of the instance, taken as 0 from {analysis.SOLVED:g} on."
             + (" The values of the others are objective values." if some else "")
+            + (" Trials are compared within each instance." if trials.stratified else "")
         )
     return text
 

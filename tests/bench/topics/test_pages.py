@@ -146,6 +146,23 @@ def controls(make, folder):
 
 
 @page
+def subject(make, folder):
+    """A subject that the first run named, on pooled instances, with too few trials for tests on problems.
+
+    It beats random search in every pair of trials, and loses to cma-es, which left a third of its budget.
+    """
+    pooled = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2, 3], "instances": "1-2"}
+    labels = ["gwo", "cma-es", "alo", "random-search"]
+    study = Study.from_dict(
+        {"name": "made", "trials": 5, "budget": 100, "problems": [pooled], "subject": "gwo",
+         "optimizers": [{"name": label} for label in labels]}
+    )  # fmt: skip
+    row_of = ends_at({"gwo": 0.03, "cma-es": 0.0, "alo": 0.04, "random-search": 40.0}, {"cma-es": 64})
+    store(folder, study, row_of, record=RECORD | {"subject": "gwo"})
+    return Findings(Results(folder))
+
+
+@page
 def instances_and_constraints(make, folder):
     """Pooled instances beside a problem with constraints and a single function."""
     pooled = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2], "instances": "1-3"}

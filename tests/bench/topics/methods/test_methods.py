@@ -65,7 +65,7 @@ NOTHING = {
     "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
     "rope": None, "landscapes": 0, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
     "tuning": None, "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
-    "registered": "", "subject": "", "subject_tested": "",
+    "registered": "", "subject": "", "subject_tested": "", "within": 0,
 }  # fmt: skip
 
 
@@ -139,7 +139,9 @@ CASES = {
     **{each: {"study": study(constraints=each)} for each in ("death", "penalty", "repair")},
     "constraints everywhere": {"study": study(constraints="death"), "known": dict.fromkeys("pqr", KNOWN["p"])},
     "instances": {"known": dict.fromkeys("pqr", FUNCTION), "replications": [Replication(3, 3, 9, 9, 3)]},
-    "some instances": {"replications": [Replication(2, 3, 15, 15, 5), Replication(1, 1, 5, 5, 5)]},
+    "instances compared within": {"replications": [Replication(3, 3, 9, 9, 3)], "within": 3},
+    "a subject": {"subject": "The first run named gwo.", "subject_tested": "gwo"},
+    "some instances": {"within": 2, "replications": [Replication(2, 3, 15, 15, 5), Replication(1, 1, 5, 5, 5)]},
     "many problems of a suite": {
         "study": study(problems=[f"p{number}" for number in range(21)]),
         "suites": "7 functions of bbob in dimensions 2, 5 and 10",
@@ -176,6 +178,11 @@ def test_the_sentences_of_every_case_are_the_committed_ones(committed):
         changed = [line for line in changed if not line.startswith("@@")]
         lines += ["", f"## {name}", *(f"{line[:BEGINNING]} …" if line[0] == "-" else line for line in changed)]
     committed("methods-cases", "\n".join([*lines, ""]))
+
+
+@pytest.mark.parametrize("changes", CASES.values(), ids=CASES)
+def test_no_sentence_has_a_stray_space_or_comma(changes):
+    assert not re.search(r" [,.;:)]|[,;:]\.|\.\.|,,|\( ", said(full(**changes)))
 
 
 class TestMethods:
