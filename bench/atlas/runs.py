@@ -91,7 +91,7 @@ def survey(
     trials: int,
     budget: int,
     seed: int = 0,
-    n_jobs: int = -1,
+    jobs: int = -1,
     on_progress: OnStep = lambda *_: None,
 ) -> list[Surveyed]:
     """Run all implementations and return what was seen of each, in order.
@@ -104,10 +104,10 @@ def survey(
         trials: of each implementation on each of ``PROBLEMS``.
         budget: evaluations of a trial.
         seed: repeats every number but times.
-        n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
+        jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         on_progress: called with the current implementation, the runs done and all runs.
     """
-    with safe_runs(n_jobs, ready) as begin:
+    with safe_runs(jobs, ready) as begin:
         begun = [
             _begin(begin, entry, method, trials, budget, seed) for method in methods for entry in method.implementations
         ]

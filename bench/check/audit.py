@@ -45,7 +45,7 @@ def audit(
     budget: int | str = BUDGET,
     timeout: float = TIMEOUT,
     seed: int = 0,
-    n_jobs: int = -1,
+    jobs: int = -1,
     **options: Any,
 ) -> dict[str, Any]:
     """Check an optimizer, make one of its trials twice, and compare it with baselines; all of it as untrusted code.
@@ -59,7 +59,7 @@ def audit(
         budget: evaluations of a trial, as in a study.
         timeout: seconds that a trial may take.
         seed: of instances and trials.
-        n_jobs: trials made at a time, -1 for one a core.
+        jobs: trials made at a time, -1 for one a core.
         options: parameters of the optimizer.
 
     Returns:
@@ -77,7 +77,7 @@ def audit(
         "sha256": next((sha256(file.content).hexdigest() for found in files.values() for file in found.values()), None),
         "check": [], "repetition": None, "comparison": None,
     }  # fmt: skip
-    record["reasons"] = _examined(record, list(problems) or drawn(seed), baselines, trials, budget, timeout, n_jobs)
+    record["reasons"] = _examined(record, list(problems) or drawn(seed), baselines, trials, budget, timeout, jobs)
     return record | {"accepted": not record["reasons"], "seconds": round(perf_counter() - began, 1)}
 
 
@@ -89,7 +89,7 @@ def drawn(seed: int) -> list[str]:
 
 def _examined(
     record: dict[str, Any], problems: list[str], baselines: Sequence[str], trials: int, budget: int | str,
-    timeout: float, n_jobs: int,
+    timeout: float, jobs: int,
 ) -> list[dict[str, str]]:  # fmt: skip
     """Fill the record; return the reasons for refusal, after the first stage that has any none of a later one."""
     name, options, seed = record["optimizer"], record["options"], record["seed"]
@@ -112,7 +112,7 @@ def _examined(
         return [_reason("repetition", repetition["difference"])]
     with TemporaryDirectory(prefix="bench-audit-") as place:
         output = Path(place) / "audit"
-        run(study, output, jobs=n_jobs, timeout=timeout, untrusted=True, verify=False, progress=False)
+        run(study, output, jobs=jobs, timeout=timeout, untrusted=True, verify=False, progress=False)
         frame = load_results(output)
     record["comparison"] = comparison = _compared(frame, problems, baselines) | {"trials": trials, "budget": budget}
     mine = frame[frame["optimizer"] == CANDIDATE]

@@ -133,7 +133,7 @@ def _verdicts(subject: Subject, bias: bool, jobs: int, apart: Sandbox | None) ->
     from bench.check.bias import diagnose  # not at the top: it imports scipy.stats and joblib
 
     try:
-        yield from diagnose(subject if apart else subject.fresh(), n_jobs=jobs, seed=subject.seed, sandbox=apart)
+        yield from diagnose(subject if apart else subject.fresh(), jobs=jobs, seed=subject.seed, sandbox=apart)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
         finding = f"it could not be examined: {describe_error(error)}"
         yield Verdict("bias", "bias", False, finding, "fix what raises on ordinary functions of seven variables")

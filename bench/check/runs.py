@@ -84,7 +84,7 @@ def make_runs(
     dimension: int = 7,
     runs: int = 10,
     noise_runs: int = 100,
-    n_jobs: int = -1,
+    jobs: int = -1,
     seed: int = 0,
     sandbox: Sandbox | None = None,
 ) -> Iterator[Runs | BenchError]:
@@ -97,7 +97,7 @@ def make_runs(
         dimension: the number of variables of every function.
         runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
         noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
-        n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
+        jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         seed: repeats every number.
         sandbox: in which all runs are made.
     """
@@ -109,7 +109,7 @@ def make_runs(
     ]
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     limits: dict[str, Any] = {"seconds": TIMEOUT, "memory": MEMORY} if sandbox else {}
-    with safe_runs(n_jobs, ready, sandbox) as begin:
+    with safe_runs(jobs, ready, sandbox) as begin:
         begun: list[list[Future[Any]] | BenchError] = []
         for group, optimizer in enumerate(optimizers):
             try:

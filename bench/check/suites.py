@@ -91,7 +91,7 @@ def compare_suites(
     *,
     dimensions: Sequence[int] = (),
     options: Mapping[str, Any] | None = None,
-    n_jobs: int = -1,
+    jobs: int = -1,
     seed: int = 0,
 ) -> list[Comparison]:
     """Compare the functions of a suite with those of others, at the same points.
@@ -103,7 +103,7 @@ def compare_suites(
             problem.
         dimensions: to compare in; by default 10 where a function has it, else its smallest.
         options: of the suite's problems, such as ``{"rotate": False}``.
-        n_jobs: functions computed at a time, -1 for one a core.
+        jobs: functions computed at a time, -1 for one a core.
         seed: of the points.
 
     Returns:
@@ -117,7 +117,7 @@ def compare_suites(
         if not from_file.split(other):
             _grid(other)
     members = _members(grid, dimensions)
-    with safe_runs(n_jobs, _ready) as begin:
+    with safe_runs(jobs, _ready) as begin:
         first = _samples(begin, suite, dict.fromkeys(members), seed, options or {})
         frames = {
             member: own if isinstance(own, str) else [own.box.tolist(), own.best.tolist()]

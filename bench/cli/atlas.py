@@ -43,7 +43,7 @@ def command(
     chosen = methods(file, method or ())
     console = Console()
     with steps(console, "atlas") as on_progress:
-        surveyed = survey(chosen, trials=trials, budget=budget, seed=seed, n_jobs=jobs, on_progress=on_progress)
+        surveyed = survey(chosen, trials=trials, budget=budget, seed=seed, jobs=jobs, on_progress=on_progress)
         on_progress("comparing", 1, 1)
         comparison = compare(surveyed)
     page = write_atlas(comparison, chosen, output, trials=trials, budget=budget, seed=seed)

@@ -52,7 +52,7 @@ def command(
 
     record = audit(
         name, problems=problem or (), baselines=baseline or BASELINES, trials=trials, budget=budget, timeout=timeout,
-        seed=seed, n_jobs=jobs, **pairs(option),
+        seed=seed, jobs=jobs, **pairs(option),
     )  # fmt: skip
     if as_json:
         print(json.dumps(record, indent=1, allow_nan=False))

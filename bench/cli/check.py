@@ -150,7 +150,7 @@ def check_suite(
     from bench.check.suites import by_function, compare_suites
 
     with console.status(f"comparing {suite}"):
-        made = compare_suites(suite, others, dimensions=dimensions, options=options, n_jobs=jobs)
+        made = compare_suites(suite, others, dimensions=dimensions, options=options, jobs=jobs)
     console.print(table(*cells(made)))
     for each in by_function(made):
         if each.detail and each.verdict != "rounding":

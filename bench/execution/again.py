@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 from bench.columns import Row, named
 from bench.execution.local import Answer
@@ -13,6 +14,7 @@ from bench.objective import OUT_OF_TIME
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
 from bench.storage.rows import disagreement
 from bench.storage.store import Store
+from bench.study import Study
 from bench.trial import Trial
 
 
@@ -24,25 +26,25 @@ class Repetition:
     made again of an optimizer whose trials all have expensive evaluations.
 
     Args:
-        parallel: points that are evaluated at a time.
+        study: whose trials they are.
 
     Attributes:
         expensive: the optimizers whose trials had them.
     """
 
-    def __init__(self, parallel: int = 1) -> None:
-        self._parallel = parallel
+    def __init__(self, study: Study) -> None:
+        self._study = study
         self.expensive: set[str] = set()
         self._chosen: dict[str, tuple[tuple[int, float], Trial]] = {}
 
     def consider(self, trial: Trial, row: Row) -> None:
         """Take note of a trial, and take from its row how many kinds of trials came before it in its process."""
         rank = -row.pop("after", 0), row.get("wall_s", 0.0)
-        if row["status"] == "ok" and row["objective_s"] * self._parallel >= EXPENSIVE * row["nfev"]:
+        if row["status"] == "ok" and row["objective_s"] * self._study.parallel >= EXPENSIVE * row["nfev"]:
             self.expensive.add(trial.optimizer)
             return
         best, _ = self._chosen.get(trial.optimizer, (rank, trial))
-        if row["status"] == "ok" and row["stop"] != OUT_OF_TIME and rank <= best:
+        if row["status"] == "ok" and not by_the_clock(row, self._study) and rank <= best:
             self._chosen[trial.optimizer] = rank, trial
 
     def make(self, folder: Folder, answers: Callable[[Callable[[], Iterable[Trial]]], Iterator[Answer]]) -> list[str]:
@@ -55,7 +57,7 @@ class Repetition:
             return []
         made, different = 0, []
         for trial, row, _ in answers(lambda: chosen):
-            if row["status"] != "timeout" and row.get("stop") != OUT_OF_TIME:
+            if row["status"] != "timeout" and not by_the_clock(row, self._study):
                 made += 1
                 if what := difference(folder.store, trial, row):
                     different.append(difference_line(trial, what))
@@ -69,6 +71,12 @@ class Repetition:
             part = {"trials": trials, "sentence": sentence, "different": lines}
             folder.note(VERIFICATION, folder.noted(VERIFICATION) | {AT_ENDS: part})
         return different
+
+
+def by_the_clock(row: Mapping[str, Any], study: Study) -> bool:
+    """Return whether a limit of time may have decided a trial: its own, or that of an evaluation, where any failed."""
+    failed = row["status"] == "failed" or row.get("failures")
+    return row.get("stop") == OUT_OF_TIME or (study.evaluation_timeout is not None and bool(failed))
 
 
 def difference(store: Store, trial: Trial, row: Row) -> str:

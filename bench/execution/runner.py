@@ -163,7 +163,7 @@ def run(
         def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
             return pool.answers(task, checked.machine, missing, under_way.begin)
 
-        answers, repetition = _answers(plan, folder, make, lookers), Repetition(study.parallel)
+        answers, repetition = _answers(plan, folder, make, lookers), Repetition(study)
         made = _make(plan, folder, answers, about, interrupts, repetition, listeners)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
@@ -248,6 +248,11 @@ def _plan(
         notes.append(
             f"a trial ends after {duration(study.time)}, whatever it has evaluated by then: where that comes before "
             "the budget, it cannot be repeated bit by bit, and a faster or less busy machine gives other results"
+        )
+    if study.evaluation_timeout is not None:
+        notes.append(
+            f"a point fails after {duration(study.evaluation_timeout)}: a trial in which one did depends on the machine "
+            "and is not made again"
         )
     store = folder.store
     shown = selection.labels_in(store.held())

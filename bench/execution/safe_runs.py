@@ -50,7 +50,7 @@ def safe_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int, 
 
 
 @contextmanager
-def safe_runs(n_jobs: int, ready: Callable[[], None], sandbox: Sandbox | None = None) -> Iterator[Begin]:
+def safe_runs(jobs: int, ready: Callable[[], None], sandbox: Sandbox | None = None) -> Iterator[Begin]:
     """Yield a function that has runs made side by side, none in a process where an optimizer of another group has run.
 
     It takes the group, a module's function with its arguments, and as keywords the limits of
@@ -58,11 +58,11 @@ def safe_runs(n_jobs: int, ready: Callable[[], None], sandbox: Sandbox | None = 
     numbers, texts and arrays of numbers. :func:`found` and :func:`in_order` wait for it.
 
     Args:
-        n_jobs: calls made at a time, -1 for one a core.
+        jobs: calls made at a time, -1 for one a core.
         ready: loads what all of them need, once.
         sandbox: in which they are made; None for none.
     """
-    with Pool(n_jobs, ready, sandbox) as pool:
+    with Pool(jobs, ready, sandbox) as pool:
         yield lambda group, *call, **limits: pool.submit(group, recorded, *call, printed=PRINTED, **limits)
 
 

@@ -11,16 +11,16 @@ from joblib import cpu_count
 
 from bench.errors import BenchError
 from bench.execution import open_files
-from bench.execution.again import difference, difference_line
+from bench.execution.again import by_the_clock, difference, difference_line
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
-from bench.numbers import require_whole
-from bench.objective import OUT_OF_TIME
+from bench.numbers import require_whole, taking_n_jobs
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
 from bench.storage.reading import StoreCheck
+from bench.study import Study
 from bench.trial import Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
@@ -54,11 +54,12 @@ class Verification:
             yield difference_line(trial, what)
 
 
+@taking_n_jobs
 def verify(
     path: str | PathLike[str],
     *,
     trials: int = 2,
-    n_jobs: int | None = None,
+    jobs: int | None = None,
     untrusted: bool = False,
     on_progress: OnStep | None = None,
 ) -> Verification:
@@ -75,7 +76,7 @@ def verify(
     Args:
         path: the folder that ``bench.run`` wrote.
         trials: the number of trials of each cell, chosen at random.
-        n_jobs: trials made at a time; None for a number other than the run's.
+        jobs: trials made at a time; None for a number other than the run's.
         untrusted: run all plug-ins in a sandbox of bubblewrap, with limits (Linux).
         on_progress: called with a title, the trials made and the total.
 
@@ -87,11 +88,11 @@ def verify(
     store = folder.check_store()
     checked = prepare(study, folder, untrusted)
     folder.require_unchanged(study, checked.fingerprints)
-    chosen = _chosen(folder, store, trials, study.seed)
+    chosen = _chosen(folder, study, store, trials)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
     cores, noted = int(cpu_count()), [record.get("jobs") for record in folder.environments()]
-    jobs = n_jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
+    jobs = jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
@@ -99,7 +100,7 @@ def verify(
         task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=most)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
-            if row.get("stop") != OUT_OF_TIME and (what := difference(folder.store, trial, row)):
+            if not by_the_clock(row, study) and (what := difference(folder.store, trial, row)):
                 different.setdefault(trial, what)
             if on_progress is not None:
                 on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
@@ -113,18 +114,21 @@ def verify(
     return outcome
 
 
-def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[Trial]:
+def _chosen(folder: Folder, study: Study, store: StoreCheck, trials: int) -> list[Trial]:
     """Return up to ``trials`` sound, finished trials of each cell, chosen at random."""
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
     with folder.store.reader() as reader:
-        for row in reader.sound(f"status = 'ok' AND stop <> '{OUT_OF_TIME}'"):
+        for row in reader.sound("status = 'ok'"):
+            if by_the_clock(row, study):
+                continue
             cell = cells.setdefault((row["problem"], row["optimizer"]), [])
             cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
     if not cells:
-        but = "" if folder.study().time is None else ", but of those that their limit of time has ended"
+        limits = [limit for limit in (study.time, study.evaluation_timeout) if limit is not None]
+        but = ", but of those that a limit of time may have decided" if limits else ""
         raise BenchError(
             f"{folder.path} holds no finished trial to verify{but}" + f"; {store.sentence}" * (not store.sound)
         )
-    choice = random.Random(seed)
+    choice = random.Random(study.seed)
     return [trial for cell in cells.values() for trial in choice.sample(cell, min(trials, len(cell)))]

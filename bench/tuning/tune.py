@@ -114,7 +114,7 @@ def tune(
     problems: Mapping[str, Problem],
     setting: TuningSetup,
     journal: Path,
-    n_jobs: int = -1,
+    jobs: int = -1,
     on_progress: OnStep = lambda *_: None,
 ) -> list[Best]:
     """Tune the optimizers, one after the other; what the journal holds already is not run again.
@@ -124,7 +124,7 @@ def tune(
         problems: the training problems by name.
         setting: what is the same for all optimizers.
         journal: optuna's own storage; the same command with the same journal continues.
-        n_jobs: runs made at a time, -1 for one a core; it decides nothing else.
+        jobs: runs made at a time, -1 for one a core; it decides nothing else.
         on_progress: called before each configuration.
 
     Raises:
@@ -132,7 +132,7 @@ def tune(
     """
     optuna = require("optuna", "optuna", "tuning needs")
     bests = []
-    with _alone(journal), quiet(optuna), safe_runs(n_jobs, ready) as begin:
+    with _alone(journal), quiet(optuna), safe_runs(jobs, ready) as begin:
         storage = _storage(optuna, journal)
         for place, (name, own_axes) in enumerate(axes.items()):
             search = _Search(optuna, storage, name, own_axes, setting, problems, begin)

@@ -45,7 +45,7 @@ def response(joint: Joint, half_gaps: Sequence[float], *, jobs: int = 1, shown: 
         BenchError: where a half-gap cannot be simulated or fitted, and for a number of jobs that cannot be.
     """
     require_jobs("the number of jobs", jobs)
-    fits = Parallel(n_jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
+    fits = Parallel(jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
     bar = track(fits, "fits", len(half_gaps), console=Console(stderr=True), transient=True, disable=not shown)
     strengths = 60 * np.array(list(bar))
     return strengths.mean(axis=1), strengths.std(axis=1)

@@ -120,7 +120,7 @@ def test_failures_cost_their_own_implementation_alone(swarm):
     names = ("Swarm", "Swarm", "Wild", "Exiting", "Lucky", "Nobody")
     one, copy, wild, exiting, lucky, missing = survey(
         table(swarm, *((f"{name} {number}", name) for number, name in enumerate(names))),
-        trials=2, budget=60, n_jobs=2, on_progress=lambda *shown: seen.append(shown),
+        trials=2, budget=60, jobs=2, on_progress=lambda *shown: seen.append(shown),
     )  # fmt: skip
     assert one.failed == copy.failed == ""
     assert list(one.measures) == list(PROBLEMS)
@@ -137,8 +137,8 @@ def test_failures_cost_their_own_implementation_alone(swarm):
 
 @pytest.mark.slow
 def test_numbers_depend_neither_on_jobs_nor_on_other_implementations(swarm):
-    _, one = survey(table(swarm, ("other", "Wild"), ("one", "Swarm")), trials=2, budget=60, n_jobs=2)
-    [same] = survey(table(swarm, ("one", "Swarm")), trials=2, budget=60, n_jobs=1)
+    _, one = survey(table(swarm, ("other", "Wild"), ("one", "Swarm")), trials=2, budget=60, jobs=2)
+    [same] = survey(table(swarm, ("one", "Swarm")), trials=2, budget=60, jobs=1)
     for problem in PROBLEMS:
         np.testing.assert_array_equal(one.measures[problem], same.measures[problem])
         np.testing.assert_array_equal(one.behaviours[problem], same.behaviours[problem])
@@ -146,5 +146,5 @@ def test_numbers_depend_neither_on_jobs_nor_on_other_implementations(swarm):
 
 def test_a_budget_below_a_generation_is_a_failure_with_its_reason(swarm):
     methods = parse(f"[methods.a]\nimplementations = [{{name = '{swarm}:Swarm', options = {{agents = 90}}}}]", "mine")
-    [found] = survey(methods, trials=2, budget=60, n_jobs=1)
+    [found] = survey(methods, trials=2, budget=60, jobs=1)
     assert "below one generation of 'Swarm'" in found.failed

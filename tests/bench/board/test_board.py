@@ -305,7 +305,7 @@ def test_trials_are_made_again(bench_here, tmp_path):
         "name": "real", "trials": 2, "budget": 60, "problems": [{"name": "bbob-f01-d2-i1"}],
         "optimizers": [{"name": "random-search"}],
     }  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "real", n_jobs=1)
+    run(Study.from_dict(study), tmp_path / "real", jobs=1)
     file = pack(tmp_path / "real", tmp_path / "real.zip").path
     done = bench_here("site", file, "-o", tmp_path / "board", "--verify", 5)
     assert (done.returncode, done.stderr) == (0, "")
@@ -334,7 +334,7 @@ def test_seeds_that_were_chosen_are_found_out(tmp_path):
         "name": "real", "trials": 1, "budget": 60, "problems": [{"name": "bbob-f01-d2-i1"}],
         "optimizers": [{"name": "random-search"}],
     })  # fmt: skip
-    run(study, tmp_path / "lucky", n_jobs=1)
+    run(study, tmp_path / "lucky", jobs=1)
     folder = Folder(tmp_path / "lucky")
     chosen = {labels: cell._replace(seed=1) for labels, cell in folder.store.held().by_labels.items()}
     recell(folder.store, {cell._replace(seed=0): cell for cell in chosen.values()})

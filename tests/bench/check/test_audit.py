@@ -53,7 +53,7 @@ CANDIDATES = """
             raise ValueError("not here")
         objective.stop("early")
 """
-SMALL = {"problems": ["sphere-2", "sphere-3"], "baselines": ["scatter"], "trials": 4, "budget": 60, "n_jobs": 1}
+SMALL = {"problems": ["sphere-2", "sphere-3"], "baselines": ["scatter"], "trials": 4, "budget": 60, "jobs": 1}
 
 
 @pytest.fixture(scope="module")

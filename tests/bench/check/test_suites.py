@@ -105,7 +105,7 @@ def adapters(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_a_suite_is_compared_function_by_function_and_a_failure_costs_its_row_alone(adapters, tmp_path):
     others = ["other.py:same", "other.py:swapped", "other.py:partly"]
-    made = compare_suites("classical", others, dimensions=[2], n_jobs=2)
+    made = compare_suites("classical", others, dimensions=[2], jobs=2)
     assert len(made) == 3 * 4 * 2  # instances
     worst = {(each.other[9:], each.member.function): each for each in by_function(made)}
     assert {each.verdict for (other, _), each in worst.items() if other == "same"} == {"bits"}
@@ -131,7 +131,7 @@ def test_a_suite_is_compared_function_by_function_and_a_failure_costs_its_row_al
 
 def test_coco_s_boxed_suite_has_the_values_of_sbox_cost_and_not_of_bbob(monkeypatch):
     monkeypatch.setattr("bench.check.suites._grid", lambda suite: Grid(suite, {"f01": (2,), "f05": (2,)}, 2))
-    made = by_function(compare_suites("bbob-boxed", ["bbob", "sbox-cost"], n_jobs=2))
+    made = by_function(compare_suites("bbob-boxed", ["bbob", "sbox-cost"], jobs=2))
     assert [each.verdict for each in made] == ["different", "bits", "bits", "bits"]
 
 

@@ -19,7 +19,7 @@ SENTENCE = (
 def made(tmp_path_factory, small):
     place = tmp_path_factory.mktemp("made")
     (place / "small.toml").write_text(small.to_toml())
-    run(small, place / "out", n_jobs=1)
+    run(small, place / "out", jobs=1)
     return place
 
 

@@ -115,7 +115,7 @@ def test_the_store_of_a_folder_is_checked(states, tmp_path, bench_here):
         "name": "tiny", "trials": 2, "budget": 20,
         "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}],
     }  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "out", n_jobs=1)
+    run(Study.from_dict(study), tmp_path / "out", jobs=1)
     code, found = states(tmp_path / "out")
     assert (code, found["store", str(tmp_path / "out")]["state"]) == (0, "ok")
     (tmp_path / "out" / "trials.sqlite").write_bytes(b"nothing of the kind")

@@ -33,7 +33,7 @@ def whole(looked, tmp_path_factory):
     """A finished run and what it called after each look; no test changes the folder."""
     seen = []
     path = tmp_path_factory.mktemp("whole") / "out"
-    outcome = run(looked, path, n_jobs=1, on_look=lambda look, plan: seen.append((look, dict(plan.stopped))))
+    outcome = run(looked, path, jobs=1, on_look=lambda look, plan: seen.append((look, dict(plan.stopped))))
     return path, outcome, seen
 
 
@@ -53,7 +53,7 @@ def test_decided_cells_get_no_more_trials_and_all_others_are_as_without_looks(lo
     assert {cell for cell, end in seen[-1][1].items() if end == 12} == set(sizes[sizes == 12].index)
     assert seen[-1][1] == stopped_cells(looked, Folder(path).store)
     plain = Study.from_dict({key: value for key, value in LOOKED.items() if key != "looks"} | {"trials": 16})
-    run(plain, tmp_path / "plain", n_jobs=1)
+    run(plain, tmp_path / "plain", jobs=1)
     pd.testing.assert_frame_equal(found, rows(tmp_path / "plain").loc[found.index])
     record = json.loads((path / "environment.json").read_text())
     assert [(each["trials"], each["extends"]) for each in record] == [(16, None)]  # one run, whatever its looks
@@ -70,9 +70,9 @@ def test_an_interrupted_run_continues_in_the_same_state(looked, whole, tmp_path,
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(looked, tmp_path / "out", n_jobs=1, on_trial=interrupt)
+        run(looked, tmp_path / "out", jobs=1, on_trial=interrupt)
     assert len(load_results(tmp_path / "out")) == after
-    rest = run(looked, tmp_path / "out", n_jobs=2)
+    rest = run(looked, tmp_path / "out", jobs=2)
     pd.testing.assert_frame_equal(rows(tmp_path / "out"), rows(whole[0]))
     assert rest.made == len(rows(whole[0])) - after
     record = json.loads((tmp_path / "out" / "environment.json").read_text())
@@ -81,7 +81,7 @@ def test_an_interrupted_run_continues_in_the_same_state(looked, whole, tmp_path,
 
 def test_a_finished_run_makes_nothing_more(looked, whole, tmp_path):
     shutil.copytree(whole[0], tmp_path / "copy")
-    assert run(looked, tmp_path / "copy", n_jobs=1).made == 0
+    assert run(looked, tmp_path / "copy", jobs=1).made == 0
 
 
 def test_the_plan_knows_what_is_stopped_and_what_may_come(looked, whole, tmp_path):
@@ -100,7 +100,7 @@ def test_a_blind_look_is_announced(looked, tmp_path):
 
 
 def test_looks_are_declared_before_the_first_trial(looked, whole, small_study, tmp_path):
-    run(small_study, tmp_path / "plain", n_jobs=1)
+    run(small_study, tmp_path / "plain", jobs=1)
     with pytest.raises(BenchError, match="was begun without looks: looks are declared before the first trial"):
         plan(small_study.override(looks=[6, 8], trials=8), tmp_path / "plain")
     for other, begun in (((12, 20), 20), ((12, 14, 16), 16)):
@@ -128,12 +128,12 @@ def test_more_trials_after_complete_ones_are_on_record(small_study, tmp_path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(small_study, tmp_path / "out", n_jobs=1, on_trial=interrupt)
-    run(small_study.override(trials=4), tmp_path / "out", n_jobs=1)  # trials that were not complete: no extension
+        run(small_study, tmp_path / "out", jobs=1, on_trial=interrupt)
+    run(small_study.override(trials=4), tmp_path / "out", jobs=1)  # trials that were not complete: no extension
     assert recorded() == [(3, None), (4, None)]
     with pytest.raises(KeyboardInterrupt):
-        run(small_study.override(trials=6), tmp_path / "out", n_jobs=1, on_trial=interrupt)
-    run(small_study.override(trials=6), tmp_path / "out", n_jobs=1)  # continues, and extends nothing
+        run(small_study.override(trials=6), tmp_path / "out", jobs=1, on_trial=interrupt)
+    run(small_study.override(trials=6), tmp_path / "out", jobs=1)  # continues, and extends nothing
     assert recorded()[2:] == [(6, 4), (6, None)]
-    run(small_study.override(trials=2), tmp_path / "out", n_jobs=1)
+    run(small_study.override(trials=2), tmp_path / "out", jobs=1)
     assert len(recorded()) == 4

@@ -19,7 +19,7 @@ def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
     run(
         study,
         tmp_path / "out",
-        n_jobs=1,
+        jobs=1,
         progress=asked,
         on_plan=heard.append,
         on_trial=lambda *each: heard.append(each),

@@ -206,11 +206,11 @@ def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_mad
 @pytest.mark.parametrize("share", [0.5, 0.8, 0.95])
 def test_a_run_into_a_store_that_was_cut_short_repairs_it(share, small_study, tmp_path):
     folder = Folder(tmp_path / "out")
-    run(small_study.override(trials=60), folder.path, n_jobs=2)
+    run(small_study.override(trials=60), folder.path, jobs=2)
     before, content = load_results(folder.path), folder.store.path.read_bytes()
     folder.store.path.write_bytes(content[: int(share * len(content)) // 4096 * 4096])
     plans = []
-    run(small_study.override(trials=60), folder.path, n_jobs=2, on_plan=plans.append)
+    run(small_study.override(trials=60), folder.path, jobs=2, on_plan=plans.append)
     assert "sound trials are kept" in plans[0].notes[0]
     times = ["wall_s", "cpu_s", "objective_s"]
     pd.testing.assert_frame_equal(

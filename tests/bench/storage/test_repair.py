@@ -160,7 +160,7 @@ def test_a_sound_store_stays_as_it_is(spoilt):
 
 def test_a_run_makes_damaged_trials_again(small_study, tmp_path):
     folder = Folder(tmp_path / "out")
-    run(small_study, folder.path, n_jobs=1)
+    run(small_study, folder.path, jobs=1)
     before = load_results(folder.path)
     change(
         folder.store.path,
@@ -170,7 +170,7 @@ def test_a_run_makes_damaged_trials_again(small_study, tmp_path):
     assert len(folder.store.check().damaged) == 12
     assert len([*plan(small_study, folder.path).missing()]) == 12
     plans, made = [], []
-    run(small_study, folder.path, n_jobs=1, on_plan=plans.append, on_trial=lambda trial, _: made.append(trial.key))
+    run(small_study, folder.path, jobs=1, on_plan=plans.append, on_trial=lambda trial, _: made.append(trial.key))
     assert len(made) == len(set(made)) == 12
     assert plans[0].notes[0].startswith("12 of 18 trials are damaged (")
     times = ["wall_s", "cpu_s", "objective_s"]

@@ -109,9 +109,9 @@ def folders(tmp_path_factory):
     """The study without controls, and the same folder once controls were added; no test changes them."""
     place = tmp_path_factory.mktemp("matched")
     own = study({"name": "random-search", "agents": 9, "handling": "box"}, {"name": "hill-climber"}, REPAIR)
-    run(own, place / "without", n_jobs=1)
-    run(own, place / "with", n_jobs=1)
-    run(with_controls(own), place / "with", n_jobs=1)
+    run(own, place / "without", jobs=1)
+    run(own, place / "with", jobs=1)
+    run(with_controls(own), place / "with", jobs=1)
     return own, place
 
 

@@ -108,9 +108,9 @@ def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monk
     folder = make(tmp_path / "s", problems=tuple("pqrstu"))
     monkeypatch.setattr("bench.report.drawing.cpu_count", lambda: 2)
     contents = []
-    for n_jobs in (1, -1):
-        out = tmp_path / str(n_jobs)
-        write_report(folder, output=out, n_jobs=n_jobs)
+    for jobs in (1, -1):
+        out = tmp_path / str(jobs)
+        write_report(folder, output=out, jobs=jobs)
         contents.append({path.relative_to(out): path.read_bytes() for path in out.rglob("*") if path.is_file()})
     assert contents[0] == contents[1]
     assert Path("figures", "convergence.pdf") in contents[0]

@@ -15,10 +15,10 @@ from bench.tuning.tune import TuningRun, TuningSetup, _outcome, score, spaces, t
 SETTING = TuningSetup("regret", 8, 2, Budget.read(60), 3, ("sphere-2", "sphere-3"), {})
 
 
-def tuned(folder, setting=SETTING, optimizers=("scatter",), n_jobs=1):
+def tuned(folder, setting=SETTING, optimizers=("scatter",), jobs=1):
     axes = spaces(optimizers, setting.fixed, 60, ["agents"])
     problems = {name: loading.load_problem(name) for name in setting.train}
-    return tune(axes, problems, setting, folder / "t.journal", n_jobs)
+    return tune(axes, problems, setting, folder / "t.journal", jobs)
 
 
 def timeless(best):
@@ -75,7 +75,7 @@ def test_an_interrupted_tuning_goes_on_to_the_same_end(whole, tmp_path, monkeypa
     with pytest.raises(KeyboardInterrupt):
         tuned(tmp_path)
     monkeypatch.undo()
-    (again,) = tuned(tmp_path, n_jobs=2)
+    (again,) = tuned(tmp_path, jobs=2)
     assert timeless(again) == timeless(whole)
     (fewer,) = tuned(tmp_path, replace(SETTING, trials=3))
     assert fewer.record.scores == whole.record.scores[:3]

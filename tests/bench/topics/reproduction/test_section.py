@@ -29,8 +29,8 @@ def folder(tmp_path_factory):
             "optimizers": OPTIMIZERS,
         }
     )
-    made = run(study, tmp_path_factory.mktemp("run") / "reproduced", n_jobs=1).folder
-    write_report(made, n_jobs=1)
+    made = run(study, tmp_path_factory.mktemp("run") / "reproduced", jobs=1).folder
+    write_report(made, jobs=1)
     return made
 
 
@@ -58,8 +58,8 @@ def test_every_value_that_it_makes_is_that_of_the_report(folder, reproduce):
 def test_with_a_subject_it_tests_the_same_pairs(tmp_path, reproduce):
     problems = [{"name": f"classical-{name}-d2-i1"} for name in ("sphere", "rastrigin")]
     study = {"name": "s", "subject": "gwo", "trials": 12, "budget": 60, "problems": problems, "optimizers": OPTIMIZERS}
-    folder = run(Study.from_dict(study), tmp_path / "s", n_jobs=1).folder
-    write_report(folder, n_jobs=1)
+    folder = run(Study.from_dict(study), tmp_path / "s", jobs=1).folder
+    write_report(folder, jobs=1)
     tests = pd.read_csv(folder / "tables" / "tests.csv")
     assert tests["p_holm"].notna().sum() == 4
     code, printed = reproduce(folder)
@@ -135,8 +135,8 @@ STUDIES = {
 def test_every_value_that_it_makes_is_that_of_the_report_of_other_studies(name, tmp_path, reproduce):
     study = {"name": name, "trials": 6, "budget": 300} | STUDIES[name]
     study["optimizers"] = [{"name": each} for each in study["optimizers"]]
-    made = run(Study.from_dict(study), tmp_path / name, n_jobs=1).folder
-    write_report(made, n_jobs=1)
+    made = run(Study.from_dict(study), tmp_path / name, jobs=1).folder
+    write_report(made, jobs=1)
     code, printed = reproduce(made)
     assert code == 0
     assert int(printed.splitlines()[-1].split()[0].replace(",", "")) > 20
