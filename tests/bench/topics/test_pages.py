@@ -223,7 +223,7 @@ BEST = pd.DataFrame(
 )
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_page_is_the_committed_one(name, make, tmp_path, monkeypatch, committed):
     if "2009" in name and not find_spec("cocoex"):
