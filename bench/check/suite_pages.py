@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from bench.check.suites import VERDICTS, Comparison, by_function
+from bench.check.suites import VERDICTS, FunctionVerdict, by_function
 from bench.errors import explained
 from bench.helpers.atomic import replacing
 from bench.helpers.markdown import code, plain, table
@@ -22,7 +22,7 @@ WORDS = {
 }  # fmt: skip
 
 
-def summary(comparisons: Sequence[Comparison], suite: str) -> list[str]:
+def summary(comparisons: Sequence[FunctionVerdict], suite: str) -> list[str]:
     """Return a sentence on each other implementation: on how many functions it agrees, and which those are."""
     sentences = []
     for other, of_other in _by_other(comparisons).items():
@@ -43,7 +43,7 @@ def summary(comparisons: Sequence[Comparison], suite: str) -> list[str]:
     return sentences
 
 
-def versions(comparisons: Sequence[Comparison], suite: str) -> list[str]:
+def versions(comparisons: Sequence[FunctionVerdict], suite: str) -> list[str]:
     """Return a line for each function with several versions: the implementations of each."""
     lines: dict[str, dict[str, list[str]]] = {}
     for each in by_function(comparisons):
@@ -57,7 +57,7 @@ def versions(comparisons: Sequence[Comparison], suite: str) -> list[str]:
     ]
 
 
-def cells(comparisons: Sequence[Comparison]) -> tuple[list[str], list[list[str]]]:
+def cells(comparisons: Sequence[FunctionVerdict]) -> tuple[list[str], list[list[str]]]:
     """Return the head of a table of functions by implementation, and its rows."""
     of = _by_other(comparisons)
     functions = {each.member.function: None for each in comparisons}
@@ -71,14 +71,14 @@ def cells(comparisons: Sequence[Comparison]) -> tuple[list[str], list[list[str]]
     ]
 
 
-def _by_other(comparisons: Sequence[Comparison]) -> Mapping[str, list[Comparison]]:
-    groups: dict[str, list[Comparison]] = {}
+def _by_other(comparisons: Sequence[FunctionVerdict]) -> Mapping[str, list[FunctionVerdict]]:
+    groups: dict[str, list[FunctionVerdict]] = {}
     for each in by_function(comparisons):
         groups.setdefault(each.other, []).append(each)
     return groups
 
 
-def write(comparisons: Sequence[Comparison], suite: str, output: Path) -> Path:
+def write(comparisons: Sequence[FunctionVerdict], suite: str, output: Path) -> Path:
     """Write ``SUITE.md`` and ``SUITE.csv`` into a folder, in place of those of an earlier comparison; return the page.
 
     Raises:
@@ -95,7 +95,7 @@ def write(comparisons: Sequence[Comparison], suite: str, output: Path) -> Path:
     return output / f"{suite}.md"
 
 
-def _page(comparisons: Sequence[Comparison], suite: str) -> str:
+def _page(comparisons: Sequence[FunctionVerdict], suite: str) -> str:
     several = versions(comparisons, suite)
     dimensions = joined([str(size) for size in sorted({each.member.dimension for each in comparisons})])
     parts = [

@@ -65,7 +65,7 @@ Samples = dict[Member, Sample | str]
 
 
 @dataclass(frozen=True)
-class Comparison:
+class FunctionVerdict:
     """The verdict on one function of another implementation.
 
     Attributes:
@@ -93,7 +93,7 @@ def compare_suites(
     options: Mapping[str, Any] | None = None,
     jobs: int = -1,
     seed: int = 0,
-) -> list[Comparison]:
+) -> list[FunctionVerdict]:
     """Compare the functions of a suite with those of others, at the same points.
 
     Args:
@@ -237,19 +237,19 @@ def _points(box: Floats, best: Floats, seed: int) -> tuple[Floats, Floats]:
     return points, offsets
 
 
-def _judged(other: str, first: Samples, samples: Mapping[str, Samples]) -> Iterator[Comparison]:
+def _judged(other: str, first: Samples, samples: Mapping[str, Samples]) -> Iterator[FunctionVerdict]:
     """Yield the comparisons with one other implementation, with the letters of versions over all of them."""
     for member, own in first.items():
         sample = samples[other][member]
         if isinstance(own, str) or isinstance(sample, str):
-            yield Comparison(other, member, "missing", str(sample))
+            yield FunctionVerdict(other, member, "missing", str(sample))
             continue
         verdict, detail = compare(own, sample)
         if verdict == "different" and (number := _renumbered(own, member, samples[other])):
             verdict, detail = "transformed", f"it has the values of its {number}"
         agree = float(np.mean(_close(own.raw, sample.raw)))
         letters = _letters([own, *(each[member] for each in samples.values())])
-        yield Comparison(other, member, verdict, detail, agree, letters[1 + list(samples).index(other)])
+        yield FunctionVerdict(other, member, verdict, detail, agree, letters[1 + list(samples).index(other)])
 
 
 def _renumbered(own: Sample, member: Member, theirs: Samples) -> str:
@@ -356,9 +356,9 @@ def _difference(first: Sample, second: Sample) -> str:
     return "; ".join(parts)
 
 
-def by_function(comparisons: Sequence[Comparison]) -> list[Comparison]:
+def by_function(comparisons: Sequence[FunctionVerdict]) -> list[FunctionVerdict]:
     """Return one comparison for each function of each other implementation: the worst over dimensions and instances."""
-    worst: dict[tuple[str, str], Comparison] = {}
+    worst: dict[tuple[str, str], FunctionVerdict] = {}
     for each in comparisons:
         key = each.other, each.member.function
         before = worst.get(key, each)

@@ -23,7 +23,7 @@ LONGEST = 60.0  # seconds of a short trial, which fails where it takes longer
 _CHEAP = 1e-3  # seconds of an evaluation up to which the time of the optimizer counts, so that short trials are made
 
 
-class Estimate(NamedTuple):
+class TimeEstimate(NamedTuple):
     """How long a plan's trials take on one processor, and how that is known.
 
     Attributes:
@@ -35,7 +35,7 @@ class Estimate(NamedTuple):
     source: str
 
 
-def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None = None) -> Estimate:
+def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None = None) -> TimeEstimate:
     """Return how long a plan's trials will take, one point at a time.
 
     Up to three problems, at equal steps, are evaluated at one point twice. Where an evaluation takes more than a
@@ -55,7 +55,7 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None
     some = replace(study, problems=study.problems[::step][:PROBLEMS], looks=(), blocks=None, tuning=None)
     probed = {} if each is not None else _probed(some, untrusted)
     if isinstance(probed, str):
-        return Estimate(None, probed)
+        return TimeEstimate(None, probed)
     each = each if each is not None or max(probed.values()) <= _CHEAP else sum(probed.values()) / len(probed)
     if each is None:
         return _from_short_trials(plan, some, jobs, untrusted)
@@ -65,7 +65,7 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None
         else (f"{each:.3g} s an evaluation, in {count(2 * len(probed), 'evaluation')} on some of the problems")
     )
     evaluations = _evaluations(plan)
-    return Estimate(plan.total(lambda problem, _: probed.get(problem, each) * evaluations[problem]), source)
+    return TimeEstimate(plan.total(lambda problem, _: probed.get(problem, each) * evaluations[problem]), source)
 
 
 def _evaluations(plan: Plan) -> dict[str, int]:
@@ -97,7 +97,7 @@ def _probed(study: Study, untrusted: bool) -> dict[str, float] | str:
     return found
 
 
-def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> Estimate:
+def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> TimeEstimate:
     study = plan.study
     short = replace(some, trials=2, budget=study.budget.shortened(SHARE, LEAST))
     with TemporaryDirectory() as place:
@@ -105,7 +105,7 @@ def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> E
         folder = Folder(made.folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:
-        return Estimate(None, "the short trials for it failed")
+        return TimeEstimate(None, "the short trials for it failed")
     fastest: dict[str, dict[str, float]] = {}  # by optimizer and problem
     for row in rows:
         speeds = fastest.setdefault(row["optimizer"], {})
@@ -115,4 +115,4 @@ def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> E
     evaluations = _evaluations(plan)
     total = plan.total(lambda problem, optimizer: means.get(optimizer, usual) * evaluations[problem])
     spent = count(sum(row["nfev"] + 1 for row in rows), "evaluation")
-    return Estimate(total, f"short trials on some of the problems, {spent}")
+    return TimeEstimate(total, f"short trials on some of the problems, {spent}")

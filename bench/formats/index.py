@@ -30,7 +30,7 @@ class Logged(NamedTuple):
 
 
 @dataclass
-class DataSet:
+class LoggedRuns:
     """The runs of an algorithm on a function in one dimension.
 
     ``keys`` has all that its first line names. Logs end in ``.dat`` here; other endings stand for the same runs.
@@ -57,13 +57,13 @@ class DataSet:
         return ((log, run) for log, runs in self.logs for run in runs)
 
 
-def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[str]) -> Iterator[DataSet]:
+def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[str]) -> Iterator[LoggedRuns]:
     """Yield the data sets of an index of a tool; the groups of ``run`` are instance, evaluations and final value.
 
     Raises:
         BenchError: with the line that cannot be read, and for an index that is cut short.
     """
-    data: DataSet | None = None
+    data: LoggedRuns | None = None
     for number, line in enumerate(source.text(file).splitlines(), start=1):
         text = line.strip()
         if "funcId" in text and "=" in text.partition(",")[0]:
@@ -83,16 +83,16 @@ def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[st
     yield _whole(data)
 
 
-def by_log(sets: Iterable[DataSet]) -> dict[PurePosixPath, list[tuple[DataSet, Logged]]]:
+def by_log(sets: Iterable[LoggedRuns]) -> dict[PurePosixPath, list[tuple[LoggedRuns, Logged]]]:
     """Return the runs of all data sets by log, in the order in which the indices name them."""
-    runs: dict[PurePosixPath, list[tuple[DataSet, Logged]]] = {}
+    runs: dict[PurePosixPath, list[tuple[LoggedRuns, Logged]]] = {}
     for data in sets:
         for log, run in data.runs:
             runs.setdefault(log, []).append((data, run))
     return runs
 
 
-def algorithm_labels(sets: Iterable[DataSet]) -> dict[tuple[PurePosixPath, str], str]:
+def algorithm_labels(sets: Iterable[LoggedRuns]) -> dict[tuple[PurePosixPath, str], str]:
     """Return the label of each algorithm by its folder and name (:func:`bench.formats.runs.optimizer_labels`)."""
     return optimizer_labels(
         (data.index.parent, data.algorithm, (data.suite, data.function, data.dimension, run.instance))
@@ -101,7 +101,7 @@ def algorithm_labels(sets: Iterable[DataSet]) -> dict[tuple[PurePosixPath, str],
     )
 
 
-def _begun(text: str, file: PurePosixPath, line: int) -> DataSet:
+def _begun(text: str, file: PurePosixPath, line: int) -> LoggedRuns:
     """Return the data set of a line of keys and values, without comment and logs."""
     where = f"{file}, line {line},"
     keys = {key: (quoted or plain).strip() for key, _, quoted, plain in _PAIR.findall(text)}
@@ -110,10 +110,10 @@ def _begun(text: str, file: PurePosixPath, line: int) -> DataSet:
     except (KeyError, ValueError) as error:
         raise BenchError(f"{where} has no dimension (DIM)") from error
     algorithm = label(keys.get("algId") or file.parent.name or "unknown", where)
-    return DataSet(file, line, keys, keys.get("suite", ""), label(keys["funcId"], where), dimension, algorithm)
+    return LoggedRuns(file, line, keys, keys.get("suite", ""), label(keys["funcId"], where), dimension, algorithm)
 
 
-def _add_runs(text: str, where: str, data: DataSet, run: re.Pattern[str]) -> None:
+def _add_runs(text: str, where: str, data: LoggedRuns, run: re.Pattern[str]) -> None:
     """Add the logs and runs of a line."""
     for item in filter(None, (part.strip() for part in text.split(","))):
         if match := run.fullmatch(item):
@@ -135,7 +135,7 @@ def _add_runs(text: str, where: str, data: DataSet, run: re.Pattern[str]) -> Non
             raise BenchError(f"{where} has {quoted(item)} where a run such as '1:301|8.5e-02' is expected")
 
 
-def _whole(data: DataSet) -> DataSet:
+def _whole(data: LoggedRuns) -> LoggedRuns:
     if not data.logs:
         raise BenchError(f"{data.where} names no run; the index is cut short")
     return data

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
 from bench.plugins import registry
-from bench.plugins.syntax import Facts, facts
+from bench.plugins.syntax import FileFacts, facts
 
 Code = dict[str, str]
 """What decides trials: a hash by file, named as Python finds it (``mine.py``, ``pkg/inner.py``), a version by package.
@@ -39,7 +39,7 @@ class Module(NamedTuple):
     content: bytes
 
     @property
-    def facts(self) -> Facts:
+    def facts(self) -> FileFacts:
         """The parts of it that decide trials."""
         return facts(self.content, self.path.suffix == ".py")
 

@@ -21,7 +21,7 @@ from bench.plugins.code import Code
 from bench.plugins.files import Files
 from bench.plugins.files import taken as files_taken
 from bench.plugins.functions import asks_and_tells, optimizer_of
-from bench.plugins.values import Packed
+from bench.plugins.values import PackedObject
 from bench.problem import FunctionProblem, Problem, with_own_box
 
 PREFIX = "python:"
@@ -34,7 +34,7 @@ OptimizerLike = str | Optimizer | type | Callable[..., object]
 ProblemLike = str | Problem | type[Problem]
 """What may stand for a problem of a study."""
 
-Objects = dict[str, Packed]
+Objects = dict[str, PackedObject]
 """Objects by kind and name, such as ``"optimizers python:MyDE"``."""
 
 held: Objects = {}

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from bench.helpers.text import short_hash
 
 
-class Facts(NamedTuple):
+class FileFacts(NamedTuple):
     """The parts of a file that decide trials.
 
     Attributes:
@@ -41,15 +41,15 @@ class Facts(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def facts(content: bytes, python: bool = True) -> Facts:
+def facts(content: bytes, python: bool = True) -> FileFacts:
     """Return the facts of a file with this content; ``python`` is False where it is known to be no Python."""
     if python:
         # ValueError: a NUL byte; the last two: nesting that is too deep
         with suppress(SyntaxError, ValueError, RecursionError, MemoryError), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # as of an escape that is none
             tree = ast.parse(content)
-            return Facts(_hash(tree), tuple(_imports(tree)), tuple(_exports(tree)))
-    return Facts(short_hash(content))
+            return FileFacts(_hash(tree), tuple(_imports(tree)), tuple(_exports(tree)))
+    return FileFacts(short_hash(content))
 
 
 def _hash(tree: ast.Module) -> str:

@@ -35,7 +35,7 @@ for _marker in _MARKERS:
     copyreg.pickle(type(getattr(dataclasses, _marker)), _name_of)
 
 
-class Packed(NamedTuple):
+class PackedObject(NamedTuple):
     """An object as it travels.
 
     Attributes:
@@ -50,7 +50,7 @@ class Packed(NamedTuple):
     modules: tuple[str, ...]
 
 
-def pack(thing: object) -> Packed:
+def pack(thing: object) -> PackedObject:
     """Return an object as it travels; raises BenchError where it cannot."""
     hasher = _Hasher()
     digest = ""
@@ -68,7 +68,7 @@ def pack(thing: object) -> Packed:
             f"{getattr(thing, '__name__', type(thing).__name__)!r} cannot be sent to other processes "
             f"({type(error).__name__}: {error}); have it make what it holds where it runs"
         ) from error
-    return Packed(content, digest or short_hash(content), tuple(sorted(hasher.modules)))
+    return PackedObject(content, digest or short_hash(content), tuple(sorted(hasher.modules)))
 
 
 def unpack(content: bytes) -> Any:

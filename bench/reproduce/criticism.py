@@ -28,7 +28,7 @@ class Remark(NamedTuple):
     sentence: str
 
 
-class Facts(NamedTuple):
+class CellFacts(NamedTuple):
     """Facts on a cell beside its numbers: the lowest possible value and its source, and whether values are counts."""
 
     lowest: float
@@ -50,7 +50,7 @@ def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
             lowest = lowest if table.errors or optimum is None else max(optimum, lowest)
         except BenchError as error:
             unknown.setdefault(str(error), cell.where)
-        facts = Facts(lowest, table.settings.get("counts") is True, source)
+        facts = CellFacts(lowest, table.settings.get("counts") is True, source)
         found = [Remark(cell.where, kind, text) for kind, check in CHECKS.items() for text in check(cell, facts)]
         below += any(remark.kind == "below the optimum" for remark in found)
         remarks += found
@@ -63,7 +63,7 @@ def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
     return [*remarks, *_ranks(table.cells), *_averages(table)], notes
 
 
-def _below(cell: PaperCell, facts: Facts) -> Iterator[str]:
+def _below(cell: PaperCell, facts: CellFacts) -> Iterator[str]:
     limit = facts.lowest - 1e-9 * max(1.0, abs(facts.lowest))
     for name in ("best", "median", "mean", "worst"):
         if name in cell.numbers and cell.numbers[name].high < limit:
@@ -73,14 +73,14 @@ def _below(cell: PaperCell, facts: Facts) -> Iterator[str]:
             return
 
 
-def _order(cell: PaperCell, _: Facts) -> Iterator[str]:
+def _order(cell: PaperCell, _: CellFacts) -> Iterator[str]:
     numbers = cell.numbers
     for low, high in (("best", "mean"), ("best", "median"), ("mean", "worst"), ("median", "worst"), ("best", "worst")):
         if low in numbers and high in numbers and numbers[low].low > numbers[high].high:
             yield f"its {low} {numbers[low].text} is above its {high} {numbers[high].text}"
 
 
-def _sd(cell: PaperCell, facts: Facts) -> Iterator[str]:
+def _sd(cell: PaperCell, facts: CellFacts) -> Iterator[str]:
     """Compare the SD, with n or n - 1 in it, with what mean, median, best, worst and the lowest value allow."""
     numbers, n = cell.numbers, cell.runs
     if "sd" not in numbers:
@@ -118,7 +118,7 @@ def _sd(cell: PaperCell, facts: Facts) -> Iterator[str]:
             yield f"{said} and the median {numbers['median'].text} is impossible: they differ by more than one SD"
 
 
-def _middle(cell: PaperCell, _: Facts) -> Iterator[str]:
+def _middle(cell: PaperCell, _: CellFacts) -> Iterator[str]:
     """Compare the mean with what the median leaves open: half of the runs are on either side of it."""
     numbers, n = cell.numbers, cell.runs
     if n is None or not {"mean", "median"} <= numbers.keys():
@@ -135,7 +135,7 @@ def _wholes(number: Printed, parts: int) -> range:
     return range(math.ceil(number.low * parts), math.floor(number.high * parts) + 1)
 
 
-def _digits(cell: PaperCell, facts: Facts) -> Iterator[str]:
+def _digits(cell: PaperCell, facts: CellFacts) -> Iterator[str]:
     """Test whether n counts can have the mean (GRIM) and the SD (GRIMMER), and n runs the rate of success."""
     numbers, n = cell.numbers, cell.runs
     if n is None:
@@ -165,7 +165,7 @@ def _digits(cell: PaperCell, facts: Facts) -> Iterator[str]:
             yield f"its SD {sd.text} with the mean {mean.text} is none of {n} whole numbers"
 
 
-CHECKS: dict[str, Callable[[PaperCell, Facts], Iterator[str]]] = {
+CHECKS: dict[str, Callable[[PaperCell, CellFacts], Iterator[str]]] = {
     "below the optimum": _below,
     "order": _order,
     "impossible SD": _sd,

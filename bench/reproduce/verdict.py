@@ -41,7 +41,7 @@ SHOWN = 6
 """Functions that the sentence on a table names."""
 
 
-class Comparison(NamedTuple):
+class CellOutcome(NamedTuple):
     """The outcome of a cell's tests: the joint p, whether the means are near, and the number that differs."""
 
     p: Floats
@@ -121,7 +121,7 @@ def _judged(cell: PaperCell, values: Floats, lowest: float, zero: float) -> Judg
     return Judgement(cell, values, float(found.p), bool(found.near), str(found.by))
 
 
-def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: float = -math.inf) -> Comparison:
+def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: float = -math.inf) -> CellOutcome:
     """Return the outcome of a cell's tests; without an SD they can only show that our mean is larger.
 
     Args:
@@ -144,7 +144,7 @@ def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: f
     all_p = np.array(list(tests.values()))
     by = np.array(list(tests))[np.argmin(all_p, axis=0)]
     least = 2 / math.comb(runs + values.shape[-1], runs)  # the smallest p that so many values can have
-    return Comparison(np.minimum(1.0, len(tests) * np.maximum(all_p.min(axis=0), least)), near, by)
+    return CellOutcome(np.minimum(1.0, len(tests) * np.maximum(all_p.min(axis=0), least)), near, by)
 
 
 def compare_means(

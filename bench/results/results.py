@@ -24,7 +24,7 @@ from bench.plugins import selection
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
 from bench.results.compared import Compared
-from bench.results.sources import Source, by_label, sources
+from bench.results.sources import StudyFolder, by_label, sources
 from bench.results.tidy import Tidy
 from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
@@ -218,7 +218,7 @@ class StoredResults:
             source.folder.note_store(source.found)
 
     @property
-    def _read_sources(self) -> list[Source]:
+    def _read_sources(self) -> list[StudyFolder]:
         """The folders, whose stores are checked while the frame is read."""
         _ = self._frame_and_origins
         return self._sources

@@ -25,7 +25,7 @@ CELL = READ.index("cell")
 
 
 @dataclasses.dataclass
-class Source:
+class StudyFolder:
     """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments.
 
     ``cells`` has the labels of problem and optimizer that each cell is shown under, by its number in the store, and
@@ -79,7 +79,7 @@ class Source:
                     tidy.add(chosen, cells, reader.names, self.environment_places)
 
 
-def by_label(sources: Iterable[Source], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:
+def by_label(sources: Iterable[StudyFolder], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:
     """Return the notes of the folders on their optimizers, by the label shown."""
     return {
         source.shown[label]: noted
@@ -89,7 +89,7 @@ def by_label(sources: Iterable[Source], read: Callable[[Folder], dict[str, Any]]
     }
 
 
-def sources(folders: list[Folder], versions: Sequence[str]) -> list[Source]:
+def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]:
     """Read the folders' studies, cells and environments; make folder names and optimizer labels distinct."""
     studies = [folder.study() for folder in folders]
     names = _short_names([folder.path for folder in folders])
@@ -100,7 +100,7 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[Source]:
         for entry in study.with_controls
     ]
     distinct = iter(unique(labelled))  # a label may already equal another one with its folder
-    found: list[Source] = []
+    found: list[StudyFolder] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.with_controls}
         held = folder.store.held()
@@ -115,7 +115,7 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[Source]:
         before = sum(len(source.environments) for source in found)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
         renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), controls=controls)
-        found.append(Source(folder, name, renamed, shown, cells, numbers, environments, places))
+        found.append(StudyFolder(folder, name, renamed, shown, cells, numbers, environments, places))
     return found
 
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.coco.writer import STAND_IN
-from bench.formats.index import DataSet, Logged, algorithm_labels, by_log, data_sets
+from bench.formats.index import Logged, LoggedRuns, algorithm_labels, by_log, data_sets
 from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, quoted, require_increasing
 from bench.formats.source import Source
 from bench.helpers.text import joined
@@ -91,7 +91,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
         reading.notes.append(f"Runs that go on in the .dat file beyond their end in index and .tdat file: {longer}.")
 
 
-def indexed(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
+def indexed(source: Source, file: PurePosixPath) -> Iterator[LoggedRuns]:
     """Yield the data sets of an index; their functions are numbers, and each has a suite."""
     if _SEVERAL_OBJECTIVES.search(source.text(file).lstrip().partition("\n")[0]):
         raise BenchError(f"{file} is an index of bi-objective results, which are not supported")
@@ -103,8 +103,8 @@ def indexed(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
 
 
 def _blocks(
-    source: Source, log: PurePosixPath, named: list[tuple[DataSet, Logged]]
-) -> Iterator[tuple[DataSet, Logged, Block, Block | None]]:
+    source: Source, log: PurePosixPath, named: list[tuple[LoggedRuns, Logged]]
+) -> Iterator[tuple[LoggedRuns, Logged, Block, Block | None]]:
     """Yield the named runs as both logs have them; there may be no .tdat file, else it must have as many runs."""
     if log not in source.files:
         raise BenchError(f"the log {log} is missing, which the index names")
@@ -231,7 +231,7 @@ def _is_number(text: str) -> bool:
 
 
 def _run(
-    data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: Block, timed: Block | None
+    data: LoggedRuns, algorithm: str, log: PurePosixPath, entry: Logged, one: Block, timed: Block | None
 ) -> ImportedRun:
     of_suite = not data.comment.startswith(STAND_IN)
     where = f"{log}, line {one.line},"

@@ -61,7 +61,7 @@ COLUMNS = (
 )
 
 
-class Place(NamedTuple):
+class CocoIdentity(NamedTuple):
     """The identity of a problem in COCO: its suite and the numbers of its function and instance there."""
 
     suite: str
@@ -127,7 +127,7 @@ def about(results: StoredResults) -> str:
     )
 
 
-def places_in_coco(results: StoredResults) -> dict[str, Place]:
+def places_in_coco(results: StoredResults) -> dict[str, CocoIdentity]:
     """Return the place of each problem, by label, in the study's order.
 
     Raises:
@@ -143,17 +143,19 @@ def places_in_coco(results: StoredResults) -> dict[str, Place]:
             f"and this study has {len(strange)}{reason}; export fewer of them at a time, or choose ioh"
         )
     stand_ins = dict(zip(strange, functions, strict=False))
-    return {label: place or Place(CONSTRAINED, stand_ins[label], 1, own=False) for label, place in places.items()}
+    return {
+        label: place or CocoIdentity(CONSTRAINED, stand_ins[label], 1, own=False) for label, place in places.items()
+    }
 
 
-def own_place(facts: ProblemFacts) -> Place | None:
+def own_place(facts: ProblemFacts) -> CocoIdentity | None:
     """Return the place of a problem that is a function of a suite with a known f_opt, or None."""
     suite, instance = str(facts.features.get("suite")), facts.features.get("instance")
     named = re.fullmatch(r"f(\d+)", str(facts.features.get("function")))
     number = int(named[1]) if named else 0
     if number not in SUITES.get(suite, ()) or not isinstance(instance, int) or facts.optimum is None:
         return None
-    return Place(suite, number, instance, own=True)
+    return CocoIdentity(suite, number, instance, own=True)
 
 
 def optimizer_folders(results: StoredResults) -> dict[str, str]:
@@ -187,7 +189,7 @@ def assumed_optima(results: StoredResults) -> dict[str, AssumedOptimum]:
 
 
 def _function_files(
-    algorithm: str, trials: list[ExportedTrial], places: dict[str, Place], optima: dict[str, AssumedOptimum]
+    algorithm: str, trials: list[ExportedTrial], places: dict[str, CocoIdentity], optima: dict[str, AssumedOptimum]
 ) -> Iterator[tuple[str, str]]:
     """Yield the files of an optimizer on a function: one index, and two logs for each dimension."""
     place = places[trials[0].problem]

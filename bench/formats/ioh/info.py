@@ -20,7 +20,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from bench.errors import BenchError
-from bench.formats.index import DataSet, Logged, algorithm_labels, by_log, data_sets
+from bench.formats.index import Logged, LoggedRuns, algorithm_labels, by_log, data_sets
 from bench.formats.ioh.reader import GUESSED, Block, is_guessed, logged, problem_of
 from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements
 from bench.formats.source import Source
@@ -64,7 +64,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     yield from reading.each(named, runs_of)
 
 
-def _indexed(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
+def _indexed(source: Source, file: PurePosixPath) -> Iterator[LoggedRuns]:
     """Yield the data sets of an index; raises BenchError for results of maximisation."""
     for data in data_sets(source, file, "IOHprofiler", _ENTRY):
         if data.keys.get("maximization", "").upper() in ("T", "TRUE", "1") or data.suite.upper() == "PBO":
@@ -72,12 +72,12 @@ def _indexed(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
         yield data
 
 
-def _name(data: DataSet) -> str:
+def _name(data: LoggedRuns) -> str:
     """Return the name of a function, which the first version of the format does not have."""
     return data.keys.get("funcName", "")
 
 
-def _run(data: DataSet, algorithm: str, entry: Logged, block: Block, shifted: Block, where: str) -> ImportedRun:
+def _run(data: LoggedRuns, algorithm: str, entry: Logged, block: Block, shifted: Block, where: str) -> ImportedRun:
     function = int(data.function) if data.function.isdecimal() else data.function
     problem, lacking = problem_of(data.suite, function, _name(data), data.dimension, entry.instance, data.index)
     evaluations, values = block

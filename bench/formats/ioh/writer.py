@@ -53,7 +53,7 @@ SUITES = {"bbob": "BBOB", "sbox-cost": "SBOX"}
 """The suites with these functions, and what IOHexperimenter calls them."""
 
 
-class Place(NamedTuple):
+class IohIdentity(NamedTuple):
     """The identity of a problem for readers of IOH files: the suite, the function's number and name, and the instance.
 
     ``optimum`` is what logged values lack, None for a problem of no suite.
@@ -94,7 +94,7 @@ def about(results: StoredResults) -> str:
     return readme("ioh", places=places.values(), folders=folders_of(results))
 
 
-def places_in_ioh(results: StoredResults) -> dict[str, Place]:
+def places_in_ioh(results: StoredResults) -> dict[str, IohIdentity]:
     """Return the place of each problem, by label: in its suite where its label is its name there, else in the study."""
     numbers: dict[tuple[str, str], int] = {}
     places = {}
@@ -103,24 +103,24 @@ def places_in_ioh(results: StoredResults) -> dict[str, Place]:
         suite, function = str(facts.features.get("suite", "")), str(facts.features.get("function", ""))
         instance = facts.features.get("instance", 1)
         if not suite or not function or entry.label != entry.name or not 0 < int(instance) <= LARGEST:
-            places[entry.label] = Place(results.study.name, number, entry.label, 1, None)
+            places[entry.label] = IohIdentity(results.study.name, number, entry.label, 1, None)
             continue
         if named := re.fullmatch(r"f(\d+)", function):
             position = int(named[1])
         else:
             position = numbers.setdefault((suite, function), sum(known == suite for known, _ in numbers) + 1)
         name = BBOB[position - 1] if suite in SUITES else function
-        places[entry.label] = Place(SUITES.get(suite, suite), position, name, int(instance), facts.optimum or 0.0)
+        places[entry.label] = IohIdentity(SUITES.get(suite, suite), position, name, int(instance), facts.optimum or 0.0)
     return places
 
 
 def _function_files(
-    trials: list[ExportedTrial], places: dict[str, Place], attributes: list[dict[str, str]]
+    trials: list[ExportedTrial], places: dict[str, IohIdentity], attributes: list[dict[str, str]]
 ) -> Iterator[tuple[str, str]]:
     """Yield the files of an optimizer's runs on a function: one index, and a log for each dimension."""
     place = places[trials[0].problem]
     name = f"f{place.function}_{file_name(place.name.lower())}"
-    scenarios: dict[int, list[tuple[Place, ExportedTrial]]] = {}
+    scenarios: dict[int, list[tuple[IohIdentity, ExportedTrial]]] = {}
     for trial in trials:
         scenarios.setdefault(trial.dimension, []).append((places[trial.problem], trial))
     names = list(dict.fromkeys(name for trial in trials for name in trial.log))
@@ -145,7 +145,7 @@ def _function_files(
         yield logs[dimension], "".join(_log(*run, names) for run in runs)
 
 
-def _run(place: Place, trial: ExportedTrial) -> dict[str, Any]:
+def _run(place: IohIdentity, trial: ExportedTrial) -> dict[str, Any]:
     """Return the entry of a trial."""
     trace = _above(place, trial)
     reached = len(trace.values) > 0
@@ -161,12 +161,12 @@ def _run(place: Place, trial: ExportedTrial) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _above(place: Place, trial: ExportedTrial) -> Trace:
+def _above(place: IohIdentity, trial: ExportedTrial) -> Trace:
     """Return a trial's trace less f_opt."""
     return Trace(trial.trace.evaluations, trial.trace.values - (place.optimum or 0.0))
 
 
-def _log(place: Place, trial: ExportedTrial, names: list[str]) -> str:
+def _log(place: IohIdentity, trial: ExportedTrial, names: list[str]) -> str:
     """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit.
 
     What the optimizer logged under ``names`` stands behind the values: the last one so far, nan before the first.

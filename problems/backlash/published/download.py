@@ -23,7 +23,7 @@ VARIABLE = "BENCH_PUBLISHED_DATA"
 TIMEOUT = 30  # s without an answer
 
 
-class File(NamedTuple):
+class PublishedFile(NamedTuple):
     """A published file: its path in the authors' repository and the SHA-256 of its bytes."""
 
     path: str
@@ -36,10 +36,12 @@ class File(NamedTuple):
 
 
 @cache
-def registry() -> dict[str, File]:
+def registry() -> dict[str, PublishedFile]:
     """Return the published files by name, the eleven small ones without noise first."""
     lines = Path(__file__).with_name("registry.txt").read_text(encoding="utf-8").splitlines()
-    published = [File(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")]
+    published = [
+        PublishedFile(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")
+    ]
     return {file.name: file for file in sorted(published, key=lambda file: "/" in file.path)}
 
 
@@ -48,7 +50,7 @@ def data_folder() -> Path:
     return Path(os.environ.get(VARIABLE) or Path(user_data_dir("backlash-bench")) / "published")
 
 
-def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
+def look_up(file: PublishedFile, folder: Path) -> tuple[Path | None, bool]:
     """Return the path of a file in a folder or below it, None if it is missing, and whether its content is right.
 
     Raises:

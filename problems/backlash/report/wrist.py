@@ -9,7 +9,7 @@ from bench.topics import StoredResults
 from problems.backlash.report.accuracy import SAY, estimates
 from problems.backlash.signature import wrist
 
-UNKNOWN = wrist.Printed(float("nan"), float("nan"), float("nan"))
+UNKNOWN = wrist.PrintedRow(float("nan"), float("nan"), float("nan"))
 TITLE = "A robot’s wrist before and after tampering (thesis Figs. 8.3 to 8.5)"
 
 
@@ -35,7 +35,9 @@ def beside_printed(data: pd.DataFrame, names: dict[str, str]) -> pd.DataFrame:
         expected=("expected", "first"), mean=("found", "mean"), stdev=("found", "std")
     )
     keys = [wrist.parts(names[str(problem)]) for problem in cells.index.get_level_values("problem")]
-    printed = pd.DataFrame([wrist.PRINTED.get(key, UNKNOWN) for key in keys], cells.index, list(wrist.Printed._fields))
+    printed = pd.DataFrame(
+        [wrist.PRINTED.get(key, UNKNOWN) for key in keys], cells.index, list(wrist.PrintedRow._fields)
+    )
     gaps = [wrist.AXES[number].half_gaps[wrist.STATES.index(state)] for number, state in keys]
     cells[["joint", "state"]], cells["half-gap"] = keys, gaps
     return cells.join(printed.astype(float).add_suffix(" published"))
@@ -54,7 +56,7 @@ def sentences(table: pd.DataFrame, optimizers: int) -> list[str]:
 
 def _table(table: pd.DataFrame) -> Table:
     columns = {"δ in 1e-6 rad": 1e6 * table["half-gap"]}
-    for name in wrist.Printed._fields:
+    for name in wrist.PrintedRow._fields:
         columns |= {f"{name} published": table[f"{name} published"], name: table[name]}
     return Table(
         "wrist",

@@ -12,7 +12,7 @@ from problems.backlash.sensor.estimate import Settings
 from problems.backlash.sensor.formatting import PER, calibration_of, notes, trend_lines
 from problems.backlash.sensor.plots import fit_figure, trend_figure
 from problems.backlash.sensor.records import csv_rows
-from problems.backlash.sensor.trend import HORIZON, Joint, Trend
+from problems.backlash.sensor.trend import HORIZON, JointHistory, Trend
 
 TONES = {"no backlash": "good", "progressed": "bad"}  # of a verdict; any other one is for a person to look at
 COLUMNS = {
@@ -25,7 +25,7 @@ def write(
     path: Path,
     outcomes: Sequence[Estimated | Failed],
     names: Sequence[str],
-    joints: Sequence[Joint],
+    joints: Sequence[JointHistory],
     settings: Settings,
 ) -> Path:
     """Write the page of these recordings, under their names, and return its path.
@@ -65,7 +65,7 @@ def write(
     return write_page(path, "Backlash of joints", lead, sections)
 
 
-def _joints(joints: Sequence[Joint], settings: Settings) -> Table:
+def _joints(joints: Sequence[JointHistory], settings: Settings) -> Table:
     """Return a row a joint: what to know first of it."""
     name = [joint.series.name or "joint" for joint in joints]
     frame = pd.DataFrame(
@@ -87,14 +87,14 @@ def _joints(joints: Sequence[Joint], settings: Settings) -> Table:
     return Table("joints", caption, frame, tones=tones.set_axis(frame.index), note=note)
 
 
-def _half_gap(joint: Joint) -> str:
+def _half_gap(joint: JointHistory) -> str:
     gap, (low, high) = joint.latest.backlash_rad, joint.latest.interval_rad
     if np.isnan(gap):
         return "unknown"
     return f"{1e3 * gap:.2f}" + (f" ({1e3 * low:.2f} to {1e3 * high:.2f})" if np.isfinite([low, high]).all() else "")
 
 
-def _change(joint: Joint) -> str:
+def _change(joint: JointHistory) -> str:
     """Return the slope of a joint's half-gap with its interval, or why there is none."""
     if joint.trend is None or joint.trend.line is None:
         return "unknown: fewer than three recordings"
@@ -106,7 +106,7 @@ def _change(joint: Joint) -> str:
     return slope if joint.trend.significant else f"no trend: {slope}"
 
 
-def _reached(joint: Joint) -> str:
+def _reached(joint: JointHistory) -> str:
     """Return when a joint reaches the limit, or why that is not known."""
     status, when, (early, late) = joint.outlook
     label = joint.series.label

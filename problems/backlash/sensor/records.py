@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from problems.backlash.sensor.batch import Estimated, Failed, Outcome
-from problems.backlash.sensor.trend import Joint
+from problems.backlash.sensor.trend import JointHistory
 
 BEFORE = ("amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict")
 AFTER = (
@@ -15,7 +15,7 @@ AFTER = (
 """The keys of an estimate in JSON before and after its variables."""
 
 
-def json_objects(outcomes: Iterable[Outcome], joints: Iterable[Joint]) -> list[dict[str, Any]]:
+def json_objects(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[dict[str, Any]]:
     """Return outcomes, and what is known of their joints, as JSON objects; unknown values are null."""
     places = {id(one): (joint, at) for joint in joints for one, at in zip(joint.outcomes, joint.series.at, strict=True)}
     return [_failure(one) if isinstance(one, Failed) else _finite(_content(one, *places[id(one)])) for one in outcomes]
@@ -26,7 +26,7 @@ def _failure(outcome: Failed) -> dict[str, Any]:
     return {"file": str(outcome.path), **joint, "error": outcome.error}
 
 
-def _content(outcome: Estimated, joint: Joint, at: float) -> dict[str, Any]:
+def _content(outcome: Estimated, joint: JointHistory, at: float) -> dict[str, Any]:
     estimate = outcome.estimate
     return {
         "file": str(outcome.path),
@@ -40,7 +40,7 @@ def _content(outcome: Estimated, joint: Joint, at: float) -> dict[str, Any]:
     }
 
 
-def _trend(joint: Joint) -> dict[str, Any] | None:
+def _trend(joint: JointHistory) -> dict[str, Any] | None:
     """Return the slope of a joint's half-gap (rad) or amplitude (rps) a month, recording, or number in the names."""
     if joint.trend is None or (line := joint.trend.line) is None:
         return None
@@ -54,17 +54,17 @@ def _trend(joint: Joint) -> dict[str, Any] | None:
     }
 
 
-def _limit(joint: Joint) -> dict[str, Any]:
-    """Return when a joint reaches the limit; see :attr:`problems.backlash.sensor.trend.Joint.outlook`."""
+def _limit(joint: JointHistory) -> dict[str, Any]:
+    """Return when a joint reaches the limit; see :attr:`problems.backlash.sensor.trend.JointHistory.outlook`."""
     status, when, ends = joint.outlook
     return {"status": status, "date": _date(joint, when), "interval": [_date(joint, end) for end in ends]}
 
 
-def _date(joint: Joint, at: float) -> str | None:
+def _date(joint: JointHistory, at: float) -> str | None:
     return joint.series.label(at) if joint.series.unit == "month" and math.isfinite(at) else None
 
 
-def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[Joint]) -> list[dict[str, Any]]:
+def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[dict[str, Any]]:
     """Return a row an outcome with the keys of :func:`json_objects`: trend, limit and intervals as columns.
 
     Notes are joined.

@@ -26,7 +26,7 @@ LATEST = 6  # recordings that predict a limit at least, where there are as many:
 
 
 @dataclass(frozen=True)
-class Line:
+class StraightLine:
     """A straight line through points, by Theil and Sen.
 
     Attributes:
@@ -76,7 +76,7 @@ class Trend:
     intervals: Floats
     change: float
     change_interval: Interval
-    line: Line | None
+    line: StraightLine | None
     significant: bool
     latest: int
     since: float | None
@@ -122,7 +122,7 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class JointHistory:
     """A joint and what its recordings show.
 
     Attributes:
@@ -156,14 +156,14 @@ class Joint:
         return "no growth" if known else "unknown", math.nan, nowhere
 
 
-def joints_of(estimated: Sequence[Estimated], settings: Settings) -> list[Joint]:
+def joints_of(estimated: Sequence[Estimated], settings: Settings) -> list[JointHistory]:
     """Return every joint, the one whose gap grows fastest first, those with one recording last."""
     options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
     made = []
     for each in series([one.path for one in estimated], [one.joint for one in estimated]):
         outcomes = tuple(estimated[i] for i in each.members)
         estimates = [outcome.estimate for outcome in outcomes]
-        made.append(Joint(each, outcomes, trend(each, estimates, **options) if len(outcomes) > 1 else None))
+        made.append(JointHistory(each, outcomes, trend(each, estimates, **options) if len(outcomes) > 1 else None))
     return sorted(made, key=lambda each: growth(each.trend))
 
 
@@ -174,7 +174,7 @@ def growth(one: Trend | None) -> tuple[bool, str, bool, float]:
     return False, one.quantity, not one.significant, -one.line.slope if one.line else 0.0
 
 
-def fit_line(time: Floats, values: Floats, confidence: float) -> Line | None:
+def fit_line(time: Floats, values: Floats, confidence: float) -> StraightLine | None:
     """Return the line through (n,) values at (n,) times, None for fewer than three times or recordings."""
     if len(values) < FEWEST or len(np.unique(time)) < FEWEST:
         return None
@@ -182,7 +182,7 @@ def fit_line(time: Floats, values: Floats, confidence: float) -> Line | None:
 
     slope, _, low, high = map(float, theilslopes(values, time, confidence))
     middle = float(np.median(time)), float(np.median(values))
-    return Line(slope, (low, high), middle, float(kendalltau(time, values).pvalue))
+    return StraightLine(slope, (low, high), middle, float(kendalltau(time, values).pvalue))
 
 
 def _difference(last: float, last_interval: Floats, first: float, first_interval: Floats) -> Interval:

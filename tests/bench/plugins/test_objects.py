@@ -188,7 +188,7 @@ def test_an_object_of_another_session_has_to_be_given_again(load):
 
 
 def test_an_object_that_misses_a_module_here_is_one_sentence(monkeypatch):
-    packed = objects.Packed(b"cno_such_module\nthing\n.", "0", ())
+    packed = objects.PackedObject(b"cno_such_module\nthing\n.", "0", ())
     monkeypatch.setitem(objects.held, "optimizers python:far", packed)
     with pytest.raises(BenchError, match="'python:far' cannot be loaded here: ModuleNotFoundError"):
         load_optimizer("python:far")

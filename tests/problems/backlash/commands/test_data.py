@@ -23,7 +23,7 @@ NAMES = ["Speeddata3.xlsx", "Speeddata4.xlsx", "Data_with_Noise_1.zip"]
 @pytest.fixture(autouse=True)
 def registry(monkeypatch, tmp_path):
     """Three small files stand for the published ones, and an empty folder for the user's."""
-    known = [files.File(path, hashlib.sha256(content).hexdigest()) for path, content in CONTENT.items()]
+    known = [files.PublishedFile(path, hashlib.sha256(content).hexdigest()) for path, content in CONTENT.items()]
     monkeypatch.setattr(files, "registry", lambda: {file.name: file for file in known})
     monkeypatch.setenv(files.VARIABLE, str(tmp_path / "kept"))
     monkeypatch.setenv("NO_PROXY", "127.0.0.1")
