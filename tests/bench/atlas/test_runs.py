@@ -127,7 +127,7 @@ def test_failures_cost_their_own_implementation_alone(swarm):
     assert one.measures["sphere moved"].shape == (2, len(MEASURES))
     assert list(one.dead) == list(copy.dead) == ["inertia"]
     assert (one.measures["sphere moved"] != copy.measures["sphere moved"]).any()  # seeds of their own
-    assert wild.failed == "RuntimeError: it cannot"
+    assert wild.failed == "the optimizer failed on sphere: RuntimeError: it cannot"
     assert exiting.failed == "the optimizer ended its process (exit code 3)"
     assert (lucky.failed, lucky.repeatable, lucky.dead) == ("", False, {})
     assert "Nobody" in missing.failed

@@ -175,7 +175,7 @@ class Stuck(Walker):
     """Never asks for a value in a narrow box."""
 
     def minimize(self, objective, rng):
-        while objective.upper[0] - objective.lower[0] < 1:
+        while objective.upper[0] - objective.lower[0] < 0.01:
             time.sleep(0.1)
         super().minimize(objective, rng)
 

@@ -36,7 +36,7 @@ def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
     assert [item.name for item in section.items] == [
         "ranks-over-budget", "targets-reached", "success-rates", "target-sets",
     ]  # fmt: skip
-    (each,) = section.sections  # all are of one dimension
+    _, each = section.sections  # all are of one dimension, below the performance profiles
     assert each.folded
     assert each.title == "Each problem"
     assert [item.name for item in each.items] == ["convergence", "expected-running-time"]
