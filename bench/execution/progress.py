@@ -98,7 +98,7 @@ def in_notebook() -> bool:
 def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:
     """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
-    total, present = (sum(numbers) for numbers in zip(*counts.values(), strict=True))
+    total, present = (sum(numbers[place] for numbers in counts.values()) for place in range(2))
     controls = f" and {count(len(study.controls), 'control')}" if study.controls else ""
     size = f"{count(len(study.problems), 'problem')} x {count(len(study.optimizers), 'optimizer')}{controls} x "
     size += f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')}"
