@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, product, takewhile
+from itertools import islice, takewhile
 
 from bench.errors import BenchError
 from bench.storage.store import CellCounts
@@ -68,11 +68,6 @@ class Plan:
 
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""
-        if self.shard is None:  # without a step for each trial
-            finished = Counter(key[:2] for key in self.finished if key[2] < self.most(*key[:2]))
-            labels = product(self.study.problems, self.study.with_controls)
-            cells = [(problem.label, optimizer.label) for problem, optimizer in labels]
-            return {cell: (self.most(*cell), finished[cell]) for cell in cells}
         counts: dict[tuple[str, str], tuple[int, int]] = {}
         for trial in self.trials():
             planned, done = counts.get(trial.key[:2], (0, 0))
