@@ -251,8 +251,8 @@ def _plan(
         )
     if study.evaluation_timeout is not None:
         notes.append(
-            f"a point fails after {duration(study.evaluation_timeout)}: a trial in which one did depends on the machine "
-            "and is not made again"
+            f"a point fails after {duration(study.evaluation_timeout)}: a trial in which one did depends on the "
+            "machine and is not made again"
         )
     store = folder.store
     shown = selection.labels_in(store.held())
