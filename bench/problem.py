@@ -306,8 +306,10 @@ def with_own_box(problem: Problem) -> Problem:
     Otherwise code that computes in place, such as ``low = self.lower; low -= 1``, would move the box of later trials.
 
     Raises:
-        BenchError: where the bounds are no box; see :func:`own_box`.
+        BenchError: where the problem lacks an attribute, or the bounds are no box; see :func:`own_box`.
     """
+    if missing := [name for name in ("name", "variables", "lower", "upper") if not hasattr(problem, name)]:
+        raise BenchError(f"the problem {type(problem).__name__} has no {' and no '.join(missing)}; see bench.Problem")
     lower, upper = own_box(problem.name, problem.lower, problem.upper)
     integer = None if problem.integer is None else np.array(problem.integer)
     if integer is not None:

@@ -5,7 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem
+from bench import BenchError, FunctionProblem, Problem
+from bench.problem import with_own_box
 
 
 def plane(lower=(-1, 0), upper=(1, 4), **options):
@@ -148,3 +149,14 @@ def test_a_problem_may_say_what_kind_it_is():
     assert plane().features == {}
     assert pickle.loads(pickle.dumps(FunctionProblem(np.sum, [0], [1]))).features == {}
     assert plane(features={"suite": "planes", "instance": 2}).features == {"suite": "planes", "instance": 2}
+
+
+def test_a_problem_that_lacks_attributes_is_told_which():
+    class Nameless(Problem):
+        lower, upper = np.zeros(2), np.ones(2)
+
+        def evaluate(self, x):
+            return x.sum(axis=1)
+
+    with pytest.raises(BenchError, match="the problem Nameless has no name and no variables; see bench.Problem"):
+        with_own_box(Nameless())
