@@ -53,7 +53,7 @@ from bench.analysis.anytime import (
     performance_profiles,
     success_rates,
 )
-from bench.analysis.bands import curve_bands, leads, spells
+from bench.analysis.bands import curve_bands, leads, profile_bands, spells
 from bench.analysis.cells import (
     CONTENTION,
     HIDDEN_THREADS,
@@ -201,6 +201,7 @@ __all__ = [
     "pool_instances",
     "portfolio_of",
     "precision_targets",
+    "profile_bands",
     "rank_stability",
     "rank_sum",
     "ranking",

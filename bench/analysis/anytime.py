@@ -121,7 +121,7 @@ def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)
     missing. A tau between two targets stands for the next harder one; below a problem's last target there is no row.
     """
     counts = _counts(hits)
-    table = pd.concat([_at(counts, tau).assign(tau=tau) for tau in taus], ignore_index=True)
+    table = pd.concat([at_level(counts, tau).assign(tau=tau) for tau in taus], ignore_index=True)
     intervals = [_wilson(*pair) for pair in zip(table["successes"], table["trials"], strict=True)]
     low, high = np.array(intervals, dtype=float).reshape(-1, 2).T
     rate = table["successes"] / table["trials"].where(table["trials"] > 0)
@@ -172,7 +172,7 @@ def data_profiles(
     Raises:
         KeyError: when ``dimensions`` lacks a problem.
     """
-    solved = _at(hits, tau)
+    solved = at_level(hits, tau)
     unit = "evaluations" if dimensions is None else "groups"
     cost = [1 if dimensions is None else dimensions[problem] + 1 for problem in solved["problem"]]
     times = solved["evaluations"] / np.array(cost, dtype=float)
@@ -253,7 +253,7 @@ def _counts(hits: pd.DataFrame) -> pd.DataFrame:
     ).astype({"problem": object, "optimizer": object})
 
 
-def _at(table: pd.DataFrame, tau: float) -> pd.DataFrame:
+def at_level(table: pd.DataFrame, tau: float) -> pd.DataFrame:
     """Return the rows at each problem's easiest target that is at least as hard as ``tau``."""
     hard = table["tau"].where(table["tau"] <= tau * (1 + 1e-9))  # the ladder's powers of ten are rounded
     return table[table["tau"] == hard.groupby(table["problem"], observed=True).transform("max")]

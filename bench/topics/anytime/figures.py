@@ -144,6 +144,7 @@ def ecdf_figure(
     """Return two panels over evaluations: the share of targets reached, and the data profile at a ``target``.
 
     ``ends`` are the budgets, where ``reached`` are shares of simulated restarts; these may have the best of 2009.
+    ``profile`` may have bands.
     """
     pens = beside_best(reached, optimizers)
     figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=legend_height(pens) + 0.1)
@@ -152,11 +153,13 @@ def ecdf_figure(
     style.legend_above(figure, style.handles(pens))
     along = "groups" if "groups" in profile else "evaluations"
     over = "per_dimension" if "per_dimension" in reached else "evaluations"
+    banded = ", with 95% bands that hold at all budgets together, for new runs on these problems"
+    banded = banded if "low" in profile and profile["low"].notna().any() and len(pens) <= MOST_BANDS else ""
     unit = ", over groups of d + 1 evaluations" if along == "groups" else ""
     caption = (
         f"Left: the share of all targets, of all problems and {'simulated restarts' if ends else 'trials'}, that "
         f"was reached, over evaluations{' / d' if over == 'per_dimension' else ''}.{ended(ends)} Right: the data "
-        f"profile at {target}, the share of all trials that reached this one target{unit}."
+        f"profile at {target}, the share of all trials that reached this one target{unit}{banded}."
     )
     panels = {"targets reached": (reached, over), "data profile": (profile, along)}
     data = pd.concat([frame.assign(panel=name) for name, (frame, _) in panels.items()], ignore_index=True)

@@ -38,7 +38,7 @@ def section(findings: Findings) -> Section:
     # Moré and Wild (2009): at 1e-1 to 1e-7. Of imported problems the dimension may be unknown.
     sizes = dimensions if dimensions.keys() >= {*findings.trials.problems} else None
     most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
-    solved = analysis.data_profiles(hits, chosen.level, analysis.evaluation_grid(most), sizes)
+    solved = analysis.profile_bands(hits, chosen.level, analysis.evaluation_grid(most), sizes)
     if chosen.restarts:
         reached = analysis.mean_shares(findings.anytime.restart_shares, findings.anytime.curves)
     elif not findings.trials.scaled:
