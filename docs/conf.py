@@ -99,8 +99,10 @@ def shortened(*given: object) -> Signature:
     long = rf"{name}ndarray\[{name}tuple\[{name}Any, \.\.\.\], {name}dtype\[{name}\w+\]\]"
     like = rf"{name}_Buffer \| .*?{name}_NestedSequence\[{name}complex \| {name}bytes \| {name}str\]"
     field = rf"{name}Checked\[([^\]]*)\]"  # of a study: readers see what it holds
+    default = r"<(?:factory|function [\w.]*(?:<lambda>)?)>"  # which Sphinx cannot read
     signature, annotation = (
-        each and re.sub(field, r"\1", re.sub(like, "ArrayLike", re.sub(long, "ndarray", str(each))))
+        each
+        and re.sub(default, "...", re.sub(field, r"\1", re.sub(like, "ArrayLike", re.sub(long, "ndarray", str(each)))))
         for each in given[-2:]
     )
     return signature, annotation
