@@ -52,7 +52,7 @@ def command(
     targets: Targets = None,
     rope: Rope = None,
     journal: Annotated[
-        str, typer.Option(metavar="NAME", help="Fit the LaTeX tables to a class: plain, ieee, acm, elsevier or lncs.")
+        str, typer.Option(metavar="NAME", help="Fit tables and figures to a class: plain, ieee, acm, elsevier or lncs.")
     ] = "plain",
     open_: Open = False,
 ) -> None:

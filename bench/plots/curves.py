@@ -232,7 +232,7 @@ def _curve(ax: Axes, x: np.ndarray, y: np.ndarray, pen: style.Pen, place: int, s
 
 def _finish(ax: Axes, x: str, y: str, pens: style.Pens | None, problem: str = "") -> Axes:
     """Write the problem and the labels on the axes, with a legend at their right if there are ``pens``."""
-    ax.set_title(style.plain(problem), loc="left")
+    style.title(ax, problem)
     ax.set_xlabel(x)
     ax.set_ylabel(y)
     if pens is not None:

@@ -70,7 +70,7 @@ def box_plot(
         )  # fmt: skip
     style.name_rows(ax, list(style.names(optimizers).values()))
     ax.set_xlabel(style.plain(column) if column != "fun" else OBJECTIVE if least is None else PRECISION)
-    ax.set_title(style.plain(problem, 18), loc="left")
+    style.title(ax, problem, 18)
     if ax.get_legend_handles_labels()[0]:
         ax.legend(
             loc="lower right", bbox_to_anchor=(1.02, 0.99), borderaxespad=0.0, borderpad=0.2, ncols=2,

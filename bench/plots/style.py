@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import unicodedata
 import warnings
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import blake2b
 from itertools import compress, takewhile
 from math import ceil
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import matplotlib
 import matplotlib.figure
@@ -36,7 +37,7 @@ from bench.helpers.frames import labels
 
 RC = matplotlib.rc_params_from_file(Path(__file__).with_name("report.mplstyle"), use_default_template=False)
 
-COLUMN, TEXT = 3.5, 7.16  # inches: one column and the whole width of a two-column page
+POINT = 1 / 72.27  # inches: of TeX, in whose points document classes give their widths
 TALLEST = 8.0  # inches that the rows of a figure may take together: a page
 ROW = 0.2  # inches, a row of a figure with a label on its left
 TICK = 0.36  # inches that a number below an axis takes
@@ -76,14 +77,40 @@ class Pen:
 
 Pens = Mapping[str, Pen]
 
+
+class Widths(NamedTuple):
+    """The widths of a document in inches: of a column, and of the whole text; by default those of IEEE's journals."""
+
+    column: float = 252 * POINT
+    page: float = 516 * POINT
+
+
+_WIDTHS: ContextVar[Widths] = ContextVar("widths", default=Widths())  # noqa: B039  # a tuple
+
 BESIDE = Pen("#7F7F7F", "", "-")
 """The pen of a published reference, which is no optimizer of the study."""
 
 
-def context() -> AbstractContextManager[None]:
-    """Return the context in which a report draws and saves its figures, whatever the user's own settings."""
+@contextmanager
+def context(widths: Widths | None = None) -> Iterator[None]:
+    """Draw and save figures as a report does, whatever the user's own settings; in other widths on request."""
     settings: Any = {**DEFAULTS, **RC}  # matplotlib's own type lists every key
-    return matplotlib.rc_context(settings)
+    before = _WIDTHS.set(widths or _WIDTHS.get())
+    try:
+        with matplotlib.rc_context(settings):
+            yield
+    finally:
+        _WIDTHS.reset(before)
+
+
+def column_width() -> float:
+    """Return the width of a column in inches, in the document that figures are drawn for."""
+    return _WIDTHS.get().column
+
+
+def page_width() -> float:
+    """Return the whole width of the text in inches, over both columns where there are two."""
+    return _WIDTHS.get().page
 
 
 def pens(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bool = True) -> Pens:
@@ -219,6 +246,21 @@ def _differing(labels: Sequence[str], at_most: int) -> dict[str, str]:
     return texts
 
 
+def letters(width: float, points: float = POINTS) -> int:
+    """Return about how many letters fit above a panel of a width in inches, beyond which a title may reach a little."""
+    return max(int((width + 0.2) * 72 / (0.6 * points)), 8)
+
+
+def title(ax: Axes, text: str, at_most: int = 28) -> None:
+    """Write a title above a panel, in one line that it has room for."""
+    ax.set_title(plain(text, min(at_most, letters(inches(ax)))), loc="left")
+
+
+def inches(ax: Axes) -> float:
+    """Return the width of a panel in inches."""
+    return float(ax.get_window_extent().width / ax.figure.dpi)
+
+
 def text_width(texts: Iterable[str], points: float = POINTS) -> float:
     """Return the width in inches of the widest text, 0 without any; a letter that the font lacks counts as square."""
     font = FontProperties(family="sans-serif", size=points)
@@ -238,19 +280,20 @@ def own_axes(ax: Axes | None, *, height: float = 2.2) -> Axes:
         return ax
     from matplotlib import pyplot  # imported here, as a report opens no window
 
-    _, ax = pyplot.subplots(figsize=(COLUMN, height), layout="constrained")
+    _, ax = pyplot.subplots(figsize=(column_width(), height), layout="constrained")
     return ax
 
 
 def grid(
-    number: int, *, columns: int = 3, width: float = TEXT, height: float, left: float, right: float = 0.2,
+    number: int, *, columns: int = 3, width: float | None = None, height: float, left: float, right: float = 0.2,
     bottom: float = 0.36, top: float = 0.2, across: float = 0.0, down: float = 0.0,
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:  # fmt: skip
     """Return a figure of small multiples and its axes, row by row, laid out by known margins.
 
-    All lengths are in inches: the figure's ``width``, the ``height`` of one panel, the figure's margins, and the
-    space ``across`` and ``down`` between panels.
+    All lengths are in inches: the figure's ``width``, by default that of the page, the ``height`` of one panel, the
+    figure's margins, and the space ``across`` and ``down`` between panels.
     """
+    width = page_width() if width is None else width
     columns = max(min(columns, number), 1)
     rows = max(ceil(number / columns), 1)
     total = rows * height + (rows - 1) * down + top + bottom
@@ -308,9 +351,9 @@ def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> No
     figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
-def legend_height(texts: Sequence[str], width: float = TEXT) -> float:
-    """Return the height in inches of a :func:`legend_above` with these texts, in a figure of this width."""
-    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, width)) + 0.08
+def legend_height(texts: Sequence[str], width: float | None = None) -> float:
+    """Return the height in inches of a :func:`legend_above` with these texts, in a figure of this width or a page's."""
+    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, width or page_width())) + 0.08
 
 
 def _legend_columns(texts: Sequence[str], width: float) -> int:
@@ -336,8 +379,8 @@ def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     if low <= 0:  # the limits around curves without any point, which a log axis cannot draw
         low, high = getattr(ax, f"set_{which}lim")(1.0, 10.0)
     axis = ax.xaxis if which == "x" else ax.yaxis
-    inches = ax.get_window_extent().width / ax.figure.dpi if which == "x" else TALLEST
-    most = max(min(int(inches / TICK), 6), 2)
+    room = inches(ax) if which == "x" else TALLEST
+    most = max(min(int(room / TICK), 6), 2)
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=most))
     axis.set_major_formatter(FuncFormatter(partial(_number, largest=high)))
     axis.set_minor_locator(NullLocator())

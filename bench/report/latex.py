@@ -1,4 +1,4 @@
-"""Write a table as LaTeX that compiles for any text in it."""
+"""Write tables and figures as LaTeX that compiles for any text in it."""
 
 from __future__ import annotations
 
@@ -17,23 +17,28 @@ from jinja2 import Environment, PackageLoader, Template
 
 from bench.errors import BenchError, nearest
 from bench.helpers.bibtex import ACCENTS, LETTERS
-from bench.report.parts import Table, TableCell
+from bench.plots.style import POINT, Widths
+from bench.report.parts import Figure, Table, TableCell
 
 WRAP = 40  # characters beyond which a column is set in paragraphs
 WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 BLOCK = 10  # rows of a block that is named once, and that no page break divides
+TALLEST = 0.8  # of the height of a page that a figure may take beside its caption
+SHRUNK = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 WIDEST = 1.5  # lines; the type of a wider table would be too small to read where it shrinks to a line
 
 
 class Journal(NamedTuple):
-    """The space that a document class leaves for a table.
+    """The space that a document class leaves for tables and figures.
 
     Attributes:
         document: the class that it was measured in.
         line: characters of the width of the text in a table's type.
         column: those of a column; a table that may be wider shrinks to fit.
         page: lines of a page in that type, a caption of one line included.
+        widths: of figures.
+        height: inches of the text of a page.
         size: the command of that type.
         breaks: whether a long table may be a ``longtable``, which two-column classes refuse.
     """
@@ -42,6 +47,8 @@ class Journal(NamedTuple):
     line: int
     column: int
     page: int
+    widths: Widths
+    height: float
     size: str = r"\footnotesize"
     breaks: bool = False
 
@@ -52,11 +59,13 @@ class Journal(NamedTuple):
 
 
 JOURNALS = {
-    "plain": Journal(r"\documentclass{article}", 84, 42, 41, "", breaks=True),
-    "ieee": Journal(r"\documentclass[conference]{IEEEtran}", 120, 58, 64),
-    "acm": Journal(r"\documentclass[sigconf]{acmart}", 118, 56, 60),
-    "elsevier": Journal(r"\documentclass[final,5p,twocolumn]{elsarticle}", 120, 58, 62),
-    "lncs": Journal(r"\documentclass{llncs}", 74, 74, 44),
+    "plain": Journal(r"\documentclass{article}", 84, 42, 41, Widths(), 550 * POINT, "", breaks=True),
+    "ieee": Journal(r"\documentclass[conference]{IEEEtran}", 120, 58, 64, Widths(), 672 * POINT),
+    "acm": Journal(r"\documentclass[sigconf]{acmart}", 118, 56, 60, Widths(241.1 * POINT, 506.2 * POINT), 670 * POINT),
+    "elsevier": Journal(
+        r"\documentclass[final,5p,twocolumn]{elsarticle}", 120, 58, 62, Widths(page=522 * POINT), 682 * POINT
+    ),
+    "lncs": Journal(r"\documentclass{llncs}", 74, 74, 44, Widths(page=347 * POINT), 549 * POINT),
 }
 """The journals whose classes tables are written for; "plain" ones also compile in an article of two columns."""
 
@@ -137,26 +146,48 @@ def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> 
     ):
         sets, turned = apart, False
     needed = {"array": wraps, "longtable": breaks, "graphicx": width > journal.column and not breaks}
-    caption = escape(table.caption)
-    if len(caption) > CAPTION:
-        caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
-    safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
     blocks = _blocks(table, rows)
     most = len(rows) if breaks else _most_rows(table, columns, journal, turned=turned, long=long)
-    return _template().render(
+    return _template("table.tex.j2").render(
         document=journal.document,
         size=journal.size,
+        shrunk=SHRUNK,
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         breaks=breaks,
         small=long and width > 0.75 * line and journal.breaks,
         wide=width > journal.column,
         turned=turned,
         float="table*" if width > journal.spans else "table",
-        caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
+        caption=_caption(table.caption, f"tab:{label}"),
         tabulars=[_tabular(columns_of, blocks, most, line) for columns_of in sets],
         totals=table.totals,
         note=escape(table.note),
     )
+
+
+def figure_to_latex(figure: Figure, path: str, label: str, journal: Journal = JOURNALS["plain"]) -> str:
+    r"""Return a figure with its caption for ``\input``; ``path`` is that of its PDF, relative to the paper.
+
+    A figure wider than a column is a ``figure*``, which spans both columns where there are two. One that is larger than
+    a page shrinks. References name it ``fig:<label>``, as :func:`to_latex` does.
+    """
+    width, height = figure.figure.get_size_inches()
+    return _template("figure.tex.j2").render(
+        document=journal.document,
+        path=path,
+        float="figure*" if width > journal.widths.column else "figure",
+        shrunk=SHRUNK if journal.breaks or width > journal.widths.page else "",  # an article is narrower than journals
+        tallest=TALLEST if height > TALLEST * journal.height else "",
+        caption=_caption(figure.caption, f"fig:{label}"),
+    )
+
+
+def _caption(text: str, label: str) -> str:
+    """Return a caption with its label, cut where it is too long for TeX."""
+    caption = escape(text)
+    if len(caption) > CAPTION:
+        caption = escape(text[: CAPTION // 10] + "…")  # a code point takes ten letters
+    return f"\\caption{{{caption}}}\\label{{{re.sub(r'[^A-Za-z0-9.:_-]+', '-', label)}}}"
 
 
 def _most_rows(table: Table, columns: Sequence[_Column], journal: Journal, *, turned: bool, long: bool) -> int:
@@ -238,14 +269,14 @@ def _parts(blocks: list[list[str]], most: int) -> list[list[list[str]]]:
 
 
 @cache
-def _template() -> Template:
+def _template(name: str) -> Template:
     environment = Environment(
         loader=PackageLoader("bench.report", ""),
         block_start_string="<%", block_end_string="%>", variable_start_string="<<", variable_end_string=">>",
         comment_start_string="<#", comment_end_string="#>",
         trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
     )  # fmt: skip
-    return environment.get_template("table.tex.j2")
+    return environment.get_template(name)
 
 
 def _types(columns: Sequence[_Column], line: int) -> str:

@@ -17,7 +17,7 @@ from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.interactive import Interactive
-from bench.report.latex import JOURNALS, Journal, to_latex
+from bench.report.latex import JOURNALS, Journal, figure_to_latex, to_latex
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, File, Part, Section, Table
 
@@ -95,7 +95,7 @@ class Draft:
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         self._steps = len(chapters) + self.expected + 1
-        with style.context():
+        with style.context(self.journal.widths):
             prepared = [self.prepare(chapter) for chapter in chapters]
             self.drawer.help()
             for chapter, made in zip(chapters, prepared, strict=True):
@@ -158,9 +158,10 @@ class Draft:
 
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""
+        widths = self.journal.widths
         text = (
             "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
-            f"{style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
+            f"{widths.column:.2f} or {widths.page:.2f} in wide, for a column or the whole width of a paper."
         )
         section = Section("Downloads", (text,), on_demand=True)
         self.step(section.title)
@@ -189,7 +190,8 @@ class Draft:
             files = save_table(part, self.folder, name, journal=self.journal if printed else None, study=self.study)
             item = Item(name, files, part)
         else:
-            svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure, pdf=printed))
+            drawing = self.drawer.finish(part.figure, pdf=printed)
+            svg, files = save_figure(part, self.folder, name, drawing, journal=self.journal, study=self.study)
             item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
@@ -256,8 +258,19 @@ def save_table(
     return paths
 
 
-def save_figure(figure: Figure, folder: Path, name: str, drawing: Drawing | None = None) -> tuple[str, list[str]]:
-    """Write a drawn figure and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
+def save_figure(
+    figure: Figure,
+    folder: Path,
+    name: str,
+    drawing: Drawing | None = None,
+    *,
+    journal: Journal = JOURNALS["plain"],
+    study: str = "",
+) -> tuple[str, list[str]]:
+    """Write a drawn figure, its data as CSV and, beside a PDF, its LaTeX for a journal.
+
+    Return the SVG's text and the paths relative to ``folder``. The label of the LaTeX is as :func:`save_table` has it.
+    """
     (folder / FIGURES).mkdir(exist_ok=True)
     drawn = draw(figure.figure) if drawing is None else drawing
     paths = []
@@ -265,6 +278,10 @@ def save_figure(figure: Figure, folder: Path, name: str, drawing: Drawing | None
         if content is not None:
             paths.append(f"{FIGURES}/{name}.{kind}")
             (folder / paths[-1]).write_bytes(content)
+    if drawn.pdf is not None:
+        text = figure_to_latex(figure, paths[-1], f"{study}-{name}" if study else name, journal)
+        paths.append(f"{FIGURES}/{name}.tex")
+        (folder / paths[-1]).write_text(text, encoding="utf-8", newline="\n")
     paths.append(f"{FIGURES}/{name}.csv")
     save_csv(figure.data, folder / paths[-1], index=False)
     return drawn.svg.decode(), paths

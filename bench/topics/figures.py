@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from math import ceil, floor, log10
 
@@ -18,7 +19,23 @@ from bench.topics.findings import BEST
 
 SHOWN_ROWS = 300  # of the table behind a figure
 COLUMNS = 3  # panels beside each other
+LEFT, RIGHT = 0.6, 0.2  # inches beside them
+LINE = 30  # letters of a title
 MOST_ROWS = 40  # of a figure with a row for each optimizer: more could not all be named
+
+
+def titles(names: Iterable[str], columns: int, across: float) -> tuple[dict[str, str], float]:
+    """Return titles of at most 60 letters above :func:`panels`, in lines of small text that have room, by name.
+
+    And the inches that the highest one needs. ``across`` is the space between panels.
+    """
+    width = style.page_width() if columns == COLUMNS else style.column_width()
+    room = style.letters((width - LEFT - RIGHT - (columns - 1) * across) / columns, style.SMALL)
+    lines = {
+        name: textwrap.wrap(style.plain(f"{name}", 60).replace(" = ", "\xa0=\xa0"), min(room, LINE)) for name in names
+    }
+    most = max(map(len, lines.values()), default=1)
+    return {name: "\n".join(parts) for name, parts in lines.items()}, 0.16 + 0.12 * most
 
 
 def panels(
@@ -32,11 +49,11 @@ def panels(
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
-    width, height = (style.TEXT, 1.0) if columns == COLUMNS else (style.COLUMN, 1.2)
+    width, height = (style.page_width(), 1.0) if columns == COLUMNS else (style.column_width(), 1.2)
     height = 0.85 if len(problems) > 6 * columns else height  # all rows on one page
     figure, axes = style.grid(
-        len(problems), columns=columns, width=width, height=height, left=0.6, across=across, down=down,
-        top=legend_height(pens, width) + down - 0.05,
+        len(problems), columns=columns, width=width, height=height, left=LEFT, right=RIGHT, across=across,
+        down=down, top=legend_height(pens, width) + down - 0.05,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
         draw(frame, problem, pens=pens, legend=False, ax=ax)
@@ -65,11 +82,11 @@ def left_margin(names: Iterable[str]) -> float:
 
 def figure_width(margins: float) -> float:
     """Return the width of a column, or of the page where margins would leave less than two fifths of a column."""
-    return style.COLUMN if margins < 0.6 * style.COLUMN else style.TEXT
+    return style.column_width() if margins < 0.6 * style.column_width() else style.page_width()
 
 
-def legend_height(pens: style.Pens, width: float = style.TEXT) -> float:
-    """Return the height in inches of a legend above panels of this width."""
+def legend_height(pens: style.Pens, width: float | None = None) -> float:
+    """Return the height in inches of a legend above panels of this width, or of the page's."""
     return style.legend_height([str(entry.get_label()) for entry in style.handles(pens)], width)
 
 

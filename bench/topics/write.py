@@ -71,7 +71,7 @@ def write_report(
         problems: likewise of problems.
         dimensions: the only dimensions of problems to show.
         versions: labels or patterns of optimizers whose earlier versions stand beside them, as ``label@1``.
-        journal: whose document class the LaTeX tables fit: plain, ieee, acm, elsevier or lncs.
+        journal: whose document class the LaTeX tables and the figures fit: plain, ieee, acm, elsevier or lncs.
         on_progress: called before every step.
 
     Raises:

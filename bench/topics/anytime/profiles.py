@@ -9,11 +9,12 @@ from bench import analysis
 from bench.plots import performance_profile, style
 from bench.report.parts import Figure, Section
 from bench.report.prose import speaker
-from bench.topics.figures import legend_height
+from bench.topics.figures import COLUMNS, legend_height, titles
 from bench.topics.findings import Findings
 
 TITLE = "Performance profiles"
 FEWEST = 2  # problems
+ACROSS = 0.2  # inches between panels
 SAY = speaker(__package__)
 
 
@@ -29,12 +30,13 @@ def sections(findings: Findings) -> list[Section]:
             problems.append(at_level["problem"].nunique())
     if len(findings.trials.optimizers) < 2 or max(problems) < FEWEST:
         return []
+    above, down = titles(profiles, COLUMNS, ACROSS)
     figure, axes = style.grid(
-        len(profiles), height=1.5, left=0.5, across=0.2, down=0.3, top=legend_height(pens) + 0.25, bottom=0.4
+        len(profiles), height=1.5, left=0.5, across=ACROSS, down=down, top=legend_height(pens) + down, bottom=0.4
     )
     for place, (title, curves, ax) in enumerate(zip(profiles, profiles.values(), axes, strict=True)):
         performance_profile(curves, pens=pens, legend=False, ax=ax)
-        ax.set_title(title, loc="left", fontsize="small")
+        ax.set_title(above[title], loc="left", fontsize="small")
         if place:
             ax.set_ylabel("")
             ax.tick_params(labelleft=False)

@@ -126,7 +126,7 @@ def _models(models: pd.DataFrame) -> Table:
 def _figure(models: pd.DataFrame) -> Figure:
     left = 0.2 + style.text_width(forest_names(models))
     figure, (ax,) = style.grid(
-        1, columns=1, width=style.TEXT, height=style.rows_height(len(models)), left=left, top=0.1, bottom=0.45
+        1, columns=1, width=style.page_width(), height=style.rows_height(len(models)), left=left, top=0.1, bottom=0.45
     )
     equivalence_bars(models, ax=ax)
     caption = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Mapping
 
 import pandas as pd
@@ -11,9 +10,18 @@ from matplotlib.axes import Axes
 from bench.analysis.cells import labels
 from bench.plots import ecdf, ert_scatter, scaling, style
 from bench.report.parts import Figure
-from bench.topics.figures import COLUMNS, at_round_numbers, beside_best, ended, legend_height, panels, span_times
+from bench.topics.figures import (
+    COLUMNS,
+    at_round_numbers,
+    beside_best,
+    ended,
+    legend_height,
+    panels,
+    span_times,
+    titles,
+)
 
-TITLE_LETTERS = 30  # of a line of small text above a panel
+ACROSS = 0.46  # inches between panels
 
 
 def reached_figure(
@@ -31,18 +39,15 @@ def reached_figure(
     of 2009; ``ends`` are the budgets by panel, where they are of simulated restarts.
     """
     pens = beside_best(curves, optimizers)
+    above, down = titles(labels(curves, "problem"), columns, ACROSS)
 
     def draw(frame: pd.DataFrame, problem: str, *, pens: style.Pens, legend: bool, ax: Axes) -> Axes:
         ecdf(frame[frame["problem"] == problem], pens=pens, legend=legend, ax=ax, ends=(ends or {}).get(problem))
-        unbroken = style.plain(problem, 2 * TITLE_LETTERS).replace(" = ", "\xa0=\xa0")
-        lines = textwrap.wrap(unbroken, TITLE_LETTERS)
-        ax.set_title("\n".join(lines), loc="left", fontsize="small")
+        ax.set_title(above[problem], loc="left", fontsize="small")
         ax.set_ylabel("share reached")
         return ax
 
-    longest = max((len(f"{label}") for label in labels(curves, "problem")), default=0)
-    down = 0.4 if longest > TITLE_LETTERS else 0.28  # for titles of two lines
-    figure, _ = panels(curves, pens, draw, across=0.46, down=down, columns=columns)
+    figure, _ = panels(curves, pens, draw, across=ACROSS, down=down, columns=columns)
     caption = (
         f"The share of all targets, of all problems and {'simulated restarts' if ends else 'trials'} of a {what}, "
         f"that was reached, over evaluations / d. Higher and further left is better.{ended(ends)}"
@@ -60,12 +65,12 @@ def scatter_figure(table: pd.DataFrame, across: str, up: str) -> Figure:
     pens = {kind: style.Pen(style.PALETTE[i % 8], style.MARKERS[i % 7], "") for i, kind in enumerate(kinds)}
     figure, (ax,) = style.grid(
         1,
-        width=style.COLUMN,
+        width=style.column_width(),
         height=2.4,
         left=0.55,
         right=0.15,
         bottom=0.45,
-        top=legend_height(pens, style.COLUMN) + 0.1,
+        top=legend_height(pens, style.column_width()) + 0.1,
     )
     ert_scatter(table, across, up, pens=pens, ax=ax)
     style.legend_above(figure, style.handles(pens))

@@ -157,7 +157,7 @@ def _percent(share: float) -> str:
 
 def _main_effects(sweep: Sweep, result: Contributions) -> Figure:
     factors = list(dict.fromkeys(result.levels["factor"]))
-    width = style.TEXT if len(factors) > 2 else 0.7 + 2.4 * len(factors)
+    width = min(0.7 + 2.4 * len(factors), style.page_width())
     figure, axes = style.grid(
         len(factors), width=width, height=1.7, left=0.5, across=0.3, down=0.55, top=0.25, bottom=0.4
     )
@@ -167,7 +167,7 @@ def _main_effects(sweep: Sweep, result: Contributions) -> Figure:
     for number, (ax, name, levels) in enumerate(zip(axes, factors, tables, strict=True)):
         main_effect(levels, ax=ax)
         ax.set_ylim(min(low, 0.5) - margin, max(high, 0.5) + margin)
-        ax.set_title(style.plain(name))
+        style.title(ax, name)
         if number % 3:
             ax.tick_params(labelleft=False)
         else:
@@ -180,7 +180,7 @@ def _main_effects(sweep: Sweep, result: Contributions) -> Figure:
 def _share_map(sweep: Sweep, shares: pd.Series[float], factors: list[str]) -> Figure:
     height = max(0.3 * len(factors), 0.6) + 0.1
     left = 0.25 + style.text_width(style.names(factors, at_most=14).values())
-    width = min(left + 0.9 * len(factors) + 0.3, style.TEXT)
+    width = min(left + 0.9 * len(factors) + 0.3, style.page_width())
     figure, (ax,) = style.grid(1, columns=1, width=width, height=height, left=left, top=0.1, bottom=0.3)
     share_map(shares, factors, ax=ax)
     caption = (

@@ -218,14 +218,14 @@ def _panels(tuned: list[Tuned]) -> list[tuple[Tuned, str, pd.DataFrame]]:
 
 def _figure(panels: list[tuple[Tuned, str, pd.DataFrame]]) -> Figure:
     shown = panels[:PANELS]
-    width = style.TEXT if len(shown) > 2 else 0.7 + 2.4 * len(shown)
+    width = min(0.7 + 2.4 * len(shown), style.page_width())
     figure, axes = style.grid(
         len(shown), width=width, height=1.4, left=0.6, across=0.45, down=0.55, top=0.25, bottom=0.35
     )
     for number, (ax, (entry, name, table)) in enumerate(zip(axes, shown, strict=True)):
         tried = entry.parameters[name]
         sensitivity(table, tried.get("choices", ()), bool(tried.get("log")), ax=ax)
-        ax.set_title(style.plain(f"{entry.name}: {name}"))
+        style.title(ax, f"{entry.name}: {name}")
         if number % 3 == 0:
             ax.set_ylabel("score")
     more = f" The first {PANELS} of {len(panels)} parameters." if len(panels) > PANELS else ""

@@ -15,7 +15,6 @@ from bench.topics.findings import MANY_OPTIMIZERS, Findings
 PROBLEMS, PROBLEMS_OF_TWO = 6, 12  # at most, of which all trials are drawn; the second of two optimizers
 ONE_ROW = 4  # panels beside each other
 RIVALS = 12  # of the leader, at most
-WIDTH = 2.6  # of the axis beside their names, in inches: with them as wide as a telephone shows it
 
 
 def evidence(findings: Findings, clear: bool) -> Figure:
@@ -42,7 +41,7 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
     names = style.names(rivals, 18)
     left = style.text_width(names.values(), style.SMALL) + 0.25
     figure, (ax,) = style.grid(
-        1, width=left + WIDTH, height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
+        1, width=style.column_width(), height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
     )
     a12_forest(pairs, names=list(names.values()), ax=ax)
     ax.set_xlabel(f"probability that a run of {style.plain(leader, 24)} ends lower", loc="right")
@@ -81,7 +80,7 @@ def trials_figure(
     beside = 0.7 if unfinished else 0.1  # for the number of failed trials
     columns = {5: 3, 6: 3}.get(len(problems), ONE_ROW)
     figure, axes = style.grid(
-        len(problems), columns=columns, width=style.COLUMN if len(problems) == 1 else style.TEXT,
+        len(problems), columns=columns, width=style.column_width() if len(problems) == 1 else style.page_width(),
         height=style.rows_height(len(optimizers)), bottom=0.36, top=0.3, right=beside, across=beside + 0.08, down=0.5,
         left=style.text_width(style.names(optimizers).values(), style.SMALL) + 0.12,
     )  # fmt: skip
@@ -89,7 +88,7 @@ def trials_figure(
         least = analysis.SOLVED if problem in solved else None
         optimum = optima.get(problem) if least is None else None  # it is 0, off a log axis
         box_plot(frame, problem, optimum=optimum, least=least, pens=pens, ax=ax)
-        ax.set_title(style.plain(problem, 24), loc="left")
+        style.title(ax, problem, 24)
         if (legend := ax.get_legend()) is not None:
             legend.remove()  # the caption says what the line is
         if place % columns:

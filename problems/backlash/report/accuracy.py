@@ -127,7 +127,7 @@ def dataset_panels(
         len(titles), columns=columns, height=height, left=LEFT, bottom=0.36 + (0 if upright else longest),
         top=0.25 + style.legend_height(entries), across=ACROSS, down=0.3,
     )  # fmt: skip
-    width = (style.TEXT - LEFT) / columns - ACROSS
+    width = (style.page_width() - LEFT) / columns - ACROSS
     every = ceil(len(names) * (longest + 0.06 if upright else 0.12) / width)
     for number, (ax, title) in enumerate(zip(axes, titles, strict=True)):
         if number:
@@ -135,7 +135,7 @@ def dataset_panels(
         if number and columns > 1:
             ax.sharey(axes[0])
             ax.tick_params(axis="y", labelleft=number % columns == 0)
-        ax.set_title(style.plain(title), loc="left")
+        style.title(ax, title)
         ax.grid(visible=False, axis="x")
         last = number >= len(axes) - columns
         ax.tick_params(axis="x", rotation=0 if upright else 90, labelbottom=last)

@@ -1,4 +1,4 @@
-"""Tables as LaTeX: what they say, and that a real LaTeX takes them whatever they hold."""
+"""Tables and figures as LaTeX: what they say, and that a real LaTeX takes them whatever they hold."""
 
 import os
 import re
@@ -7,6 +7,7 @@ import subprocess
 import unicodedata
 from dataclasses import replace
 
+import matplotlib.figure
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,8 +15,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bench import BenchError, run
-from bench.report.latex import ACCENTS, BLOCK, JOURNALS, SYMBOLS, escape, journal_of, to_latex
-from bench.report.parts import Table
+from bench.plots import style
+from bench.report.latex import ACCENTS, BLOCK, JOURNALS, SYMBOLS, escape, figure_to_latex, journal_of, to_latex
+from bench.report.parts import Figure, Table
 from bench.topics import write_report
 
 HOSTILE = [
@@ -24,6 +26,11 @@ HOSTILE = [
     "עברית \u202eltr\u202c", "zero\u200bwidth\ufeff\u00ad", "bell\x07 null\x00", "a--b---c ?`!` ,, <<", "^^41", "$$",
     "", " ", "x" * 500, "Łódź Çelik Ægir ŠKODA naïve ő ů ḥ ḇ ﬁ Ω R² 10⁻⁵ x₁ → ≠ ½ “q” ‘s’ … € °", "%\n\\end{table}",
 ]  # fmt: skip
+
+
+def drawn(width, height):
+    return Figure("f", "90% of α", matplotlib.figure.Figure(figsize=(width, height)), pd.DataFrame())
+
 
 PAGE = JOURNALS["plain"].page
 
@@ -159,6 +166,21 @@ class TestToLatex:
         table = comparison(10, 9)
         assert r"\begin{table*}" in to_latex(table, "t", journal_of("ieee"))
         assert r"\begin{table}" in to_latex(table, "t", journal_of("lncs"))
+
+    @pytest.mark.parametrize(("width", "environment"), [(style.column_width(), "figure"), (7.0, "figure*")])
+    def test_a_figure_has_its_environment_width_and_escaped_caption(self, width, environment):
+        text = figure_to_latex(drawn(width, 2.0), "figures/f.pdf", "a study-f", journal_of("ieee"))
+        assert packages_of(text) == ["graphicx"]
+        assert f"\\begin{{{environment}}}[tbp]" in text
+        assert "\\includegraphics{figures/f.pdf}\n\\caption{90\\% of $\\alpha$}\\label{fig:a-study-f}\n" in text
+        assert text.endswith(f"\\end{{{environment}}}\n")
+
+    def test_a_figure_larger_than_the_page_shrinks(self):
+        for size, name in (((7.0, 2.0), "lncs"), ((3.4, 2.0), "plain")):
+            assert r"\resizebox" in figure_to_latex(drawn(*size), "f.pdf", "f", journal_of(name))
+        tall = figure_to_latex(drawn(3.4, 7.0), "f.pdf", "f", journal_of("lncs"))
+        assert r"\begin{figure}[p]" in tall
+        assert r"\includegraphics[totalheight=0.8\textheight]{f.pdf}" in tall
 
     def test_a_journal_that_is_none_is_named(self):
         with pytest.raises(BenchError, match=r"journal must be one of plain, ieee, acm, elsevier, lncs, not 'iee'"):

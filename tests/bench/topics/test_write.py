@@ -66,7 +66,7 @@ def test_the_twelve_parts_stand_in_their_order(usual):
 def test_each_function_has_a_convergence_figure_in_the_folder_alone(folder, usual):
     listed = (folder / "CONTENTS.md").read_text()
     for problem in "pq":
-        assert f"| `figures/convergence-{problem}` | csv, pdf, svg | Convergence on {problem}:" in listed
+        assert f"| `figures/convergence-{problem}` | csv, pdf, svg, tex | Convergence on {problem}:" in listed
         assert f"convergence-{problem}" not in usual.values("id")
     assert "figures/convergence-p.svg" in usual.values("href")  # among the downloads
 
