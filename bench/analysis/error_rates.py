@@ -7,9 +7,9 @@ pair, and the spread doubles from one optimizer to the next: normal values of on
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -102,6 +102,15 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, looks: bool = False, al
     return Levels(on_problems, both - on_problems, course)
 
 
+def enough_trials(problems: int, pairs: int, tests: int, looks: bool = False) -> tuple[int, float]:
+    """Return the trials a cell from which on a test on a problem can be significant, and the level that it then has.
+
+    Arguments are those of :func:`levels`, for the same number of trials on each of the ``problems``.
+    """
+    found = ((n, levels([n] * max(problems, 1), pairs, tests, looks).problems) for n in itertools.count(1))
+    return next((n, level) for n, level in found if level)
+
+
 def _can_reject(trials: int, tests: int, level: float) -> bool:
     """Return whether complete separation of this number of trials is significant beside this number of tests."""
     return bool(least_p(trials) * max(tests, 1) <= level)
@@ -172,7 +181,7 @@ def claims(
     estimates = stacked(found)  # (problems, pairs, studies)
     number, pairs, _ = estimates.a12.shape
     optimizers = 1 + (int(np.sqrt(2 * pairs)) if parts is None else pairs)  # whose pairs these are
-    rivals = [pair for pair in combinations(range(optimizers), 2) if parts is None or not pair[0]]
+    rivals = [pair for pair in itertools.combinations(range(optimizers), 2) if parts is None or not pair[0]]
     equal = np.array([second < (tied or optimizers) for _, second in rivals])
     alone = p_values(estimates)
     on_problem = _holm(alone.reshape(-1, alone.shape[2]), np.tile(equal, number), level.problems)
@@ -207,7 +216,7 @@ def _holm(p: Floats, equal: Flags, level: float | Floats) -> Flags:
 
 def _pairs(stratum: Stratum, of_first: bool) -> Effects:
     """Return A12 of each pair of optimizers, or of the first with each other one, in each study, (pairs, studies)."""
-    pairs = ((stratum[0], other) for other in stratum[1:]) if of_first else combinations(stratum, 2)
+    pairs = ((stratum[0], other) for other in stratum[1:]) if of_first else itertools.combinations(stratum, 2)
     return stacked([effects(one, other) for one, other in pairs])
 
 

@@ -25,6 +25,7 @@ from scipy.stats import norm
 
 from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA, effects_of_draws, p_values, stratified
+from bench.analysis.error_rates import trials_to_separate
 from bench.analysis.sequential import levels
 from bench.analysis.strata import strata
 from bench.typing import Floats
@@ -51,7 +52,7 @@ def trials_needed(
     Columns: problem, first, second, n_first, n_second, a12, a12_low and a12_high, as in ``pairs``; level, that of the
     test; needed, more than the trials of the smaller cell, infinite above 1,000 trials, and missing where a cell has
     fewer than two; low and high, the range of it over the interval of A12, missing where that is one point; method,
-    "simulation" or "formula".
+    "simulation" or "formula". No number is below that at which complete separation is significant.
 
     Args:
         frame: the tidy frame.
@@ -59,7 +60,7 @@ def trials_needed(
         standing: of :func:`bench.analysis.standings`; of more than 100 open pairs only those with the best optimizer of
             a problem count.
         power: the chance to separate a pair, which is to be reached.
-        alpha: the level of the tests of a problem.
+        alpha: the level of the tests on all problems together.
         looks: the study's declared looks: the level of a pair is then that of the last one.
         seed: of the simulation.
     """
@@ -74,15 +75,15 @@ def trials_needed(
     table = pairs[chosen].assign(level=level, method="simulation" if simulated else "formula")
     chance, low, high = (table[name].to_numpy(dtype=float) for name in ("a12", "a12_low", "a12_high"))
     smaller = table[["n_first", "n_second"]].min(axis=1).to_numpy()
-    formula = noether(chance, level, power)
-    needed = np.maximum(formula, smaller + 1.0)
+    formula, fewest = noether(chance, level, power), trials_to_separate(1, level)
+    needed = np.maximum(formula, np.maximum(smaller + 1.0, fewest))
     if simulated:
         by_problem, place_of = strata(frame), {name: place for place, name in enumerate(labels(frame, "optimizer"))}
         for row, pair in enumerate(table.itertuples(index=False)):
             if np.isfinite(low[row]) and noether(chance[row], alpha, power) <= LARGEST:
                 both = [place_of[str(name)] for name in (pair.first, pair.second)]
                 samples = [(of[both[0]], of[both[1]]) for of in by_problem[str(pair.problem)]]
-                needed[row] = _simulated(samples, int(smaller[row]), level, power, seed)
+                needed[row] = _simulated(samples, max(int(smaller[row]) + 1, fewest), level, power, seed)
             else:
                 needed[row] = np.inf
     needed = np.where(needed > LARGEST, np.inf, needed)
@@ -91,7 +92,10 @@ def trials_needed(
     strongest = np.maximum(np.abs(low - 0.5), np.abs(high - 0.5))
     scale = np.divide(needed, formula, out=np.ones(len(needed)), where=np.isfinite(needed) & np.isfinite(formula))
     least, most = (scale * noether(0.5 + end, level, power) for end in (strongest, weakest))
-    ends = {"low": np.minimum(least, needed), "high": np.where(most > LARGEST, np.inf, np.maximum(most, needed))}
+    ends = {
+        "low": np.minimum(np.maximum(least, fewest), needed),
+        "high": np.where(most > LARGEST, np.inf, np.maximum(most, needed)),
+    }
     has_range, alone = np.isfinite(low), low == high  # an interval of one point shows no range
     missing = {"needed": ~has_range, "low": ~has_range | alone, "high": ~has_range | alone}
     columns = {
@@ -111,9 +115,9 @@ def noether(a12: ArrayLike, level: float, power: float) -> Floats:
         return np.asarray((norm.isf(level / 2) + norm.ppf(power)) ** 2 / (6 * effect**2))
 
 
-def _simulated(samples: Sequence[tuple[Floats, Floats]], trials: int, level: float, power: float, seed: int) -> float:
-    """Return the smallest number of trials in the grid, above those made, with the power; infinite above all."""
-    tried = [trials + 1, *(number for number in GRID if number > trials + 1)]
+def _simulated(samples: Sequence[tuple[Floats, Floats]], fewest: int, level: float, power: float, seed: int) -> float:
+    """Return the smallest number of trials in the grid, from the fewest on, with the power; infinite above all."""
+    tried = [fewest, *(number for number in GRID if number > fewest)]
     place = bisect_left(tried, True, key=lambda n: power_of(samples, n, level, seed) >= power)
     return float(tried[place]) if place < len(tried) else np.inf
 

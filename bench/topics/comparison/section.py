@@ -182,8 +182,8 @@ def tables(findings: Findings) -> list[File]:
         ),
         File(
             "tables/tests.csv",
-            f"The tests of every pair of optimizers, at most of the {CROWD} best, on every problem.",
-            findings.display.written_pairs,
+            f"The tests of every pair of optimizers, at most of the {CROWD} best, on every problem, with their level.",
+            findings.display.written_pairs.assign(level=findings.final.level_on_problems),
         ),
     ]
 

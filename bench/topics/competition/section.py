@@ -35,6 +35,11 @@ def section(findings: Findings) -> Section | None:
     text = [_about(errors, findings.trials.common_words)]
     if findings.subject:
         text.append(_tested(findings.subject, tests, stopped=bool(findings.trials.decisions.stopped)))
+        if not findings.final.levels.problems:
+            text.append(
+                "A sign here is no claim of the page, which tests single problems only from "
+                f"{findings.final.enough} trials a cell on, at {findings.final.level_on_problems:g} for all together."
+            )
     items = [_table(findings, errors, tests, suites), _statistics(errors)]
     shares = {
         label: analysis.checkpoint_shares(

@@ -72,7 +72,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
         if few := int((~pairs["testable"].astype(bool)).sum()):
             text.append(
                 f"{few} of {count(len(pairs), 'pair')} cannot be significant beside all other tests, whatever the "
-                "values, because there are too few trials."
+                f"values, because there are too few trials; from {findings.final.enough} a cell on one can."
             )
     return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=True, problem=problem)
 
@@ -226,6 +226,7 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
     shown.index = pd.Index(pairs["first"].astype(str) + " / " + pairs["second"].astype(str), name="pair")
     if not shown["note"].any():
         shown = shown.drop(columns="note")
+    final = findings.final
     return Table(
         f"tests-{problem}",
         f"{problem}: {which}.",
@@ -233,10 +234,16 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"KS D": 3, "A12": 3},
         note="p: of the hypothesis A12 = 0.5; Holm’s adjustment is over the "
-        f"{len(findings.final.tested_pairs):,} pairs of all problems. Bold: significant; lower: then, the one that is "
-        "separably lower. Jointly: intervals of which all together hold. KS: the exact Kolmogorov-Smirnov test "
+        f"{len(final.tested_pairs):,} pairs of all problems. "
+        + (
+            f"Bold: significant, at {final.levels.problems:g}; lower: then, the one that is separably lower. "
+            if final.levels.problems
+            else f"Their level is {final.level_on_problems:g}, which no p (Holm) reaches below {final.enough} trials a "
+            "cell. "
+        )
+        + "Jointly: intervals of which all together hold. KS: the exact Kolmogorov-Smirnov test "
         "of one distribution, raw, which differences in spread reject, too.",
-        data=pairs if crowd else every,
+        data=(pairs if crowd else every).assign(level=final.level_on_problems),
         most_rows=SHOWN if crowd else MOST_ROWS,
     )
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import count
 from math import comb
 from typing import Any
 
@@ -54,10 +53,6 @@ class Final:
         """The levels of the tests on problems and over all of them, which the design of the study gives."""
         sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
         smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
-        return self._levels(smaller)
-
-    def _levels(self, smaller: list[int]) -> analysis.Levels:
-        """Return the levels for a number of trials in the smaller cell of each pair, by problem."""
         return analysis.levels(smaller, self.tested, self.tests, looks=bool(self.trials.results.study.looks))
 
     @property
@@ -74,10 +69,20 @@ class Final:
             return int(there.drop(columns=self.subject)[there[self.subject]].to_numpy().sum())
         return sum(comb(int(number), 2) for number in there.sum(axis=1))
 
-    @cached_property
+    @property
     def enough(self) -> int:
         """The trials a cell from which on complete separation on a problem is significant."""
-        return next(n for n in count(1) if self._levels([n] * max(len(self.medians), 1)).problems)
+        return self._enough[0]
+
+    @property
+    def level_on_problems(self) -> float:
+        """The level of the tests on problems, or with too few trials for any, the one that they have with enough."""
+        return self.levels.problems or self._enough[1]
+
+    @cached_property
+    def _enough(self) -> tuple[int, float]:
+        looks = bool(self.trials.results.study.looks)
+        return analysis.enough_trials(len(self.medians), self.tested, self.tests, looks)
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
@@ -125,8 +130,9 @@ class Final:
     def needed_for(self, power: float) -> pd.DataFrame:
         """Return the trials that would separate the pairs that are not separated, with a power."""
         return analysis.trials_needed(
-            self.trials.frame, self.tested_pairs, self.standings, power=power, looks=self.trials.results.study.looks
-        )
+            self.trials.frame, self.tested_pairs, self.standings, power=power, alpha=self.level_on_problems,
+            looks=self.trials.results.study.looks,
+        )  # fmt: skip
 
     @cached_property
     def medians(self) -> pd.DataFrame:

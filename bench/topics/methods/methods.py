@@ -92,6 +92,7 @@ def facts(findings: Findings) -> dict[str, Any]:
         "tests": final.tests if final.levels.problems else 0,  # of which one can be significant
         "pairs": final.tests,
         "levels": final.levels,
+        "level_on_problems": final.level_on_problems,
         "blocks": len({trials.blocks[str(label)] for label in final.medians.index}),
         "permutation_tests": int(final.tested_pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties
         "ranked_problems": len(final.medians),

@@ -9,7 +9,7 @@ import pandas as pd
 from bench import analysis
 from bench.report.parts import Part, Section, Table
 from bench.report.wording import count, p_text
-from bench.topics.findings import MANY_OPTIMIZERS, Findings
+from bench.topics.findings import MANY_OPTIMIZERS, Final, Findings
 from bench.topics.ranks.figures import forest_figure, rank_figure
 from bench.topics.ranks.multiverse import sections as multiverse
 from bench.topics.ranks.tables import pair_matrix, ranking_table
@@ -55,12 +55,12 @@ def section(findings: Findings) -> Section:
     if len(optimizers) <= MANY_OPTIMIZERS:
         items += [
             forest_figure(findings.final.tested_overall),
-            _tests(findings.final.tested_overall, findings.final.subject),
+            _tests(findings.final),
             means,
         ]
         return Section(TITLE, tuple(text), tuple(items), sections=tuple(further))
     items += [pair_matrix(findings), means]
-    tests = _tests(findings.final.tested_overall, findings.final.subject)
+    tests = _tests(findings.final)
     further.append(Section("Every pair of optimizers", items=(tests,), folded=True))
     return Section(TITLE, tuple(text), tuple(items), sections=tuple(further))
 
@@ -78,7 +78,8 @@ def _friedman(test: dict[str, Any]) -> str:
     )
 
 
-def _tests(tests: pd.DataFrame, subject: str) -> Table:
+def _tests(final: Final) -> Table:
+    tests, level = final.tested_overall, final.levels.across
     names = {
         "first": "first", "second": "second", "probability": "first lower", "p": "p", "p_holm": "p (Holm)",
         "significant": "significant", "lower": "lower", "blocks": "independent problems", "p_further": "p, further",
@@ -90,7 +91,8 @@ def _tests(tests: pd.DataFrame, subject: str) -> Table:
         "The probability of each pair to end lower, in the mean over these problems, and the tests that it is 0.5.",
         shown.rename(columns=names),
         decimals={"first lower": 2},
-        note=("" if subject else WINNER)
+        note=(f"Significant: p (Holm) of at most {level:g}. " if level else "Nothing is tested over all problems. ")
+        + ("" if final.subject else WINNER)
         + "Of a pair that is significant on these problems, further ones are tested at the same level, if these are "
         "an independent sample of them.",
         data=tests.assign(lower=shown["lower"]),

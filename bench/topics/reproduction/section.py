@@ -68,6 +68,7 @@ def facts(findings: Findings) -> dict[str, Any]:
         },
         "files": {file_name(label): label for label in trials.problems},
         "level_problems": final.levels.problems,
+        "level_on_problems": final.level_on_problems,
         "level_across": final.levels.across,
         "subject": final.subject,
         "sets": {name: _rule(name, chosen) for name in sets},

@@ -62,6 +62,7 @@ class Against:
         rivals: in the order of their places.
         parts: of :func:`bench.analysis.in_parts`.
         levels: of the tests.
+        enough: trials a cell from which on single problems are tested; 0 where they are.
         parts_level: of all tests in parts together (:meth:`bench.analysis.Levels.in_parts`).
         pairs: the pairs over which the tests are adjusted.
         declared: whether the first run named the subject, so that its pairs alone are tested.
@@ -79,6 +80,7 @@ class Against:
     rivals: Sequence[Rival]
     parts: pd.DataFrame
     levels: Levels
+    enough: int
     parts_level: float
     pairs: int
     declared: bool
@@ -154,7 +156,8 @@ def against(findings: Findings) -> Against:
             )
         )  # fmt: skip
     return Against(
-        subject, rivals, _parts(findings, complete), final.levels, _parts_level(findings), final.tested,
+        subject, rivals, _parts(findings, complete), final.levels, 0 if final.levels.problems else final.enough,
+        _parts_level(findings), final.tested,
         declared=findings.declared, looks=bool(findings.results.study.looks), problems=len(complete),
         trials=trials.per_cell_words, budget=findings.budget_words,
         target=findings.anytime.target_set.at(findings.anytime.target_set.level),

@@ -39,7 +39,8 @@ def _against(known: Against) -> Table:
             "95%": ["–" if isnan(row.low) else f"[{row.low:.2f}, {row.high:.2f}]" for row in known.rivals],
             "p": data["p"],
             "better / worse / open": [
-                f"{row.better} / {row.worse} / {left}" for row, left in zip(known.rivals, opens, strict=True)
+                "not tested" if known.enough else f"{row.better} / {row.worse} / {left}"
+                for row, left in zip(known.rivals, opens, strict=True)
             ],
             "ERT ratio": [f"{row.ratio:.3g} ({row.both})" if row.both else "–" for row in known.rivals],
         }
@@ -53,8 +54,9 @@ def _against(known: Against) -> Table:
         tones=tones,
         note=f"Probability: that a run of {known.subject} ends lower, in the mean over problems; p: that this is 0.5, "
         f"adjusted by Holm’s method. Better / worse / open: problems on which {known.subject} is separably lower, "
-        f"higher, neither. ERT ratio: the median of the rival’s expected running time to {known.target} over that of "
-        f"{known.subject}, in brackets the problems on which both reach it; above 1, {known.subject} is faster.",
+        f"higher, neither{f'; they are tested from {known.enough} trials a cell on' if known.enough else ''}. "
+        f"ERT ratio: the median of the rival’s expected running time to {known.target} over that of {known.subject}, in "
+        f"brackets the problems on which both reach it; above 1, {known.subject} is faster.",
         data=ends.reset_index().assign(open=opens),
     )
 

@@ -21,6 +21,7 @@ class PlannedTests(NamedTuple):
         optimizers: their number.
         problems: their number; the instances of a function are one.
         trials: of an optimizer on a problem.
+        instances: of a problem, on each of which an optimizer has its share of these trials.
         pairs: of optimizers that are tested.
         tests: pairs times problems.
         levels: of the tests.
@@ -30,6 +31,7 @@ class PlannedTests(NamedTuple):
     optimizers: int
     problems: int
     trials: int
+    instances: int
     pairs: int
     tests: int
     levels: analysis.Levels
@@ -39,11 +41,12 @@ class PlannedTests(NamedTuple):
 def design(study: Study) -> PlannedTests:
     """Return the tests of a study that has no trial yet."""
     instances = Counter(function_of(entry.label) for entry in study.problems)
-    k, problems, trials = len(study.optimizers), len(instances), study.trials * min(instances.values())
+    k, problems, each = len(study.optimizers), len(instances), min(instances.values())
+    trials = study.trials * each
     alone = bool(study.subject and not study.looks)  # looks test all pairs
     pairs = k - 1 if alone else comb(k, 2)
     levels = analysis.levels([trials] * problems, pairs, pairs * problems, looks=bool(study.looks))
-    return PlannedTests(k, problems, trials, pairs, pairs * problems, levels, alone)
+    return PlannedTests(k, problems, trials, each, pairs, pairs * problems, levels, alone)
 
 
 def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
@@ -52,26 +55,28 @@ def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
     Two normal samples of one spread are assumed, as in the part *Power* of a report. The instances of a function count
     as trials of one problem.
     """
-    k, problems, trials, pairs, *_, alone = design(study)
+    k, problems, trials, instances, pairs, *_, alone = design(study)
     words = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
+    words += f" ({study.trials:,} on each of {instances:,} instances)" if instances > 1 else ""
     of = f", {study.subject} against each other one" if alone else ""
     lines = [f"The design: {words}{of}; no result is known.", f"As it is: {_found(trials, problems, pairs, power)}."]
+    each = f" on each instance, {trials + MORE * instances:,} on a problem" if instances > 1 else ""
     if study.looks:
         return [*lines, "Declared looks share the level between them; these numbers are those of the last look alone."]
     return [
         *lines,
-        f"With {MORE} more trials: {_found(trials + MORE, problems, pairs, power)}.",
+        f"With {MORE} more trials{each}: {_found(trials + MORE * instances, problems, pairs, power)}.",
         f"With {MORE} more problems: {_found(trials, problems + MORE, pairs, power)}.",
     ]
 
 
 def _found(trials: int, problems: int, pairs: int, power: float) -> str:
-    """Return the smallest A12 that the tests on problems, and those over all of them, find."""
+    """Return the smallest A12 that the tests on problems, and those over all of them, find, or what they would need."""
     levels = analysis.levels([trials] * problems, pairs, pairs * problems)
     single = analysis.detectable_a12(trials, levels.problems / (pairs * problems), power) if levels.problems else 0.0
     across = analysis.detectable_across(trials, problems, levels.across / pairs, power) if levels.across else 0.0
-    parts = []
-    for a12, where in ((single, "on a single problem"), (across, "on every problem, over all of them")):
-        known = a12 and not isnan(a12)
-        parts.append(f"an A12 of {a12:.2f} {where}" if known else f"nothing {where}")
-    return f"found with a power of {power:.0%} are {' and '.join(parts)}"
+    enough, _ = analysis.enough_trials(problems, pairs, pairs * problems)
+    few = f", where {enough} trials of each are the fewest that can be significant" if trials < enough else ""
+    one = f"an A12 of {single:.2f}" if single and not isnan(single) else f"nothing{few}"
+    every = f"an A12 of {across:.2f} that is the same on each" if across and not isnan(across) else "nothing"
+    return f"found with a power of {power:.0%}: on a single problem {one}; over all problems {every}"

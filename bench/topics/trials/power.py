@@ -24,11 +24,10 @@ def section(findings: Findings) -> Section:
     """Return the differences that the tests can and cannot find with this study's trials."""
     if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs, level = findings.final.tests, findings.final.tested, findings.final.levels.problems
+    tests, pairs, level = findings.final.tests, findings.final.tested, findings.final.level_on_problems
     rows = []
     for n in sorted(set(findings.trials.per_cell)):
-        kinds = {"a single test": ALPHA} | ({"the first of all tests": level / tests} if level else {})
-        for name, level_of_test in kinds.items():
+        for name, level_of_test in (("a single test", ALPHA), ("the first of all tests", level / tests)):
             smallest = analysis.detectable_a12(n, level_of_test)
             rows.append((n, name, level_of_test, smallest, analysis.trials_to_separate(1, level_of_test)))
     names = ["trials", "adjusted as", "level", "A12 found", "separation from"]

@@ -172,8 +172,8 @@ def _needed(final: Final) -> Table:
         f"The trials of each optimizer that would separate pairs that are not separated, with a power of 80%, {how}.",
         shown.head(SHOWN),
         decimals={"A12": 2},
-        note="A12 with its 95% interval; the range of the number is that of the interval. The level of a pair is alpha "
-        f"over the pairs of all problems that are not separated.{rest}",
+        note="A12 with its 95% interval; the range of the number is that of the interval. The level of a pair is "
+        f"{final.level_on_problems:g} over the pairs of all problems that are not separated.{rest}",
         data=final.needed,
     )
 

@@ -229,6 +229,7 @@ def _evidence(findings: Findings) -> str:
         len(findings.final.medians),
         ALPHA,
         findings.final.levels,
+        _untested(findings.final),
         [f"{count(number, 'trial')} of {label}" for label, number in failed.items()],
     )
 
@@ -257,7 +258,13 @@ def _grounds(findings: Findings) -> str:
     looks, final = findings.results.study.looks, findings.final
     trials = findings.trials.per_cell[0]
     rule = subject_rule(findings.of(against)) if findings.subject else winner_rule(bool(looks))
-    return SAY("grounds", final.levels, [*looks], final.tests, final.tested, trials, ALPHA, rule, findings.subject)
+    subject, untested = findings.subject, _untested(final)
+    return SAY("grounds", final.levels, [*looks], final.tests, final.tested, trials, ALPHA, rule, subject, untested)
+
+
+def _untested(final: Final) -> str:
+    """Return the level of tests on problems and the trials that they need; "" where they are made."""
+    return "" if final.levels.problems else SAY("untested", final.level_on_problems, final.enough)
 
 
 def answer_file(findings: Findings) -> list[File]:

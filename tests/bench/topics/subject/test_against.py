@@ -26,8 +26,8 @@ def rival(label, outcome, chance=0.7, **more):
 
 def known(*rivals, **more):
     facts = {
-        "subject": "rDE", "rivals": rivals, "parts": PARTS, "levels": Levels(0.01, 0.035, 0.005), "parts_level": 0.005,
-        "pairs": len(rivals),
+        "subject": "rDE", "rivals": rivals, "parts": PARTS, "levels": Levels(0.01, 0.035, 0.005), "enough": 0,
+        "parts_level": 0.005, "pairs": len(rivals),
         "declared": True, "looks": False, "problems": 24, "trials": "15 trials", "budget": "1,000 d evaluations",
         "target": "precision 1e-8", "conditions": "", "sweep": "", "selected": False,
     }  # fmt: skip

@@ -42,7 +42,9 @@ def test_more_trials_find_smaller_differences_and_so_do_more_problems_over_all_o
 
 def test_instances_of_a_function_are_trials_of_one_problem():
     problems = [{"suite": "classical", "functions": ["sphere"], "dimensions": [2], "instances": "1-3"}]
-    assert "1 problem, 45 trials" in foreseen(Study.from_dict(STUDY | {"problems": problems}))[0]
+    design, _, more, _ = foreseen(Study.from_dict(STUDY | {"problems": problems}))
+    assert "1 problem, 45 trials of each on a problem (15 on each of 3 instances)" in design
+    assert more.startswith("With 10 more trials on each instance, 75 on a problem: ")
 
 
 def test_a_subject_is_tested_against_its_rivals_alone_and_finds_more():
@@ -52,7 +54,9 @@ def test_a_subject_is_tested_against_its_rivals_alone_and_finds_more():
 
 
 def test_too_few_trials_find_nothing_on_a_problem():
-    assert "nothing on a single problem" in foreseen(Study.from_dict(STUDY | {"trials": 3}))[1]
+    (_, now, *_) = foreseen(Study.from_dict(STUDY | {"trials": 3}))
+    assert "on a single problem nothing, where 11 trials of each are the fewest that can be significant" in now
+    assert "nothing" not in foreseen(Study.from_dict(STUDY | {"trials": 11}))[1]
 
 
 def test_the_foreseen_power_is_that_of_new_draws_within_three_hundredths():

@@ -34,6 +34,17 @@ def test_pairs_that_are_not_separated_are_listed_with_the_trials_that_would(fold
     assert shown[columns].to_numpy().tolist() == [["b", "c", 12, ">1,000", ""]] * 2
 
 
+@pytest.mark.parametrize(("problems", "trials"), [(("p", "q"), 10), (("p", "q"), 4), (("p",), 4)])
+def test_no_number_of_trials_is_advised_with_which_the_test_cannot_reject(make, tmp_path, problems, trials):
+    """Every pair is separated completely, and the tests on problems need more trials than there are."""
+    final = findings_of(make(tmp_path / "few", problems, trials=trials)).final
+    assert final.levels.problems == 0
+    fewest = final.needed[["needed", "low"]].min(axis=None)
+    assert final.enough == fewest
+    assert Findings(Results(make(tmp_path / "enough", problems, trials=final.enough))).final.levels.problems
+    assert final.needed["level"].iloc[0] == pytest.approx(final.level_on_problems / final.tests)
+
+
 def test_a_cell_that_a_look_stopped_is_complete(folder):
     known = findings_of(folder, looks=(6, 10, 12))
     missing = known.results.frame[~((known.results.frame["optimizer"] == "a") & (known.results.frame["trial"] >= 10))]
