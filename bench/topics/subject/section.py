@@ -55,8 +55,8 @@ def _against(known: Against) -> Table:
         note=f"Probability: that a run of {known.subject} ends lower, in the mean over problems; p: that this is 0.5, "
         f"adjusted by Holm’s method. Better / worse / open: problems on which {known.subject} is separably lower, "
         f"higher, neither{f'; they are tested from {known.enough} trials a cell on' if known.enough else ''}. "
-        f"ERT ratio: the median of the rival’s expected running time to {known.target} over that of {known.subject}, in "
-        f"brackets the problems on which both reach it; above 1, {known.subject} is faster.",
+        f"ERT ratio: the median of the rival’s expected running time to {known.target} over that of {known.subject}, "
+        f"in brackets the problems on which both reach it; above 1, {known.subject} is faster.",
         data=ends.reset_index().assign(open=opens),
     )
 
