@@ -8,7 +8,7 @@ from os import PathLike
 
 import pandas as pd
 
-from bench.analysis import labels
+from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority

@@ -23,7 +23,7 @@ from bench import analysis
 from bench.analysis import bounded
 from bench.analysis.across import p_of_means
 from bench.analysis.direction import Effects, effects, intervals, mean_of, p_values, stacked, stratified
-from bench.analysis.error_rates import Stratum, claims
+from bench.analysis.error_rates import Stratum, claims, levels
 from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
 
@@ -201,7 +201,7 @@ def false_claims(
     """Return which studies claim anything false; with two tied best, any claim between these two, or a winner."""
     rng, pairs = np.random.default_rng((k, problems, trials)), k * (k - 1) // 2
     smaller = sorted(sizes)[-2] if sizes else trials * instances
-    level = analysis.levels([smaller] * problems, pairs, pairs * problems)
+    level = levels([smaller] * problems, pairs, pairs * problems)
 
     def strata() -> list[Stratum]:
         drawn: list[Stratum] = []
@@ -231,7 +231,7 @@ def of_subject(
         values = [np.take_along_axis(of, order[:, :, np.newaxis], axis=0) for of in values]
     strata = [[[own[:, :size] for own, size in zip(of, sizes or [trials] * k, strict=True)]] for of in values]
     tested = pairs if chosen == "counted" else k - 1
-    level = analysis.levels([sorted(sizes)[-2] if sizes else trials] * problems, tested, tested * problems)
+    level = levels([sorted(sizes)[-2] if sizes else trials] * problems, tested, tested * problems)
     parts = [list(range(start, problems, step)) for step in (2, 4) for start in range(step) if problems >= 2 * step]
     if chosen == "counted":
         on_problem, over_all, _ = claims(strata, level)
@@ -245,7 +245,7 @@ def by_class(draw: Draw, k: int, sizes: Sequence[int], trials: int, studies: int
     """Return which studies claim anything of a subject that equals its rivals, in classes of functions, too."""
     rng, problems = np.random.default_rng((k, *sizes, trials)), sum(sizes)
     strata = ([[*draw(rng, k, studies, trials)]] for _ in range(problems))
-    level = analysis.levels([trials] * problems, k - 1, (k - 1) * problems)
+    level = levels([trials] * problems, k - 1, (k - 1) * problems)
     on_problem, over_all, where = claims(strata, level, parts=_places(sizes))
     return on_problem, over_all, where, on_problem | over_all | where
 
@@ -258,7 +258,7 @@ def but_the_first(k: int, sizes: Sequence[int], trials: int, shift: float, studi
     rng, problems = np.random.default_rng((k, *sizes, trials, 3)), sum(sizes)
     values = rng.standard_normal((problems, k, studies, trials))
     values[sizes[0] :, 1:] += shift
-    level = analysis.levels([trials] * problems, k - 1, (k - 1) * problems)
+    level = levels([trials] * problems, k - 1, (k - 1) * problems)
     found = stacked([stacked([effects(of[0], of[rival]) for rival in range(1, k)]) for of in values])
     a12, ratio, smaller = map(np.asarray, found)
     alone = p_values(found)
@@ -332,7 +332,7 @@ def power(k: int, problems: int, trials: int, shift: float, spread_of: float, st
     level. The others are worse by ``shift`` in the mean, by more on some problems and better on others.
     """
     rng, pairs = np.random.default_rng(1), k * (k - 1) // 2
-    level = analysis.levels([trials] * problems, pairs, pairs * problems).across
+    level = levels([trials] * problems, pairs, pairs * problems).across
     values = rng.standard_normal((problems, k, studies, trials))
     values[:, 1:] += (shift + spread_of * norm.ppf((np.arange(problems) + 0.5) / problems))[:, None, None, None]
     every = [stacked([effects(of[0], of[rival]) for of in values]) for rival in range(1, k)]

@@ -15,8 +15,9 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from bench.analysis import ALPHA, decide, holm
+from bench.analysis import ALPHA, holm
 from bench.analysis.direction import effects, p_values
+from bench.analysis.looks import decide
 from bench.typing import Floats
 
 Draw = Callable[[np.random.Generator, tuple[int, int, int]], Floats]

@@ -17,9 +17,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pandas as pd
 
-from bench.analysis import SHARES, earlier_leads, separably_fastest
 from bench.analysis.direction import wins
 from bench.analysis.landscape import feature_ranks
+from bench.analysis.running_time import separably_fastest
+from bench.analysis.stages import SHARES, earlier_leads
 from bench.objective import Trace
 
 FEATURES = 26  # of a report

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from bench.analysis import running_times
+from bench.analysis.running_time import running_times
 
 TIMES = {
     "exponential": lambda rng, shape: rng.exponential(1.0, shape),

@@ -39,6 +39,7 @@ from bench.analysis.direction import (
 from bench.analysis.pairwise import RESAMPLES, holm, of_subject, percentile_interval
 from bench.analysis.standings import against_rivals, complete_ranks, matrices, ranks
 from bench.analysis.strata import Samples
+from bench.errors import BenchError
 from bench.typing import Flags, Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
@@ -70,6 +71,10 @@ def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
     any two optimizers differently; the statistics are then missing and p = 1. Where all problems rank the optimizers
     alike F is infinite. Its p is never below k!^(1 - n), the chance of that agreement between n untied rankings.
     """
+    if len(others := ranks.select_dtypes(exclude="number").columns):
+        raise BenchError(
+            f"friedman takes the ranks of ranks_by_block(...), and the column {others[0]!r} holds no numbers"
+        )
     n, k = ranks.shape
     ranks = ranks.rank(axis=1)
     note = ""
@@ -263,7 +268,7 @@ def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = 
     """Return the error of each trial on a scale that all problems share: problem, optimizer, trial and error.
 
     0 is the reference value of the problem: its optimum, or the lowest score of all trials where the optimum is unknown
-    or beaten (:func:`bench.analysis.reference_values`). 1 is the median error of all trials of all optimizers on the
+    or beaten (``bench.analysis.reference_values``). 1 is the median error of all trials of all optimizers on the
     problem, or the largest finite error where that median is 0 or infinite. A failed trial has +inf; near-ties are
     ties. The scale depends on the optimizers compared.
     """
@@ -276,7 +281,7 @@ def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = 
 def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None = None, seed: int = 0) -> pd.DataFrame:
     """Return one row an optimizer: problems, n (trials), and the interquartile mean of its normalised errors.
 
-    ``iqm`` is the mean of the middle half of the :func:`normalised_errors` of all trials on all problems, low to
+    ``iqm`` is the mean of the middle half of the ``normalised_errors`` of all trials on all problems, low to
     high its 95% percentile bootstrap interval, from 33 optimizers on of 999 resamples. It is +inf once more than a
     quarter of the trials failed, and missing without any problem that has trials of every optimizer. The scale of the
     errors is not resampled.

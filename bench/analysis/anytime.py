@@ -54,7 +54,7 @@ def quartiles(values: Floats) -> Floats:
 
 
 def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int64]) -> pd.DataFrame:
-    """Return the :func:`best_so_far` of every cell: problem, optimizer, evaluations, median, q1 and q3.
+    """Return the ``best_so_far`` of every cell: problem, optimizer, evaluations, median, q1 and q3.
 
     A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials. ``evaluations``
     are the counts to look at, such as an :func:`evaluation_grid`.
@@ -193,7 +193,7 @@ def performance_profiles(times: pd.DataFrame) -> pd.DataFrame:
     which every optimizer has a time count.
 
     Args:
-        times: problem, optimizer and ert, a row a cell, as of :func:`bench.analysis.running_times` at one target.
+        times: problem, optimizer and ert, a row a cell, as of ``bench.analysis.running_times`` at one target.
     """
     wide = times.pivot(index="problem", columns="optimizer", values="ert").astype(float).dropna()
     wide = wide[[label for label in labels(times, "optimizer") if label in wide]]

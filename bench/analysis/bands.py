@@ -102,7 +102,7 @@ def leads(
     Args:
         hits: of :func:`bench.analysis.hitting_times`.
         grid: increasing numbers of evaluations, or of evaluations a dimension.
-        dimensions: as for :func:`curve_bands`.
+        dimensions: as for ``curve_bands``.
         pairs: of optimizers to show; all by default.
     """
     unit = "evaluations" if dimensions is None else "per_dimension"

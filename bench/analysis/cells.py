@@ -163,7 +163,7 @@ def near_best(
     """Return the share of each optimizer's trials that ended near the best known value, the mean over problems.
 
     Near is within ``share`` of its size, or within ``least`` of it. The best known value is the optimum, or the lowest
-    value of all trials (:func:`reference_values`). Only problems on which every optimizer has a trial count; empty
+    value of all trials (``reference_values``). Only problems on which every optimizer has a trial count; empty
     where there is none.
     """
     values, optimizers = scores(frame), labels(frame, "optimizer")
@@ -180,7 +180,7 @@ def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[s
     """Return the rows of the problems of ``optima``, with their optimum subtracted from ``columns``.
 
     A difference within rounding (a near-tie) becomes 0, and so does one by which an optimum is not beaten
-    (:func:`reference_values`). Quantiles carry over: the median regret of trials is the
+    (``reference_values``). Quantiles carry over: the median regret of trials is the
     regret of their median. ``table`` is a frame with a column problem, such as that of :func:`summarise`.
     """
     rows = table[table["problem"].isin(optima)]

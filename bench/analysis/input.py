@@ -8,6 +8,7 @@ from inspect import signature
 from types import TracebackType
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError
@@ -15,6 +16,7 @@ from bench.errors import BenchError
 KINDS: dict[str, tuple[type, str]] = {
     "pd.DataFrame": (pd.DataFrame, "a frame, such as results.frame"),
     "pd.Series[float]": (pd.Series, "a series of a number for each optimizer, such as mean_ranks(...)"),
+    "Floats": (np.ndarray, "an array of numbers, such as pairs['p'].to_numpy()"),
     "Traces": (Mapping, "traces, such as results.traces"),
 }
 """By annotation: what an argument must be, and what to give."""

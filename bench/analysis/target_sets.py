@@ -29,7 +29,7 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
 
     A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
     in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, or the lowest value that any
-    trial found where the optimum is unknown or beaten (:func:`bench.analysis.reference_values`); targets then depend on
+    trial found where the optimum is unknown or beaten (``bench.analysis.reference_values``); targets then depend on
     the optimizers compared, and the ladder is the short one.
 
     Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A problem on which no trial found a finite
@@ -47,7 +47,7 @@ def target_table(
     """Return the targets of a set on each problem, from easy to hard: problem, tau, target, reference and known.
 
     ``reference`` is the optimum where that is ``known``, or the lowest value found where it is unknown or beaten
-    (:func:`bench.analysis.reference_values`). A problem on which no trial found a finite value has no target.
+    (``bench.analysis.reference_values``). A problem on which no trial found a finite value has no target.
 
     ================  ========================  =====================================================================
     chosen            tau                       target
@@ -56,9 +56,9 @@ def target_table(
     ``"precisions"``  precision                 reference + tau, for COCO's 51 precisions; a list has its own
     ``["5%", "1%"]``  share of the reference    reference + tau abs(reference); none where the reference is 0
     ``"quantiles"``   quantile                  the value that this share of all trials reached; none where it is inf
-    ``"tolerance"``   multiple of the           the same multiple; :func:`tolerance_times` has the times, as the values
+    ``"tolerance"``   multiple of the           the same multiple; ``tolerance_times`` has the times, as the values
                       tolerance                 of a trace do not show a metric
-    ``"runlength"``   d / budget                none; :func:`bench.analysis.runlength_targets` has them
+    ``"runlength"``   d / budget                none; ``bench.analysis.runlength_targets`` has them
     ================  ========================  =====================================================================
     """
     rungs = Targets.read(chosen).rungs

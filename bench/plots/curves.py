@@ -63,7 +63,7 @@ def ecdf(
 ) -> Axes:
     """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
-    ``curves`` are those of :func:`bench.analysis.ecdf`, or of :func:`bench.analysis.curve_bands`, whose bands are drawn
+    ``curves`` are those of :func:`bench.analysis.ecdf`, or of ``bench.analysis.curve_bands``, whose bands are drawn
     for up to six optimizers. A cross marks the end of the budget of an optimizer, which ``ends`` gives in the unit of
     the axis: beyond it, restarts are simulated.
     """
@@ -82,7 +82,7 @@ def ecdf(
 def spells(shown: pd.DataFrame, rivals: Sequence[str], *, pens: style.Pens, ax: Axes | None = None) -> Axes:
     """Draw when an optimizer or its rival is shown to be ahead: a row a rival, a bar a spell in the colour of who is.
 
-    ``shown`` are those of :func:`bench.analysis.spells`, with the rivals as ``second``.
+    ``shown`` are those of ``bench.analysis.spells``, with the rivals as ``second``.
     """
     ax = style.own_axes(ax)
     for place, rival in enumerate(rivals):

@@ -15,7 +15,7 @@ from bench.plots import style
 def fastest_map(ranks: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the optimizer of the lowest mean rank for each number of workers and seconds of an evaluation.
 
-    ``ranks`` are those of :func:`bench.analysis.parallel_ranks`. Fields have the colour of the first optimizer, lighter
+    ``ranks`` are those of ``parallel_ranks``. Fields have the colour of the first optimizer, lighter
     where the second one is less than a rank behind, and its name stands once in those beside each other.
     """
     ax = style.own_axes(ax)

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.cells import labels, variables
 from bench.analysis.comparable import Comparable, comparable
 from bench.study import Entry, Study
 
@@ -62,15 +63,12 @@ class Compared:
     @cached_property
     def problems(self) -> list[str]:
         """The labels of the problems that have at least one trial."""
-        return [label for label in analysis.labels(self.whole, "problem") if (self.whole["problem"] == label).any()]
+        return [label for label in labels(self.whole, "problem") if (self.whole["problem"] == label).any()]
 
     @cached_property
     def dimensions(self) -> dict[str, int]:
         """The number of search variables of each problem, as far as a trial or the problem shows it."""
-        shown = {
-            str(label): len(analysis.variables(trials))
-            for label, trials in self.whole.groupby("problem", observed=True)
-        }
+        shown = {str(label): len(variables(trials)) for label, trials in self.whole.groupby("problem", observed=True)}
         return {
             label: number
             for label in self.problems

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bench import analysis
+from bench.analysis.cells import reference_values
 from bench.errors import BenchError
 from bench.formats.trials import (
     OTHERS,
@@ -181,7 +181,7 @@ def assumed_optima(results: StoredResults) -> dict[str, AssumedOptimum]:
     for label in lowest:
         if places[label].own:
             lowest[label] = known_optima[label]
-    references = analysis.reference_values(lowest, known_optima)
+    references = reference_values(lowest, known_optima)
     return {
         label: AssumedOptimum(value, SOURCES[known]) if np.isfinite(value) else AssumedOptimum(0.0, NOTHING_FOUND)
         for label, (value, known) in references.items()

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 import pandas as pd
 from matplotlib.axes import Axes
 
-from bench.analysis import SOLVED
 from bench.analysis.cells import NEAR
+from bench.analysis.instances import SOLVED
 from bench.plots import convergence, data_profile, ecdf, ert, regret, style
 from bench.plots.curves import MOST_BANDS
 from bench.report.parts import Figure

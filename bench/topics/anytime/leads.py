@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.bands import curve_bands, leads
+from bench.analysis.bands import spells as spells_of
 from bench.plots import ecdf, spells, style
 from bench.plots.curves import AXES, MOST_BANDS
 from bench.report.parts import Figure
@@ -23,7 +24,7 @@ def shown_leads(findings: Findings) -> pd.DataFrame:
     """Return when the leader, or a rival of it, is shown to be ahead (:func:`bench.analysis.spells`)."""
     leader, *rivals = findings.from_leader[: RIVALS + 1]
     pairs = [(leader, rival) for rival in rivals]
-    return analysis.spells(analysis.leads(*findings.of(compared), pairs=pairs))
+    return spells_of(leads(*findings.of(compared), pairs=pairs))
 
 
 def sentences(findings: Findings) -> list[str]:
@@ -63,7 +64,7 @@ def figure(findings: Findings) -> list[Figure]:
     leader, *rivals = findings.from_leader[: RIVALS + 1]
     drawn = [leader, *rivals][:MOST_BANDS]
     pens = {label: pen for label, pen in findings.display.pens.items() if label in drawn}
-    bands = analysis.curve_bands(hits[hits["optimizer"].isin(drawn)], grid, dimensions)
+    bands = curve_bands(hits[hits["optimizer"].isin(drawn)], grid, dimensions)
     shown = findings.of(shown_leads)
     rows = 0.3 + 0.16 * len(rivals)
     plot, (top, bottom) = style.grid(

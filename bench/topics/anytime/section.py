@@ -9,6 +9,9 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.bands import profile_bands
+from bench.analysis.compare import table as table_of
+from bench.analysis.running_time import mean_shares
 from bench.report.parts import Figure, File, Part, Section, Table
 from bench.report.wording import count, leaders, listing
 from bench.study.targets import Targets
@@ -38,9 +41,9 @@ def section(findings: Findings) -> Section:
     # Moré and Wild (2009): at 1e-1 to 1e-7. Of imported problems the dimension may be unknown.
     sizes = dimensions if dimensions.keys() >= {*findings.trials.problems} else None
     most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
-    solved = analysis.profile_bands(hits, chosen.level, analysis.evaluation_grid(most), sizes)
+    solved = profile_bands(hits, chosen.level, analysis.evaluation_grid(most), sizes)
     if chosen.restarts:
-        reached = analysis.mean_shares(findings.anytime.restart_shares, findings.anytime.curves)
+        reached = mean_shares(findings.anytime.restart_shares, findings.anytime.curves)
     elif not findings.trials.scaled:
         reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
     else:
@@ -140,7 +143,7 @@ def _leaders(trials: Trials, budget: int) -> list[str]:
 
 def _lowest(reached: pd.DataFrame, spent: str) -> str:
     """Return the optimizers with the lowest median after ``spent`` evaluations, and the number of problems of each."""
-    median = analysis.table(reached, "median")
+    median = table_of(reached, "median")
     finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
     return f"After {spent} {leaders(finite.eq(finite.min(axis=1), axis=0), 'the lowest median')}."
 
@@ -151,7 +154,7 @@ def _fastest(findings: Findings) -> list[str]:
     solved = table.loc[table["successes"] > 0, chosen.unit].unique().tolist()
     level = chosen.level if chosen.level in solved else min(solved, default=np.nan)
     at_level = table[table[chosen.unit] == level]
-    reached = [analysis.table(at_level, name).astype(float) for name in ("ert", "ert_s")] if len(at_level) else []
+    reached = [table_of(at_level, name).astype(float) for name in ("ert", "ert_s")] if len(at_level) else []
     lowest = [of_share.eq(of_share.min(axis=1), axis=0) & np.isfinite(of_share) for of_share in reached]
     if len(findings.trials.optimizers) < 2 or not any(of_share.any(axis=None) for of_share in lowest[:1]):
         return []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.instances import SOLVED
 from bench.report.parts import Section, Table
 from bench.report.wording import count
 from bench.topics.findings import Findings, Trials
@@ -22,7 +22,7 @@ def section(findings: Findings) -> Section | None:
     problems = scores["problem"].nunique()
     meaning = (
         "A U-score counts pairs of trials of two optimizers on the same problem (Price, Kumar and Suganthan 2023): of "
-        f"two trials that came within {analysis.SOLVED:g} of the optimum, the one with fewer evaluations wins; such a "
+        f"two trials that came within {SOLVED:g} of the optimum, the one with fewer evaluations wins; such a "
         "trial wins over any other; of two others, the one with the lower final value wins; ties count half. U-scores "
         "determined the winners of the CEC 2022 competition. The share is that of all pairs of an optimizer; 50% "
         "means that its trials win as often as they lose."
@@ -53,7 +53,7 @@ def _scores(trials: Trials, scores: pd.DataFrame) -> Table:
         shown,
         bold=shown[columns].eq(shown[columns].max()),
         decimals={"share %": 1} | dict.fromkeys(columns, 1),
-        note=f"Bold: the highest of a column; reached: trials that came within {analysis.SOLVED:g} of the optimum. The "
+        note=f"Bold: the highest of a column; reached: trials that came within {SOLVED:g} of the optimum. The "
         "CSV file has the scores by problem.",
         data=scores,
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from bench.analysis import feasibility, table
+from bench.analysis import feasibility
+from bench.analysis.compare import table
 from bench.report.parts import Section, Table
 from bench.report.wording import count
 from bench.topics.findings import Findings

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench.analysis import NEAR, SOLVED, regret, table
+from bench.analysis import regret
+from bench.analysis.cells import NEAR
+from bench.analysis.compare import table
+from bench.analysis.instances import SOLVED
 from bench.report.parts import File, Section, Table
 from bench.report.wording import count, leaders, listing, row_texts
 from bench.topics.comparison import feasibility

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.cells import NEAR
+from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, signs
+from bench.analysis.instances import SOLVED
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 from bench.topics.findings import Findings
@@ -24,11 +26,11 @@ def section(findings: Findings) -> Section | None:
     suites = {str(facts.features.get("suite", "")) for facts in findings.trials.known.values()}
     if not findings.subject and not (suites and all(name.startswith("cec") for name in suites)):
         return None
-    errors = analysis.error_statistics(findings.trials.frame, findings.trials.unbeaten)
+    errors = error_statistics(findings.trials.frame, findings.trials.unbeaten)
     if errors.empty:
         return None
     tests = (
-        analysis.signs(findings.trials.frame, findings.trials.unbeaten, findings.subject)
+        signs(findings.trials.frame, findings.trials.unbeaten, findings.subject)
         if findings.subject
         else pd.DataFrame(columns=["problem", "optimizer", "p", "sign"])
     )
@@ -42,9 +44,7 @@ def section(findings: Findings) -> Section | None:
             )
     items = [_table(findings, errors, tests, suites), _statistics(errors)]
     shares = {
-        label: analysis.checkpoint_shares(
-            str(facts.features.get("suite", "")), findings.trials.dimensions.get(label, 0)
-        )
+        label: checkpoint_shares(str(facts.features.get("suite", "")), findings.trials.dimensions.get(label, 0))
         for label, facts in findings.trials.known.items()
     }
     if findings.trials.traces and any(shares.values()):
@@ -56,7 +56,7 @@ def _about(errors: pd.DataFrame, common: str) -> str:
     without = errors.loc[~errors["known"].astype(bool), "problem"].nunique()
     return (
         f"The error of a trial is its best value{f' {common}' if common else ''} less the optimum, and 0 from "
-        f"{analysis.SOLVED:g} on, as the competitions count it."
+        f"{SOLVED:g} on, as the competitions count it."
         + (
             f" On {count(without, 'problem')} without a known optimum, or where a trial beat it, the table has the "
             "value itself."
@@ -99,7 +99,7 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     sign = tests.pivot(index="problem", columns="optimizer", values="sign").reindex_like(mean)
     marks = sign.replace(SIGNS).where(sign.notna(), "").astype(object)
     best = mean.min(axis=1)
-    lowest = mean.sub(best, axis=0).le(analysis.NEAR * best.abs(), axis=0) & np.isfinite(mean)
+    lowest = mean.sub(best, axis=0).le(NEAR * best.abs(), axis=0) & np.isfinite(mean)
     ends: dict[str, list[str]] = {}
     if subject:
         counts = [" / ".join(str(int((sign[optimizer] == one).sum())) for one in SIGNS) for optimizer in optimizers]
@@ -158,7 +158,7 @@ def _checkpoints(findings: Findings, shares: dict[str, tuple[float, ...]]) -> li
     tables = []
     for shares_of in dict.fromkeys(filter(None, shares.values())):
         problems = [label for label, of_problem in shares.items() if of_problem == shares_of]
-        errors = analysis.checkpoints(
+        errors = checkpoints(
             findings.trials.frame[findings.trials.frame["problem"].isin(problems)],
             findings.trials.traces,
             findings.trials.unbeaten,

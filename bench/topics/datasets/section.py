@@ -7,7 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from bench.analysis import CUTOFFS, SOLVED, TIED, effect_size
+from bench.analysis import effect_size
+from bench.analysis.instances import SOLVED
+from bench.analysis.kolmogorov_smirnov import TIED
+from bench.analysis.pairwise import CUTOFFS
 from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.wording import count, interval, listing, usual_decimals
 from bench.topics.datasets.figures import distribution_figure

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.analysis.anytime import quartiles
-from bench.analysis.cells import NEAR, ReferenceValue
+from bench.analysis.cells import NEAR, ReferenceValue, reference_values, scores
+from bench.analysis.cells import variables as variables_of
 from bench.columns import FEATURES, RESERVED
 from bench.objective import Trace
 from bench.plots import style
@@ -150,9 +151,9 @@ class _Explored:
     @cached_property
     def references(self) -> dict[str, ReferenceValue]:
         whole = self.findings.trials.whole
-        lowest = analysis.scores(whole).groupby(whole["problem"].astype(object)).min()
+        lowest = scores(whole).groupby(whole["problem"].astype(object)).min()
         finite = {str(label): float(best) for label, best in lowest.items() if np.isfinite(best)}
-        return analysis.reference_values(finite, self.findings.trials.optima)
+        return reference_values(finite, self.findings.trials.optima)
 
     @cached_property
     def points_too(self) -> bool:
@@ -240,7 +241,7 @@ class _Explored:
     @cached_property
     def variables(self) -> dict[str, list[str]]:
         by_problem = self.findings.trials.whole.groupby("problem", observed=True)
-        return {str(label): [name[2:] for name in analysis.variables(trials)] for label, trials in by_problem}
+        return {str(label): [name[2:] for name in variables_of(trials)] for label, trials in by_problem}
 
     @cached_property
     def metrics(self) -> list[str]:
@@ -391,7 +392,7 @@ class _Explored:
 
 def final_places(frame: pd.DataFrame) -> list[int]:
     """Return the place of each trial's score among those of its problem; equal scores, also nearly, share a place."""
-    final = analysis.scores(frame, merge=True)
+    final = scores(frame, merge=True)
     return list(final.groupby(frame["problem"].astype(object)).rank("dense").astype(int))
 
 

@@ -11,7 +11,20 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.cells import budgets as budgets_of
+from bench.analysis.cells import near_best as near_best_of
 from bench.analysis.cells import traces_of
+from bench.analysis.compare import table as table_of
+from bench.analysis.instances import SOLVED
+from bench.analysis.multiverse import MULTIVERSE
+from bench.analysis.multiverse import multiverse as multiverse_of
+from bench.analysis.reference import reference_shares, reference_times, runlength_targets
+from bench.analysis.running_time import in_seconds
+from bench.analysis.running_time import restart_shares as restart_shares_of
+from bench.analysis.running_time import running_times as running_times_of
+from bench.analysis.stages import SHARES, stage_ranks, unused_budget
+from bench.analysis.stages import earlier_leads as earlier_leads_of
+from bench.analysis.target_sets import compare_sets, target_areas, tolerance_times
 from bench.errors import BenchError
 from bench.families import function_of
 from bench.formats.coco.best2009 import best2009
@@ -52,17 +65,17 @@ class Anytime:
     @cached_property
     def stages(self) -> pd.DataFrame:
         """The rank of each cell after some shares of the budget."""
-        return analysis.stage_ranks(self.trials.frame, self.trials.traces, self._spent, self._shares)
+        return stage_ranks(self.trials.frame, self.trials.traces, self._spent, self._shares)
 
     def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
         """Return the optimizers that are shown to be lower than the leader after smaller shares of the budget."""
-        return analysis.earlier_leads(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
+        return earlier_leads_of(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
 
     def multiverse(self, leader: str) -> pd.DataFrame:
         """Return the order of the optimizers, and who is behind the leader, under other analyses."""
-        shares = [share for share in analysis.MULTIVERSE if share in self._shares]
+        shares = [share for share in MULTIVERSE if share in self._shares]
         areas = {share: self.target_sets_at[share] for share in shares}
-        return analysis.multiverse(self.trials.frame, self.trials.traces, self._spent, leader, areas, shares)
+        return multiverse_of(self.trials.frame, self.trials.traces, self._spent, leader, areas, shares)
 
     @property
     def _spent(self) -> dict[str, int]:
@@ -76,12 +89,12 @@ class Anytime:
         traces = traces_of(frame, self.trials.traces)
         first = np.array([trace.evaluations[0] if len(trace.values) else 0 for trace in traces], dtype=np.float64)
         begin = max(first / frame["problem"].astype(object).map(self._spent).to_numpy(np.float64), default=0.0)
-        return [share for share in analysis.SHARES if share >= min(begin, 1.0)]
+        return [share for share in SHARES if share >= min(begin, 1.0)]
 
     @cached_property
     def unused(self) -> pd.DataFrame:
         """The share of the budget that each optimizer left."""
-        return analysis.unused_budget(self.trials.whole, self.trials.allowed)
+        return unused_budget(self.trials.whole, self.trials.allowed)
 
     @cached_property
     def target_set(self) -> Targets:
@@ -97,7 +110,7 @@ class Anytime:
         """Whether every budget is below what the field calls expensive, in evaluations / d."""
         frame = self.trials.whole
         dimensions = frame["problem"].astype(object).map(self.trials.dimensions).astype(float)
-        return bool((analysis.budgets(frame, self.trials.allowed) < EXPENSIVE * dimensions).all())
+        return bool((budgets_of(frame, self.trials.allowed) < EXPENSIVE * dimensions).all())
 
     @property
     def _has_best(self) -> bool:
@@ -129,12 +142,12 @@ class Anytime:
     @property
     def near_words(self) -> str:
         """The limit of what counts as near, such as ``"within 1%"``."""
-        return f"within {self.near:.0%}" if self.near else f"within {analysis.SOLVED:g}"
+        return f"within {self.near:.0%}" if self.near else f"within {SOLVED:g}"
 
     @cached_property
     def near_best(self) -> pd.Series:
         """The share of each optimizer's trials that came near the best known value."""
-        return analysis.near_best(self.trials.measured_final, self.trials.optima, self.near, analysis.SOLVED)
+        return near_best_of(self.trials.measured_final, self.trials.optima, self.near, SOLVED)
 
     @property
     def shows_best(self) -> bool:
@@ -193,7 +206,7 @@ class Anytime:
     def _hits(self, chosen: Targets) -> pd.DataFrame:
         if chosen.by_metric:
             expected = {label: facts.expected for label, facts in self.trials.known.items()}
-            return analysis.tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
+            return tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
         targets = self.targets if chosen == self.target_set else self._targets(chosen)
         return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
 
@@ -220,7 +233,7 @@ class Anytime:
         kept = tabled.any(axis=1)[codes]
         rounded = np.array(self.target_set.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
         tabled_hits: pd.DataFrame = hits[kept].assign(
-            tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.trials.allowed)
+            tau=rounded[codes[kept]], budget=lambda rows: budgets_of(rows, self.trials.allowed)
         )
         return tabled_hits
 
@@ -231,8 +244,8 @@ class Anytime:
         The targets have the name of their unit; times in seconds end with ``_s``. Targets by running length have their
         ``precision``.
         """
-        table = analysis.running_times(self.tabled_hits)
-        times = analysis.running_times(analysis.in_seconds(self.tabled_hits, self.trials.whole))
+        table = running_times_of(self.tabled_hits)
+        times = running_times_of(in_seconds(self.tabled_hits, self.trials.whole))
         names = ["ert", "low", "high", "p10", "p90"]
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{name}_s" for name in names])
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
@@ -259,7 +272,7 @@ class Anytime:
         if times.empty:
             return pd.DataFrame()
         at_level = times[np.isclose(times[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
-        return analysis.table(at_level, "ert").astype(float).replace(np.inf, np.nan)
+        return table_of(at_level, "ert").astype(float).replace(np.inf, np.nan)
 
     @cached_property
     def best_times(self) -> pd.DataFrame:
@@ -275,7 +288,7 @@ class Anytime:
             taus = sorted({*self.target_set.tabled, *self.target_set.levels}, reverse=True)
             kept = [label for label in self.functions if label in self.trials.unbeaten]
             levels = pd.DataFrame([(label, tau, tau) for label in kept for tau in taus], columns=LEVEL)
-        return analysis.reference_times(self.best, self.functions, levels)
+        return reference_times(self.best, self.functions, levels)
 
     @cached_property
     def _run_lengths(self) -> pd.DataFrame:
@@ -285,7 +298,7 @@ class Anytime:
             for label, name in self.functions.items()
             if label in self.trials.unbeaten and label in self.trials.dimensions
         }
-        table = analysis.runlength_targets(self.best, kept, self.trials.dimensions)
+        table = runlength_targets(self.best, kept, self.trials.dimensions)
         return table.assign(tau=1 / table["length"])[LEVEL]
 
     @cached_property
@@ -307,10 +320,10 @@ class Anytime:
         first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
         grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
         sized = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
-        shares = analysis.restart_shares(sized, grid, dimensions)
+        shares = restart_shares_of(sized, grid, dimensions)
         if not self.shows_best:
             return shares
-        best = analysis.reference_shares(self._best_to_targets, grid, dimensions).assign(optimizer=BEST)
+        best = reference_shares(self._best_to_targets, grid, dimensions).assign(optimizer=BEST)
         return pd.concat([shares, best], ignore_index=True)
 
     @cached_property
@@ -321,7 +334,7 @@ class Anytime:
         else:
             with_value = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
             levels = self.targets.loc[with_value, ["problem", "tau"]].assign(precision=lambda rows: rows["tau"])
-        return analysis.reference_times(self.best, self.functions, levels.reset_index(drop=True))
+        return reference_times(self.best, self.functions, levels.reset_index(drop=True))
 
     @cached_property
     def target_sets(self) -> pd.DataFrame:
@@ -333,11 +346,11 @@ class Anytime:
         """The same within shares of the budget."""
         within = {
             share: {label: max(round(share * budget), 1) for label, budget in self.trials.budgets.items()}
-            for share in analysis.MULTIVERSE
+            for share in MULTIVERSE
         }
 
         def areas_of(hits: pd.DataFrame) -> dict[float, pd.DataFrame]:
-            return {share: analysis.target_areas(hits, budgets) for share, budgets in within.items()}
+            return {share: target_areas(hits, budgets) for share, budgets in within.items()}
 
         areas = {self.target_set.short: areas_of(self.hits)}
         others = [KINDS[kind] for kind in ("precisions", "relative", "quantiles") if kind != self.target_set][:2]
@@ -356,7 +369,7 @@ class Anytime:
                 for share in within
             }
         return {
-            share: analysis.compare_sets({name: own[share] for name, own in areas.items()}, self.trials.optimizers)
+            share: compare_sets({name: own[share] for name, own in areas.items()}, self.trials.optimizers)
             for share in within
         }
 

@@ -10,6 +10,14 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.across import places, with_winner
+from bench.analysis.error_rates import enough_trials
+from bench.analysis.error_rates import levels as levels_of
+from bench.analysis.looks import at_looks
+from bench.analysis.pairwise import adjusted
+from bench.analysis.standings import disagreements as disagreements_of
+from bench.analysis.subject import signs_of
+from bench.analysis.trials_needed import POWER
 from bench.study.rope import Rope
 from bench.topics.findings.trials import Trials
 
@@ -40,8 +48,8 @@ class Final:
         level = self.levels.problems
         pairs = analysis.pairwise_tests(self.trials.frame, level or analysis.ALPHA, self.subject)
         if not level:  # the whole level belongs to the tests over all problems
-            pairs = analysis.adjusted(pairs, level, self.subject).assign(testable=False)
-        return analysis.at_looks(pairs, self.trials.decisions, level) if self.trials.results.study.looks else pairs
+            pairs = adjusted(pairs, level, self.subject).assign(testable=False)
+        return at_looks(pairs, self.trials.decisions, level) if self.trials.results.study.looks else pairs
 
     @property
     def tested_pairs(self) -> pd.DataFrame:
@@ -53,7 +61,7 @@ class Final:
         """The levels of the tests on problems and over all of them, which the design of the study gives."""
         sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
         smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
-        return analysis.levels(smaller, self.tested, self.tests, looks=bool(self.trials.results.study.looks))
+        return levels_of(smaller, self.tested, self.tests, looks=bool(self.trials.results.study.looks))
 
     @property
     def tested(self) -> int:
@@ -82,13 +90,13 @@ class Final:
     @cached_property
     def _enough(self) -> tuple[int, float]:
         looks = bool(self.trials.results.study.looks)
-        return analysis.enough_trials(len(self.medians), self.tested, self.tests, looks)
+        return enough_trials(len(self.medians), self.tested, self.tests, looks)
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
         """The comparison matrix of medians with its letters, or the signs of the subject's tests, one row a cell."""
         letters = (
-            analysis.signs_of(self.summary, self.pairs, self.subject)
+            signs_of(self.summary, self.pairs, self.subject)
             if self.subject
             else analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
         )
@@ -102,13 +110,13 @@ class Final:
     @cached_property
     def disagreements(self) -> pd.DataFrame:
         """The problems on which median, mean and rank name different optimizers."""
-        return analysis.disagreements(self.summary, self.standings)
+        return disagreements_of(self.summary, self.standings)
 
     @cached_property
     def ranking(self) -> pd.DataFrame:
         """The place of each optimizer over all problems, and the number of problems on which it is ranked first."""
         table = analysis.ranking(self.summary, self.pairs, standing=self.standings)
-        return table.merge(analysis.places(self._overall, self.trials.optimizers), on="optimizer")
+        return table.merge(places(self._overall, self.trials.optimizers), on="optimizer")
 
     # across problems
 
@@ -125,7 +133,7 @@ class Final:
     @cached_property
     def needed(self) -> pd.DataFrame:
         """The trials that would separate the pairs that are not separated, with a power of 80%."""
-        return self.needed_for(analysis.POWER)
+        return self.needed_for(POWER)
 
     def needed_for(self, power: float) -> pd.DataFrame:
         """Return the trials that would separate the pairs that are not separated, with a power."""
@@ -163,7 +171,7 @@ class Final:
         tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across, self.subject)
         if self.subject or not len(tests):
             return tests
-        return analysis.with_winner(tests, self.trials.optimizers, self.levels.across)
+        return with_winner(tests, self.trials.optimizers, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:

@@ -10,6 +10,9 @@ from itertools import product
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.cells import labels as labels_of
+from bench.analysis.cells import reference_values, scores
+from bench.analysis.looks import Decisions, decide
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.analysis.strata import rows
 from bench.report.wording import count
@@ -49,9 +52,9 @@ class Trials(Compared):
         return replications(self.coverage, self.pooled.members, self.results.planned)
 
     @cached_property
-    def decisions(self) -> analysis.Decisions:
+    def decisions(self) -> Decisions:
         """The outcome of the study's declared looks at its trials; nothing is decided without looks."""
-        return analysis.decide(self.whole, self.results.study.looks)
+        return decide(self.whole, self.results.study.looks)
 
     @property
     def extensions(self) -> list[tuple[int, int]]:
@@ -111,7 +114,7 @@ class Trials(Compared):
     @cached_property
     def optimizers(self) -> list[str]:
         """The labels of the study's optimizers."""
-        return analysis.labels(self.whole, "optimizer")
+        return labels_of(self.whole, "optimizer")
 
     @cached_property
     def coverage(self) -> pd.DataFrame:
@@ -186,8 +189,8 @@ class Trials(Compared):
     @cached_property
     def unbeaten(self) -> dict[str, float]:
         """The known optima that no trial beat by more than rounding; regret is counted from them."""
-        lowest = analysis.scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
-        references = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
+        lowest = scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
+        references = reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
         return {label: reference.value for label, reference in references.items() if reference.known}
 
     @cached_property

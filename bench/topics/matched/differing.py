@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.cells import budgets, scores
+from bench.analysis.instances import SOLVED
+from bench.analysis.stages import unused_budget
 from bench.report.wording import listing, percent
 from bench.topics.findings import Findings
 from bench.topics.matched import conditions
@@ -37,11 +39,11 @@ def _used(findings: Findings) -> pd.DataFrame:
     trials = findings.trials
     frame, budget = trials.measured, trials.common or trials.allowed
     optimum = frame["problem"].astype(object).map(trials.unbeaten).astype(float)
-    solved = analysis.scores(frame) <= optimum + analysis.SOLVED
+    solved = scores(frame) <= optimum + SOLVED
     spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float)
-    kinds = {"used": spent, "needed": spent.mask(solved, analysis.budgets(frame, budget))}
+    kinds = {"used": spent, "needed": spent.mask(solved, budgets(frame, budget))}
     shares = {
-        kind: 1 - analysis.unused_budget(frame.assign(nfev=nfev), budget).set_index("optimizer")["unused"].astype(float)
+        kind: 1 - unused_budget(frame.assign(nfev=nfev), budget).set_index("optimizer")["unused"].astype(float)
         for kind, nfev in kinds.items()
     }
     return pd.DataFrame(shares)

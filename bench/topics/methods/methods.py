@@ -14,14 +14,14 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench import analysis
-from bench.analysis import ALPHA, TIED
+from bench.analysis import ALPHA
 from bench.analysis.across import FEWER, MANY
-from bench.analysis.cells import NEAR
+from bench.analysis.cells import NEAR, scores, stopped_early
 from bench.analysis.certainty import resamples as rank_resamples
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
 from bench.analysis.integrity import undeclared
+from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.pairwise import RESAMPLES
 from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
@@ -78,7 +78,7 @@ def facts(findings: Findings) -> dict[str, Any]:
     """Return the facts about a run that its methods state, by the name that the template gives them."""
     study, results = findings.study, findings.results
     trials, final, anytime = findings.trials, findings.final, findings.anytime
-    early = analysis.stopped_early(trials.frame)
+    early = stopped_early(trials.frame)
     return {
         "selection": findings.selection,
         "replications": trials.replications,
@@ -86,7 +86,7 @@ def facts(findings: Findings) -> dict[str, Any]:
         "known": trials.known,  # facts of the problems, by label
         "suites": problem_words.suites(trials.known),
         "empty": int((trials.coverage["stored"] == 0).sum()),
-        "failed": int(np.isinf(analysis.scores(trials.comparable.working)).sum()),
+        "failed": int(np.isinf(scores(trials.comparable.working)).sum()),
         "not_compared": trials.comparable,
         "environments": results.environments,
         "tests": final.tests if final.levels.problems else 0,  # of which one can be significant

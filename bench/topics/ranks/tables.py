@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.compare import table as table_of
 from bench.plots import style
 from bench.report.parts import Table
 from bench.report.wording import count
@@ -31,8 +31,8 @@ def rank_map(findings: Findings) -> Table:
     problems has a row for each function and, for each optimizer, a column for each dimension.
     """
     order = findings.final.ranked
-    ranks = analysis.table(findings.final.standings, "rank")[order].dropna(how="all")
-    best = analysis.table(findings.final.matrix, "best").astype(bool)[order].loc[ranks.index]
+    ranks = table_of(findings.final.standings, "rank")[order].dropna(how="all")
+    best = table_of(findings.final.matrix, "best").astype(bool)[order].loc[ranks.index]
     near = _beside_first(findings.final).loc[ranks.index, order] & ~best
     notes = ["Bold: ranked first.", "Ties share their mean rank."]
     notes += [f"{NEAR}: no test separates it from the first."] if near.any(axis=None) else []
@@ -146,7 +146,7 @@ def turned(table: Table, findings: Findings) -> Table:
 
 def _beside_first(final: Final) -> pd.DataFrame:
     """Return flags, problems by optimizers, of those that no test separates from a first one of the problem."""
-    best = analysis.table(final.matrix, "best").astype(bool)
+    best = table_of(final.matrix, "best").astype(bool)
     pairs = final.pairs[(final.pairs["lower"] == "") & final.pairs["testable"].astype(bool)]  # else nothing is tested
     pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]
     row = best.index.get_indexer(pd.Index(pairs["problem"]))

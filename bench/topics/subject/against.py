@@ -10,8 +10,9 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import pandas as pd
 
-from bench import analysis
 from bench.analysis.error_rates import Levels
+from bench.analysis.subject import in_parts, seen_from
+from bench.analysis.subject import outcome as outcome_of
 from bench.report.parts import Line
 from bench.report.prose import speaker
 from bench.report.wording import listing
@@ -133,9 +134,9 @@ def against(findings: Findings) -> Against:
     """Return the facts on the subject of a study."""
     trials, final, subject = findings.trials, findings.final, findings.subject
     complete = [str(label) for label in final.medians.index]
-    overall = analysis.seen_from(final.overall, subject).set_index("second").to_dict("index")
+    overall = seen_from(final.overall, subject).set_index("second").to_dict("index")
     pairs = final.pairs[final.pairs["problem"].isin(complete)]
-    own = analysis.seen_from(pairs.astype({"first": object, "second": object, "lower": object}), subject)
+    own = seen_from(pairs.astype({"first": object, "second": object, "lower": object}), subject)
     better, worse = (
         own.loc[own["lower"] == (subject if mine else own["second"]), "second"].value_counts() for mine in (True, False)
     )
@@ -145,7 +146,7 @@ def against(findings: Findings) -> Against:
         if label == subject:
             continue
         row, lower, higher = overall[label], int(better.get(label, 0)), int(worse.get(label, 0))
-        outcome = analysis.outcome(float(row["probability"]), bool(row["significant"]) and final.levels.across > 0)
+        outcome = outcome_of(float(row["probability"]), bool(row["significant"]) and final.levels.across > 0)
         if not final.levels.across and max(lower, higher) * 2 > len(complete):
             outcome = "better" if lower > higher else "worse"  # all of the level is spent on problems
         rivals.append(
@@ -170,7 +171,7 @@ def _parts(findings: Findings, complete: Sequence[str]) -> pd.DataFrame:
     final, level = findings.final, findings.final.levels.course
     earlier = findings.anytime.earlier_leads(findings.subject, level)  # whose p does not depend on a level
     subjects = 1 if final.subject else len(findings.trials.optimizers)
-    return analysis.in_parts(
+    return in_parts(
         final.pairs,
         parts_of(findings, complete),
         earlier if level else earlier.head(0),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.running_time import separably_fastest
 from bench.report.parts import Table
 from bench.topics.findings import BEST, Findings
 
@@ -37,7 +37,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     hits = hits[hits["problem"].isin(problems)]
     at = np.isclose(hits["tau"].to_numpy(dtype=float)[:, np.newaxis], levels, rtol=1e-9, atol=0)
     hits = hits[at.any(axis=1)].assign(tau=np.array(levels)[at[at.any(axis=1)].argmax(axis=1)])
-    fastest = analysis.separably_fastest(hits)
+    fastest = separably_fastest(hits)
     stars = set(zip(fastest["problem"], fastest["optimizer"], fastest["tau"], strict=True))
     rows: dict[tuple[str, str], list[str]] = {}
     bold, marks = [], []

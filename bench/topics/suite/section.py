@@ -8,6 +8,9 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.compare import table as table_of
+from bench.analysis.instances import SOLVED
+from bench.analysis.running_time import mean_shares
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.wording import count, listing
 from bench.topics.findings import BEST, Anytime, Findings, Trials
@@ -132,7 +135,7 @@ def _meaning(trials: Trials, members: pd.DataFrame) -> str:
         text += (
             f" {f'On {len(pools)} of {len(members)} problems, the' if some else 'Its'} {pooled} are pooled, as COCO "
             f"does: all their trials are trials of the problem, and {'the' if some else 'its'} values are precisions, "
-            f"the best objective value less the optimum of the instance, taken as 0 from {analysis.SOLVED:g} on."
+            f"the best objective value less the optimum of the instance, taken as 0 from {SOLVED:g} on."
             + (" The values of the others are objective values." if some else "")
             + (" Trials are compared within each instance." if trials.stratified else "")
         )
@@ -155,7 +158,7 @@ def _panels(members: pd.DataFrame) -> Panels:
 
 
 def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
-    ranks, panels = analysis.table(findings.final.standings, "rank").dropna(), _panels(members)
+    ranks, panels = table_of(findings.final.standings, "rank").dropna(), _panels(members)
     rows = {title: ranks[ranks.index.isin(problems)].mean() for title, problems in panels.items()}
     shown = pd.DataFrame(rows).T.reindex(columns=findings.trials.optimizers).rename_axis("group and dimension")
     sizes = [len(problems) for problems in panels.values()]
@@ -202,7 +205,7 @@ def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
         of_panel = shares[shares["problem"].isin(problems)]
         if len(of_panel):
             curve = (
-                analysis.mean_shares(of_panel, anytime.curves)
+                mean_shares(of_panel, anytime.curves)
                 if anytime.target_set.restarts
                 else analysis.ecdf(of_panel, grid, trials.dimensions)
             )

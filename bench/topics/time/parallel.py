@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.parallel import parallel_ranks
 from bench.plots import fastest_map, style
 from bench.report.parts import Figure, Section, Table
 from bench.report.wording import count
@@ -29,7 +30,7 @@ MEANING = (
 def section(findings: Findings) -> Section | None:
     """Return the expected times by cost and workers; None without two optimizers whose calls are known."""
     times = findings.of(_times)
-    ranks = analysis.parallel_ranks(times)
+    ranks = parallel_ranks(times)
     if ranks.empty or ranks["optimizer"].nunique() < 2:
         return None
     figure, (ax,) = style.grid(1, width=figure_width(0.6), height=2.2, left=0.6, bottom=0.4, top=0.1)

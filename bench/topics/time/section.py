@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
-from bench.analysis import CONTENTION, HIDDEN_THREADS
+from bench.analysis.cells import CONTENTION, HIDDEN_THREADS
 from bench.report.parts import Section, Table
 from bench.report.wording import interval, listing, seconds, usual_decimals
 from bench.topics.findings import Findings

@@ -7,6 +7,9 @@ from math import comb, isnan
 from typing import NamedTuple
 
 from bench import analysis
+from bench.analysis.error_rates import detectable_across, enough_trials
+from bench.analysis.error_rates import levels as levels_of
+from bench.analysis.trials_needed import POWER
 from bench.families import function_of
 from bench.report.wording import count
 from bench.study import Study
@@ -45,11 +48,11 @@ def design(study: Study) -> PlannedTests:
     trials = study.trials * each
     alone = bool(study.subject and not study.looks)  # looks test all pairs
     pairs = k - 1 if alone else comb(k, 2)
-    levels = analysis.levels([trials] * problems, pairs, pairs * problems, looks=bool(study.looks))
+    levels = levels_of([trials] * problems, pairs, pairs * problems, looks=bool(study.looks))
     return PlannedTests(k, problems, trials, each, pairs, pairs * problems, levels, alone)
 
 
-def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
+def foreseen(study: Study, power: float = POWER) -> list[str]:
     """Return sentences on the smallest A12 that a study's tests find with a power, as it is and with more of it.
 
     Two normal samples of one spread are assumed, as in the part *Power* of a report. The instances of a function count
@@ -72,10 +75,10 @@ def foreseen(study: Study, power: float = analysis.POWER) -> list[str]:
 
 def _found(trials: int, problems: int, pairs: int, power: float) -> str:
     """Return the smallest A12 that the tests on problems, and those over all of them, find, or what they would need."""
-    levels = analysis.levels([trials] * problems, pairs, pairs * problems)
+    levels = levels_of([trials] * problems, pairs, pairs * problems)
     single = analysis.detectable_a12(trials, levels.problems / (pairs * problems), power) if levels.problems else 0.0
-    across = analysis.detectable_across(trials, problems, levels.across / pairs, power) if levels.across else 0.0
-    enough, _ = analysis.enough_trials(problems, pairs, pairs * problems)
+    across = detectable_across(trials, problems, levels.across / pairs, power) if levels.across else 0.0
+    enough, _ = enough_trials(problems, pairs, pairs * problems)
     few = f", where {enough} trials of each are the fewest that can be significant" if trials < enough else ""
     one = f"an A12 of {single:.2f}" if single and not isnan(single) else f"nothing{few}"
     every = f"an A12 of {across:.2f} that is the same on each" if across and not isnan(across) else "nothing"

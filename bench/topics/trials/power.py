@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.analysis.error_rates import MOST, ClaimRates
+from bench.analysis.error_rates import MOST, ClaimRates, detectable_across, rates_of_equals, rates_of_spreads
 from bench.analysis.strata import strata
 from bench.report.parts import Section, Table
 from bench.report.wording import count, percent
@@ -62,7 +62,7 @@ def blindness(findings: Findings) -> str:
         parts.append(f"{trials} the tests on problems would often miss an A12 below {smallest:.2f}")
     if levels.across:
         tested = findings.final.overall
-        a12 = analysis.detectable_across(n, int(tested["problems"].iloc[0]), levels.across / findings.final.tested)
+        a12 = detectable_across(n, int(tested["problems"].iloc[0]), levels.across / findings.final.tested)
         if not isnan(a12):
             parts.append(f"the tests over all problems would often miss an A12 below {a12:.2f} on every problem")
     return "; ".join(parts) + " (power 80%)."
@@ -79,8 +79,8 @@ def error_text(findings: Findings) -> tuple[str, ...]:
     parts = None  # of the problems, in which a subject alone is tested
     if findings.final.subject:
         parts = [[complete.index(label) for label in part] for part in parts_of(findings, complete).values()]
-    equal = analysis.rates_of_equals(pools, optimizers, findings.final.levels, parts=parts)
-    spread = analysis.rates_of_spreads(trials, optimizers, len(pools), findings.final.levels, parts=parts)
+    equal = rates_of_equals(pools, optimizers, findings.final.levels, parts=parts)
+    spread = rates_of_spreads(trials, optimizers, len(pools), findings.final.levels, parts=parts)
     simulated = f"{MOST} of {optimizers}" if optimizers > MOST else str(optimizers)
     design = f"{simulated} optimizers, {count(len(complete), 'problem')}, {count(trials, 'trial')} a cell"
     design += f", {findings.final.subject} against each other one" if findings.final.subject else ""

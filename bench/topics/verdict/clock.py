@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from bench import analysis
+from bench.analysis.compare import table as table_of
 from bench.report.prose import speaker
 from bench.topics.findings import Findings
 
@@ -32,7 +32,7 @@ def clock(findings: Findings) -> Clock | None:
     times = table[table[chosen.unit] == level]
     if times.empty:
         return None
-    ert, seconds = (analysis.table(times, name).astype(float).replace(np.inf, np.nan) for name in ("ert", "ert_s"))
+    ert, seconds = (table_of(times, name).astype(float).replace(np.inf, np.nan) for name in ("ert", "ert_s"))
     first, fast = (times_in.eq(times_in.min(axis=1), axis=0).sum() for times_in in (ert, seconds))
     leader, fastest = str(first.idxmax()), str(fast.idxmax())
     problems = times["problem"].nunique()

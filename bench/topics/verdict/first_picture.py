@@ -7,7 +7,9 @@ from collections.abc import Collection, Mapping, Sequence
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.cells import labels
+from bench.analysis.cells import labels, scores
+from bench.analysis.instances import SOLVED
+from bench.analysis.subject import seen_from
 from bench.plots import a12_forest, box_plot, style
 from bench.report.parts import Figure
 from bench.topics.findings import MANY_OPTIMIZERS, Findings
@@ -36,7 +38,7 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
     ``tests`` are those of :func:`bench.analysis.across_problems`.
     """
     leader, rivals = ranked[0], ranked[1 : RIVALS + 1]
-    pairs = analysis.seen_from(tests, leader).set_index("second").loc[list(rivals)].reset_index()
+    pairs = seen_from(tests, leader).set_index("second").loc[list(rivals)].reset_index()
     pairs = pairs.assign(significant=pairs["significant"] | clear).drop(columns=["further_low", "further_high"])
     names = style.names(rivals, 18)
     left = style.text_width(names.values(), style.SMALL) + 0.25
@@ -76,7 +78,7 @@ def trials_figure(
     drawn = frame[frame["problem"].isin(problems)]
     summary = analysis.summarise(drawn)
     summary = summary[summary["problem"].isin(problems)].set_index(["problem", "optimizer"])
-    unfinished = not style.drawable(analysis.scores(drawn)).all() or bool((summary["n"] == 0).any())
+    unfinished = not style.drawable(scores(drawn)).all() or bool((summary["n"] == 0).any())
     beside = 0.7 if unfinished else 0.1  # for the number of failed trials
     columns = {5: 3, 6: 3}.get(len(problems), ONE_ROW)
     figure, axes = style.grid(
@@ -85,7 +87,7 @@ def trials_figure(
         left=style.text_width(style.names(optimizers).values(), style.SMALL) + 0.12,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
-        least = analysis.SOLVED if problem in solved else None
+        least = SOLVED if problem in solved else None
         optimum = optima.get(problem) if least is None else None  # it is 0, off a log axis
         box_plot(frame, problem, optimum=optimum, least=least, pens=pens, ax=ax)
         style.title(ax, problem, 24)
@@ -96,7 +98,7 @@ def trials_figure(
     line = (
         " Line: the optimum, where it is known and on the axis." if set(problems) & optima.keys() - set(solved) else ""
     )
-    floor = f" Precisions below {analysis.SOLVED:g} are drawn there." if set(problems) & set(solved) else ""
+    floor = f" Precisions below {SOLVED:g} are drawn there." if set(problems) & set(solved) else ""
     caption = (
         "Every trial (points), with quartile boxes; the line in a box is the median. Lower (further left) is "
         f"better.{line}{floor} Failed trials are counted, not drawn."

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import ranksums
 
 from bench import Trace
-from bench.analysis import checkpoint_shares, checkpoints, error_statistics, signs
+from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, signs
 
 
 def made(**cells):

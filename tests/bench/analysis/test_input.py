@@ -15,14 +15,20 @@ FRAME = pd.DataFrame({"problem": ["p"], "optimizer": ["a"], "trial": [0], "statu
         (lambda: analysis.pairwise_tests(FRAME[["fun"]]), "pairwise_tests misses in 'frame': column 'status'; it has"),
         (lambda: analysis.timing(FRAME), "timing misses in 'frame': .*wall_s.*; it has the columns problem, optimizer"),
         (lambda: analysis.summarise("results"), "summarise takes as 'frame' a frame, such as .* not an object of str"),
-        (lambda: analysis.scores(frame=None), "scores takes as 'frame' a frame"),
+        (lambda: analysis.coverage(frame=None), "coverage takes as 'frame' a frame"),
         (
             lambda: analysis.cliques(FRAME, FRAME),
             "cliques takes as 'average_ranks' a series of a number",
         ),
+        (
+            lambda: analysis.friedman(FRAME),
+            "friedman takes the ranks of .* the column 'problem' holds no numbers",
+        ),
+        (lambda: analysis.holm(FRAME), "holm takes as 'p' an array of numbers, .* not an object of DataFrame"),
+        (lambda: analysis.nemenyi(FRAME, 2), "nemenyi takes as 'average_ranks' a series"),
         (lambda: plots.cd_diagram(FRAME), "cd_diagram takes as 'average_ranks' a series .* not an object of DataFrame"),
         (lambda: plots.box_plot("results", "p"), "box_plot takes as 'frame' a frame, such as .* not an object of str"),
-        (lambda: analysis.stage_ranks(FRAME, [], 10), "stage_ranks takes as 'traces' traces, such as results.traces"),
+        (lambda: analysis.convergence(FRAME, [], 10), "convergence takes as 'traces' traces, such as results.traces"),
     ],
 )
 def test_a_wrong_argument_or_a_missing_column_is_one_sentence(call, message):
@@ -35,3 +41,8 @@ def test_a_key_that_no_frame_could_have_stays_what_it_is():
     with pytest.raises(KeyError) as raised:
         analysis.coverage(FRAME, {("p", "b"): 3})
     assert not isinstance(raised.value, BenchError)
+
+
+def test_the_public_names_are_those_that_a_reader_of_frames_needs():
+    assert len(analysis.__all__) == 52  # 45 functions, with their constants and types
+    assert all(hasattr(analysis, name) for name in analysis.__all__)

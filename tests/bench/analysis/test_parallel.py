@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis import expected_running_time, parallel_ranks, parallel_times
+from bench.analysis import expected_running_time, parallel_times
+from bench.analysis.parallel import parallel_ranks
 
 INF = float("inf")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis import reference_shares, reference_times, runlength_targets
+from bench.analysis.reference import reference_shares, reference_times, runlength_targets
 
 KNOWN = pd.DataFrame({"problem": "f-d2", "precision": [1e2, 1.0, 1e-1, 1e-8], "ert": [1.0, 20.0, 30.0, 40.0]})
 

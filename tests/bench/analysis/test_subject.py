@@ -4,19 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis import (
-    across_problems,
-    in_parts,
-    levels,
-    outcome,
-    pairwise_tests,
-    rates_of_equals,
-    seen_from,
-    signs_of,
-    summarise,
-)
-from bench.analysis.error_rates import Levels, claims
+from bench.analysis import across_problems, pairwise_tests, summarise
+from bench.analysis.error_rates import Levels, claims, levels, rates_of_equals
 from bench.analysis.pairwise import holm
+from bench.analysis.subject import in_parts, outcome, seen_from, signs_of
 
 EARLIER = pd.DataFrame({"share": [0.1], "optimizer": ["c"], "probability": [0.2], "p": [1e-9], "shown": [False]})
 

@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from bench import BenchError, Results, analysis, load_problem, load_results
+from bench import BenchError, Results, load_problem, load_results
+from bench.analysis.cells import budgets as budgets_of
 from bench.cli.app import app
 from bench.columns import packed
 from bench.execution.verify import verify
@@ -84,7 +85,7 @@ class TestUnited:
         verdicts = both.of(checks).set_index("check")["verdict"]
         assert verdicts["budget"] == "pass"
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
-        assert analysis.budgets(frame, both.trials.allowed).tolist() == [120.0, 801.0]
+        assert budgets_of(frame, both.trials.allowed).tolist() == [120.0, 801.0]
 
     @pytest.mark.slow
     def test_values_are_compared_at_the_largest_budget_that_all_had(self, mine, archive):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Results, analysis
+from bench.analysis.instances import precision_targets
 from bench.formats.importing import import_results
 from bench.topics.findings import Findings
 from tests.bench.formats.coco.test_reader import PRECISIONS, READ
@@ -69,7 +70,7 @@ def test_running_times_and_evaluations_are_those_of_cocopp(logged, tmp_path, sui
     theirs = read(READ, logged / suite, tmp_path, json.dumps(PRECISIONS.tolist()))
     import_results(logged / suite, tmp_path / "out")
     found = Findings(Results(tmp_path / "out")).trials
-    targets = analysis.precision_targets(found.problems, PRECISIONS)
+    targets = precision_targets(found.problems, PRECISIONS)
     hits = analysis.hitting_times(found.frame, found.traces, targets, found.allowed)
     ours = analysis.expected_running_time(hits).set_index("problem")
     assert len(theirs) == 2
@@ -186,7 +187,7 @@ def test_odd_ends_of_runs_are_read_as_cocopp_reads_them(tmp_path):
         own, optimum = results.frame[results.frame["problem"] == name], results.facts(name).optimum
         assert own["nfev"].tolist() == theirs[dimension]["spent"] == [evaluations for evaluations, _ in ends]
         np.testing.assert_allclose(own["fun"] - optimum, theirs[dimension]["finals"], rtol=2e-9, atol=1e-13)
-        targets = analysis.precision_targets([name], PRECISIONS)
+        targets = precision_targets([name], PRECISIONS)
         targets["target"] += optimum
         ert = analysis.expected_running_time(analysis.hitting_times(own, results.traces, targets, 100))["ert"]
         np.testing.assert_allclose(ert.astype(float), np.array(theirs[dimension]["ert"], dtype=float), rtol=1e-12)

@@ -8,9 +8,11 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from bench import BenchError, analysis
+from bench import BenchError
+from bench.analysis.reference import reference_times, runlength_targets
 from bench.cli.app import app
 from bench.formats.coco import best2009
+from bench.study.targets import COCO_PRECISIONS
 from tests.bench.formats.made import read
 
 COCOPP = """
@@ -59,8 +61,8 @@ def test_all_times_equal_those_of_cocopp(cocopp_s):
     """54 functions in 6 dimensions, at COCO's 51 precisions."""
     theirs, _ = cocopp_s
     assert len(theirs) == 54 * 6
-    levels = pd.DataFrame(product(theirs, analysis.COCO_PRECISIONS), columns=["problem", "precision"])
-    table = analysis.reference_times(best2009.best2009(theirs), dict(zip(theirs, theirs, strict=True)), levels)
+    levels = pd.DataFrame(product(theirs, COCO_PRECISIONS), columns=["problem", "precision"])
+    table = reference_times(best2009.best2009(theirs), dict(zip(theirs, theirs, strict=True)), levels)
     ours = table["ert"].to_numpy().reshape(len(theirs), -1)
     found = np.array([theirs[name] for name in theirs])
     differ = ours != found
@@ -74,7 +76,7 @@ def test_all_times_equal_those_of_cocopp(cocopp_s):
 def targets_of(names):
     same = dict(zip(names, names, strict=True))
     dimensions = {name: int(name.rpartition("-d")[2]) for name in names}
-    table = analysis.runlength_targets(best2009.best2009(names), same, dimensions)
+    table = runlength_targets(best2009.best2009(names), same, dimensions)
     return {str(name): own["precision"].tolist() for name, own in table.groupby("problem")}
 
 

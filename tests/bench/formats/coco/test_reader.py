@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Results, analysis
+from bench.analysis.instances import precision_targets
 from bench.formats.importing import import_results
 from bench.formats.naming import agrees
 from bench.topics.findings import Findings
@@ -67,7 +68,7 @@ class TestArchive:
     def test_expected_running_times_are_those_of_cocopp(self, both):
         results, found = both
         findings, reached = Findings(results), 0
-        targets = analysis.precision_targets(found, PRECISIONS)
+        targets = precision_targets(found, PRECISIONS)
         hits = analysis.hitting_times(findings.trials.frame, findings.trials.traces, targets, findings.trials.allowed)
         table = analysis.expected_running_time(hits).set_index(["problem", "tau"])["ert"]
         for problem, data in found.items():

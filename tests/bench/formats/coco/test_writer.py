@@ -9,10 +9,12 @@ import pytest
 
 import bench
 from bench import BenchError, Results, analysis
+from bench.analysis.running_time import running_times
 from bench.formats.coco import writer as coco
 from bench.formats.exporting import export
 from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
+from bench.study.targets import COCO_PRECISIONS
 from tests.bench.formats.made import HOSTILE, exported, make, read, record, some_fail
 
 READ_COCO = """
@@ -60,7 +62,7 @@ for suite in settings.suite_to_testbed:
 print("\\n" + json.dumps({"sets": found, "known": known}))
 """
 TARGETS = [100.0, 1.0, 0.1, 1e-3]
-PRECISIONS = analysis.COCO_PRECISIONS.tolist()
+PRECISIONS = COCO_PRECISIONS.tolist()
 FACTS = "optimum", "features"
 KEYS = "suite", "function"
 TRIGGERS = sorted({math.floor(10 ** (i / 20) + 1e-9) for i in range(62)})  # to 1122
@@ -164,7 +166,7 @@ class TestSuites:
         assert targets["tau"].unique().tolist() == PRECISIONS
         budgets = {label: 200 * int(label.split("-d")[1]) for label in pooled.members}
         hits = analysis.hitting_times(pooled.frame, pooled.traces, targets, budgets)
-        ert = analysis.running_times(hits).set_index(["problem", "optimizer", "tau"])["ert"]
+        ert = running_times(hits).set_index(["problem", "optimizer", "tau"])["ert"]
         reached = set()
         for data in found["sets"]:
             problem = f"bbob-f{data['function']:02d}-d{data['dimension']}"

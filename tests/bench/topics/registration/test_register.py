@@ -5,7 +5,7 @@ import re
 import pytest
 
 from bench import BenchError, Study
-from bench.analysis import levels
+from bench.analysis.error_rates import levels
 from bench.storage.folder import REGISTRATION
 from bench.study import Fingerprints
 from bench.topics.registration.register import Registered, read, register, text_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, run
-from bench.analysis import table as table_of
+from bench.analysis.compare import table as table_of
 from bench.report.latex import to_latex
 from bench.topics import write_report
 from bench.topics.datasets import section as datasets

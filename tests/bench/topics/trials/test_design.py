@@ -7,9 +7,10 @@ import pytest
 from scipy.stats import norm
 
 from bench import Study
-from bench.analysis import detectable_a12, detectable_across, levels
+from bench.analysis import detectable_a12
 from bench.analysis.across import p_of_means
 from bench.analysis.direction import Effects, effects, p_values
+from bench.analysis.error_rates import detectable_across, levels
 from bench.topics.trials.design import foreseen
 
 STUDY = {
