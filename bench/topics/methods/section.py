@@ -10,9 +10,12 @@ from bench.topics.methods.problem_words import problems_table
 from bench.topics.topic import Topic
 
 TITLE = "Methods"
-DOI = (
-    r'@preamble{"\providecommand{\doi}[1]{\texttt{\detokenize{doi:#1}}}"}'  # plainnat sets a DOI as text: no "_" in it
+DOI = (  # plainnat and elsarticle-num set a DOI as text, where "_" is an error, unless a package defines these
+    r'@preamble{"\providecommand{\doi}[1]{\texttt{\detokenize{doi:#1}}}'
+    r'\providecommand{\href}[2]{#2}\providecommand{\path}[1]{\texttt{\detokenize{#1}}}"}'
 )
+
+ABOUT = "The works cited in the methods; join the files of two studies such that each key stands there once."
 
 
 def section(findings: Findings) -> Section:
@@ -35,7 +38,7 @@ def texts(findings: Findings) -> list[File]:
     return [
         File("methods.md", "The methods as Markdown.", stated.markdown),
         File("methods.tex", "The methods as LaTeX.", stated.latex),
-        File("references.bib", "The works cited in the methods.", f"{DOI}\n\n{stated.bibtex}"),
+        File("references.bib", ABOUT, f"{DOI}\n\n{stated.bibtex}"),
     ]
 
 

@@ -291,11 +291,11 @@ def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("bibtex") is None, reason="bibtex is not installed")
-def test_a_doi_with_an_underscore_compiles_with_plainnat(tmp_path):
+def test_a_doi_with_an_underscore_compiles_with_plainnat_and_as_elsarticle_sets_it(tmp_path):
     entry = "@article{a,\n  author = {A. B.},\n  title = {T},\n  year = 2000,\n  doi = {10.1/x_y_1}\n}\n"
     (tmp_path / "references.bib").write_text(f"{section.DOI}\n\n{entry}", encoding="utf-8")
     assert [work.key for work in parse((tmp_path / "references.bib").read_text(encoding="utf-8"))] == ["a"]
-    body = r"\cite{a}\bibliographystyle{plainnat}\bibliography{references}"
+    body = r"\cite{a}\bibliographystyle{plainnat}\bibliography{references} \ifdefined\href \href{a}{\path{x_y}}\fi"
     source = rf"\documentclass{{article}}\usepackage{{natbib}}\begin{{document}}{body}\end{{document}}"
     (tmp_path / "d.tex").write_text(source, encoding="utf-8")
     for command in (["pdflatex", "-interaction=nonstopmode", "d.tex"], ["bibtex", "d"]):
