@@ -22,7 +22,7 @@ from bench.analysis.reference import reference_shares, reference_times, runlengt
 from bench.analysis.running_time import in_seconds
 from bench.analysis.running_time import restart_shares as restart_shares_of
 from bench.analysis.running_time import running_times as running_times_of
-from bench.analysis.stages import SHARES, stage_ranks, unused_budget
+from bench.analysis.stages import SHARES, stage_ranks
 from bench.analysis.stages import earlier_leads as earlier_leads_of
 from bench.analysis.target_sets import compare_sets, target_areas, tolerance_times
 from bench.errors import BenchError
@@ -90,11 +90,6 @@ class Anytime:
         first = np.array([trace.evaluations[0] if len(trace.values) else 0 for trace in traces], dtype=np.float64)
         begin = max(first / frame["problem"].astype(object).map(self._spent).to_numpy(np.float64), default=0.0)
         return [share for share in SHARES if share >= min(begin, 1.0)]
-
-    @cached_property
-    def unused(self) -> pd.DataFrame:
-        """The share of the budget that each optimizer left."""
-        return unused_budget(self.trials.whole, self.trials.allowed)
 
     @cached_property
     def target_set(self) -> Targets:

@@ -78,6 +78,16 @@ def differing(study: Study, descriptions: Mapping[str, Description], leader: str
     an algorithm takes of its own accord (the population, where the study sets none), that the leader has no option for,
     or that a sweep varies: there it is the question.
     """
+    clauses = []
+    for names, joint in _differing(study, descriptions, leader).items():
+        clauses.append(f"{listing(names)} {'is' if len(names) == 1 else 'are'} {grouped(joint)}")
+    return ", ".join(clauses)
+
+
+def _differing(
+    study: Study, descriptions: Mapping[str, Description], leader: str
+) -> dict[tuple[str, ...], dict[str, list[str]]]:
+    """Return the labels by their values, of each set of conditions that the same optimizers share."""
     table = conditions(study, descriptions)
     set_here = {name for entry in study.optimizers for name in entry.options}
     together: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
@@ -93,11 +103,15 @@ def differing(study: Study, descriptions: Mapping[str, Description], leader: str
         groups = by_value(table[name].dropna().drop(list(varied - {leader})))
         if len(groups) > 1:
             together.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
-    clauses = []
-    for owners, values in together.items():
-        joint = {", ".join(of_one): [*labels] for *of_one, labels in zip(*values.values(), owners, strict=True)}
-        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {grouped(joint)}")
-    return ", ".join(clauses)
+    return {
+        tuple(values): {", ".join(of_one): [*labels] for *of_one, labels in zip(*values.values(), owners, strict=True)}
+        for owners, values in together.items()
+    }
+
+
+def names_differing(study: Study, descriptions: Mapping[str, Description], leader: str) -> list[str]:
+    """Return the names of the conditions that :func:`differing` states."""
+    return [name for names in _differing(study, descriptions, leader) for name in names]
 
 
 def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:

@@ -1,40 +1,82 @@
-"""State what differs between the leader and its rivals besides their algorithms, as a clause."""
+"""State what may explain an outcome besides the algorithms: options that differ, and budget that was left unused."""
 
 from __future__ import annotations
+
+from collections.abc import Collection
+from typing import NamedTuple
 
 import pandas as pd
 
 from bench.analysis.cells import budgets, scores
 from bench.analysis.instances import SOLVED
 from bench.analysis.stages import unused_budget
+from bench.report.prose import speaker
 from bench.report.wording import listing, percent
 from bench.topics.findings import Findings
 from bench.topics.matched import conditions
+from bench.topics.matched.controls import REPORTED, controls
 
-UNUSED = 0.01  # of the budget, on average, by which a rival may use less than the leader
+UNUSED = 0.01  # of the budget, on average, by which an optimizer may use less than another one
+SAY = speaker(__package__, MOST_LABELS=conditions.MOST_LABELS)
 
 
-def differing(findings: Findings) -> str:
-    """Return a clause on what may favour the leader besides its algorithm; "" where nothing is known to.
+class Differing(NamedTuple):
+    """What may explain an outcome besides the algorithms, each "" where nothing is known to.
 
-    That is :func:`options_differing`, and the share of the budget that a rival used, where the leader used more, such
-    as ``"handling is box for cma-es and repair for the 4 others, gwo stopped after 72% of the budget"``.
+    Attributes:
+        clause: such as ``"handling is box for cma-es and repair for the 4 others, gwo left 28% of its budget unused"``.
+        line: the same in at most twenty words, with what removes it.
+        remedy: sentences on what removes it, or what is known without it.
     """
-    leader, spent = findings.leader, _used(findings)
-    less = spent["needed"][spent["needed"] < min(float(spent["used"][leader]), 1.0) - UNUSED].drop(
-        leader, errors="ignore"
+
+    clause: str = ""
+    line: str = ""
+    remedy: str = ""
+
+
+def differing(findings: Findings, beaten: Collection[str], lost: Collection[str] = ()) -> Differing:
+    """Return what may explain that the leader beats some rivals, and loses to others.
+
+    Options may explain either. Less budget explains a loss alone: that of a rival which used less than the leader, or
+    that of the leader to a rival which used more. Nobody loses by what it left after it had found the optimum.
+    """
+    if not beaten and not lost:
+        return Differing()
+    leader, spent = findings.leader, findings.of(shares_used)
+    rivals = spent["needed"].reindex([label for label in spent.index if label in beaten])
+    less = rivals[rivals < min(float(spent["used"][leader]), 1.0) - UNUSED]
+    most = spent["used"].reindex([*lost]).clip(upper=1.0).max()
+    own = spent["needed"][[leader]]
+    less = pd.concat([less, own[own < most - UNUSED]]).sort_values()
+    left = listing([f"{label} left {percent(1 - share)}" for label, share in less.items()], conditions.MOST_LABELS)
+    options = options_differing(findings)
+    clauses = (options, f"{left} of its budget unused" if len(less) else "")
+    names = conditions.names_differing(findings.study, findings.descriptions, leader)
+    remedy = (_controls(findings) if options else "", SAY("restarts", list(less.index)))
+    return Differing(
+        ", ".join(filter(None, clauses)), SAY("unlike", names, list(less.index)), " ".join(filter(None, remedy))
     )
-    early = [f"{label} stopped after {percent(share)}" for label, share in less.sort_values().items()]
-    stopped = f"{listing(early, at_most=conditions.MOST_LABELS)} of the budget" if early else ""
-    return ", ".join(filter(None, (options_differing(findings), stopped)))
 
 
 def options_differing(findings: Findings) -> str:
-    """Return the options that may favour the leader, as a clause; "" if none is known to."""
+    """Return the options that may favour or harm the leader, as a clause; "" if none is known to."""
     return conditions.differing(findings.study, findings.descriptions, findings.leader)
 
 
-def _used(findings: Findings) -> pd.DataFrame:
+def _controls(findings: Findings) -> str:
+    """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
+    chances, missing = findings.of(controls).chances, findings.of(controls).cost
+    second = next(iter(chances["rival"]), "")
+    of_second = chances[(chances["conditions"] != REPORTED) & (chances["rival"] == second)]
+    parts = [
+        f"{row['probability']:.2f} [{row['low']:.2f}, {row['high']:.2f}] ({row['conditions']})"
+        for row in of_second.to_dict("records")
+    ]
+    same = f"Under the same conditions it beats {second} with probability {listing(parts)}." if parts else ""
+    return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
+
+
+def shares_used(findings: Findings) -> pd.DataFrame:
     """Return by optimizer the share of the budget ``used``, and that ``needed``, of which the optimum needs all."""
     trials = findings.trials
     frame, budget = trials.measured, trials.common or trials.allowed

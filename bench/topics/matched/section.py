@@ -9,7 +9,7 @@ from bench.report.prose import speaker
 from bench.report.wording import MISSING, count, listing, options
 from bench.topics.findings import Findings
 from bench.topics.matched.controls import REPORTED, controls
-from bench.topics.matched.differing import differing
+from bench.topics.matched.differing import options_differing
 from bench.topics.topic import Topic
 
 TITLE = "Under the same conditions"
@@ -28,7 +28,7 @@ def section(findings: Findings) -> Section | None:
         for name, rows in chances.groupby("conditions", sort=False)
     ]
     text = [
-        SAY("table", differing(findings), leader),
+        SAY("table", options_differing(findings), leader),
         f"The 95% interval of the probability lies above 0.5 against {'; '.join(counts)}.",
     ]
     if labels := [entry.label for entry in findings.study.controls]:

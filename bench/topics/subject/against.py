@@ -17,13 +17,14 @@ from bench.report.parts import Line
 from bench.report.prose import speaker
 from bench.report.wording import listing
 from bench.topics.findings import Findings
-from bench.topics.matched.differing import differing
+from bench.topics.matched.differing import Differing, differing
 from bench.topics.ranks.words import dependent
 
 TITLE = "Against its rivals"
 WORDS = 20  # of a line, at most
 NAMED = 2  # rivals that a clause names
 PARTS = {"where": TITLE, "by_how_much": TITLE, "how_sure": "How often would this page be wrong?", "at_what_cost": TITLE}
+PARTS["conditions"] = "The numbers behind it"
 
 
 class Rival(NamedTuple):
@@ -72,7 +73,7 @@ class Against:
         trials: of a cell, in words.
         budget: in words.
         target: to which the running times are, in words.
-        conditions: what differs between the optimizers besides their algorithms; "" where nothing does.
+        unlike: what may explain its wins or losses besides the algorithms.
         sweep: that the problems are one sweep; "" where they are not.
         selected: whether optimizers or problems were selected after the results were seen.
     """
@@ -90,7 +91,7 @@ class Against:
     trials: str
     budget: str
     target: str
-    conditions: str
+    unlike: Differing
     sweep: str
     selected: bool
 
@@ -119,7 +120,7 @@ class Against:
     @property
     def clear(self) -> bool:
         """Whether the page claims that the subject beats a rival, under like conditions."""
-        return bool(self.of("better")) and not self.conditions and not self.selected
+        return bool(self.of("better")) and not self.unlike.clause and not self.selected
 
 
 def _where(kind: str, parts: Sequence[str]) -> str:
@@ -156,13 +157,14 @@ def against(findings: Findings) -> Against:
                 lower, higher, *ratios.get(label, (np.nan, 0)),
             )
         )  # fmt: skip
+    wins_and_losses = [[rival.label for rival in rivals if rival.outcome == one] for one in ("better", "worse")]
     return Against(
         subject, rivals, _parts(findings, complete), final.levels, 0 if final.levels.problems else final.enough,
         _parts_level(findings), final.tested,
         declared=findings.declared, looks=bool(findings.results.study.looks), problems=len(complete),
         trials=trials.per_cell_words, budget=findings.budget_words,
         target=findings.anytime.target_set.at(findings.anytime.target_set.level),
-        conditions=differing(findings), sweep=dependent(findings), selected=bool(findings.selection),
+        unlike=differing(findings, *wins_and_losses), sweep=dependent(findings), selected=bool(findings.selection),
     )  # fmt: skip
 
 
@@ -232,6 +234,7 @@ def first_screen(known: Against) -> FirstScreen:
         "by_how_much": _short(say, "by_how_much", min(len(known.rivals), 2)),
         "how_sure": say("how_sure"),
         "at_what_cost": _short(say, "at_what_cost", 2),
+        "conditions": known.unlike.line,
     }
     lines = [Line(label.replace("_", " "), text, PARTS[label]) for label, text in texts.items() if text]
     details = (say("abstract"), say("named"), say("scope"), say("conditions"))

@@ -11,13 +11,12 @@ from bench import analysis
 from bench.analysis import ALPHA
 from bench.report.parts import Card, File, Part, Section
 from bench.report.prose import speaker
-from bench.report.wording import count, listing, unfinished_trials
+from bench.report.wording import count, listing, percent, unfinished_trials
 from bench.storage.folder import ANSWER
 from bench.topics.findings import Final, Findings
 from bench.topics.integrity.section import warnings
 from bench.topics.matched.conditions import sentences
-from bench.topics.matched.controls import REPORTED, controls
-from bench.topics.matched.differing import differing, options_differing
+from bench.topics.matched.differing import UNUSED, differing, shares_used
 from bench.topics.ranks.tables import rank_map
 from bench.topics.ranks.words import across, dependent
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
@@ -89,8 +88,7 @@ def standing(findings: Findings) -> Standing:
         budget=findings.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=trials.per_cell_words,
-        conditions=differing(findings),
-        matched=_controls(findings),
+        unlike=differing(findings, final.ranked[1:]),
         differing=_dimensions(findings),
         left_out=[label for label in trials.problems if label not in complete],
         size=_size(findings),
@@ -102,21 +100,6 @@ def standing(findings: Findings) -> Standing:
         sweep=dependent(findings),
         selected=bool(findings.selection),
     )  # fmt: skip
-
-
-def _controls(findings: Findings) -> str:
-    """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
-    if not options_differing(findings):
-        return ""  # controls would change nothing
-    chances, missing = findings.of(controls).chances, findings.of(controls).cost
-    second = next(iter(chances["rival"]), "")
-    of_second = chances[(chances["conditions"] != REPORTED) & (chances["rival"] == second)]
-    parts = [
-        f"{row['probability']:.2f} [{row['low']:.2f}, {row['high']:.2f}] ({row['conditions']})"
-        for row in of_second.to_dict("records")
-    ]
-    same = f"Under the same conditions it beats {second} with probability {listing(parts)}." if parts else ""
-    return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
 
 
 def _across(final: Final) -> dict[tuple[str, str], Across]:
@@ -237,9 +220,9 @@ def _evidence(findings: Findings) -> str:
 def _limits(findings: Findings) -> tuple[str, ...]:
     """Return the sentences on what may not be claimed."""
     trials, looked = findings.trials, findings.results.looked
-    shares = findings.anytime.unused
-    left = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
-    unused = [f"{label} {share:.0%}" for label, share in zip(left["optimizer"], left["unused"], strict=True)]
+    left = 1 - findings.of(shares_used)["needed"]
+    left = left[left > UNUSED].sort_values(ascending=False, kind="stable")
+    unused = [f"{label} {percent(share)}" for label, share in left.items()]
     texts = (
         SAY("selected", findings.selection) if findings.selection else "",
         SAY("unequal_budgets", trials.common_words) if trials.common else "",

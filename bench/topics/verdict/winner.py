@@ -21,6 +21,7 @@ from bench.analysis.error_rates import Levels
 from bench.report.parts import Line
 from bench.report.prose import speaker
 from bench.report.wording import listing
+from bench.topics.matched.differing import Differing
 from bench.topics.verdict.clock import Clock
 
 NAMED = 3  # optimizers that a sentence names
@@ -30,6 +31,7 @@ PARTS = {
     "by_how_much": "Across problems",
     "how_sure": "How often would this page be wrong?",
     "at_what_cost": "Convergence and targets",
+    "conditions": "The numbers behind it",
 }
 """The titles of the parts and cards that have the rest of a line."""
 
@@ -73,7 +75,7 @@ class Conclusion(NamedTuple):
 
     Attributes:
         headline: one sentence of at most 25 words, and the labels and the budget in it.
-        lines: at most four short answers, each with the part of the page that has the rest.
+        lines: at most five short answers, each with the part of the page that has the rest.
         details: the sentences that they shorten.
         clear: whether the headline names a winner under like conditions.
     """
@@ -98,8 +100,7 @@ class Standing:
         budget: the full budget in words, such as "60,000 evaluations".
         problem: the label of the only problem, "" where there are several.
         trials: of a cell, in words, such as "1 trial".
-        conditions: what differs between the optimizers besides their algorithms, in a clause; "" where nothing does.
-        matched: what controls under equal conditions would cost, or where they are; "" where nothing differs.
+        unlike: what may explain the lead besides the algorithm.
         differing: the dimensions in which another one leads, in a few words; "" where there is none.
         left_out: the problems on which the optimizers are not compared.
         size: by how much the leader is lower than the second in rank, in the objective's unit or in evaluations.
@@ -120,8 +121,7 @@ class Standing:
     budget: str
     problem: str = ""
     trials: str = ""
-    conditions: str = ""
-    matched: str = ""
+    unlike: Differing = Differing()  # noqa: RUF009
     differing: str = ""
     left_out: Sequence[str] = ()
     size: str = ""
@@ -212,6 +212,7 @@ def verdict(standing: Standing) -> Conclusion:
         by_how_much=say("by_how_much", pair) if measured else "",
         how_sure=say("how_sure"),
         at_what_cost=say("at_what_cost", behind) if alone and standing.testable else "",
+        conditions=standing.unlike.line,
     )
     details = (
         say("shown", max(standing.across[leader, rival].p for rival in standing.labels[1:])) if standing.leads else "",
@@ -221,7 +222,7 @@ def verdict(standing: Standing) -> Conclusion:
         course,
         standing.clock.sentence if standing.clock and alone and standing.testable else "",
     )
-    clear = bool(standing.leads and not standing.conditions)
+    clear = bool(standing.leads and not standing.unlike.clause)
     return Conclusion(say("headline"), lines, tuple(filter(None, details)), clear)
 
 

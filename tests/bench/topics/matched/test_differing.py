@@ -1,5 +1,7 @@
 """The same conditions in the report: what differs as a clause, chances recomputed by hand, controls in no ranking."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,8 @@ from bench import Results, Study, Trace
 from bench.topics.findings import Findings
 from bench.topics.matched import section as matched
 from bench.topics.matched.controls import controls
-from bench.topics.matched.differing import differing
+from bench.topics.matched.differing import Differing, differing
+from bench.topics.verdict import section as verdict
 from bench.topics.write import write_report
 from tests.bench.reports import store
 
@@ -45,6 +48,11 @@ def made(tmp_path):
         return Findings(Results(store(tmp_path / name, study, row_of, record={"jobs": 2})))
 
     return make
+
+
+def clause(findings):
+    """Return what may explain that the first one is better than every other one."""
+    return differing(findings, findings.final.ranked[1:]).clause
 
 
 def by_hand(first, second):
@@ -104,7 +112,7 @@ def test_one_trial_has_no_interval(made):
 def test_nothing_differs_among_equal_conditions(made):
     alike = [{"name": name, "agents": 9} for name in ("gwo", "random-search")]
     findings = made(controls=(), optimizers=alike)
-    assert (differing(findings), findings.of(controls).cost, matched.section(findings)) == ("", "", None)
+    assert (clause(findings), findings.of(controls).cost, matched.section(findings)) == ("", "", None)
 
 
 def test_populations_of_one_algorithm_are_conditions_that_need_no_control(made, monkeypatch):
@@ -121,20 +129,54 @@ def test_populations_of_one_algorithm_are_conditions_that_need_no_control(made, 
     assert found.loc["agents = 5", ["first", "second"]].tolist() == ["gwo 5", "random-search 5"]
     assert found.loc["agents = 5", "probability"] == pytest.approx(by_hand("gwo 5", "random-search 5"))
     assert found.loc["agents = 9", ["first", "second"]].tolist() == ["gwo 9", "random-search 9"]
-    assert differing(findings) == ("agents is 5 for gwo 5 and random-search 5 and 9 for the 2 others")
+    assert clause(findings) == ("agents is 5 for gwo 5 and random-search 5 and 9 for the 2 others")
 
 
 def test_a_budget_that_a_rival_did_not_spend_differs(made):
     stopped = made(nfev={"gwo": 72})
-    assert differing(stopped).endswith("for the 2 others, gwo stopped after 72% of the budget")
-    assert "stopped" not in differing(made(name="t", nfev={"gwo": 99}))
+    assert clause(stopped).endswith("for the 2 others, gwo left 28% of its budget unused")
+    assert "unused" not in clause(made(name="t", nfev={"gwo": 99}))
 
 
 def test_less_budget_is_not_held_against_the_leader_nor_against_who_needs_no_more(made, monkeypatch):
-    assert "stopped" not in differing(made(nfev={"cma-es": 21}))
-    assert "stopped" not in differing(made(name="t", nfev={"cma-es": 21, "gwo": 21}))
+    assert "unused" not in clause(made(nfev={"cma-es": 21}))
+    assert "unused" not in clause(made(name="t", nfev={"cma-es": 21, "gwo": 21}))
     monkeypatch.setitem(LEVELS, "gwo", 1e-9)  # at the optimum of one of two problems, where it needs no more
-    assert differing(made(name="u", nfev={"gwo": 20}, trials=1)).endswith("gwo stopped after 60% of the budget")
+    assert clause(made(name="u", nfev={"gwo": 20}, trials=1)).endswith("gwo left 40% of its budget unused")
+
+
+def test_unused_budget_explains_a_loss_alone(made):
+    """gwo, the subject, beats random-search and loses to cma-es; each of them leaves a part of its budget."""
+    wins_and_losses = ["random-search"], ["cma-es"]
+    alike = [{"name": name, "agents": 9} for name in LEVELS if "(" not in name]
+
+    def explains(name, nfev):
+        found = made(controls=(), optimizers=alike, name=name, nfev=nfev)
+        return differing(replace(found, asked_subject="gwo"), *wins_and_losses)
+
+    assert explains("winner-of-it", {"cma-es": 40}) == Differing()  # it wins although it used less
+    loser = explains("loser", {"random-search": 40})
+    assert loser.clause == "random-search left 60% of its budget unused"
+    assert loser.line == "random-search left budget unused: restart it"
+    assert loser.remedy == "A restart of random-search would use the rest of the budget."
+    assert explains("itself", {"gwo": 40}).clause == "gwo left 60% of its budget unused"
+    assert explains("both", {"gwo": 40, "cma-es": 40}) == Differing()
+
+
+def test_options_that_differ_name_the_run_that_removes_them(made):
+    unlike = differing(made(nfev={"gwo": 72}), ["gwo", "random-search"])
+    options, budget = unlike.line.split("; gwo ")
+    assert options == "handling and start differ; bench run --matched makes them alike"
+    assert budget == "left budget unused: restart it"
+    assert unlike.remedy.startswith("Under the same conditions it beats gwo with probability ")
+
+
+def test_what_was_left_unused_is_the_same_number_wherever_the_page_states_it(made, monkeypatch):
+    monkeypatch.setitem(LEVELS, "gwo", 1e-9)  # at the optimum of one of two problems, where it leaves nothing
+    page = verdict.section(made(name="one", nfev={"gwo": 20}, trials=1))
+    said = " ".join(text for card in page.cards for text in card.text)
+    assert "gwo left 40% of its budget unused" in said
+    assert "before they found the optimum (mean share of all trials): gwo 40%." in said
 
 
 @pytest.mark.slow

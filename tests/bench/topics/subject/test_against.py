@@ -10,6 +10,7 @@ from bench import BenchError, Results, Study
 from bench.analysis import Levels
 from bench.topics import write_report
 from bench.topics.findings import Findings
+from bench.topics.matched.differing import Differing
 from bench.topics.methods import section as methods
 from bench.topics.subject import section as subject
 from bench.topics.subject.against import Against, Rival, against, first_screen
@@ -29,7 +30,7 @@ def known(*rivals, **more):
         "subject": "rDE", "rivals": rivals, "parts": PARTS, "levels": Levels(0.01, 0.035, 0.005), "enough": 0,
         "parts_level": 0.005, "pairs": len(rivals),
         "declared": True, "looks": False, "problems": 24, "trials": "15 trials", "budget": "1,000 d evaluations",
-        "target": "precision 1e-8", "conditions": "", "sweep": "", "selected": False,
+        "target": "precision 1e-8", "unlike": Differing(), "sweep": "", "selected": False,
     }  # fmt: skip
     return Against(**(facts | more))
 
@@ -50,8 +51,8 @@ def lines(facts):
         (["better"], "rDE beats r0 on"),
         (["worse"] * 3, "rDE loses to all 3 rivals on"),
         (["open"] * 5, "rDE is open against all 5 rivals on"),
-        (["worse", "open", "open", "open"], "rDE loses to r0, is open against 3 rivals on"),
-        (["open", "better"], "rDE beats 1 of 2 rivals, is open against r0 on"),
+        (["worse", "open", "open", "open"], "rDE loses to r0 and is open against 3 rivals on"),
+        (["open", "better"], "rDE beats 1 of 2 rivals and is open against r0 on"),
     ],
 )
 def test_headlines_of_every_outcome(outcomes, said):
@@ -74,23 +75,25 @@ def test_the_lines_say_where_by_how_much_how_sure_and_at_what_cost():
     }
 
 
-@pytest.mark.parametrize("more", [{}, {"conditions": "start differs"}, {"declared": False}, {"selected": True}])
+@pytest.mark.parametrize(
+    "more", [{}, {"unlike": Differing("start differs", "start differs")}, {"declared": False}, {"selected": True}]
+)
 @pytest.mark.parametrize("levels", [Levels(0.01, 0.035, 0.005), Levels(0.05, 0.0), Levels(0.0, 0.0)])
 @pytest.mark.parametrize("rivals", [FOUR, FOUR[:1], tuple(rival(f"r{i}", "open", both=0) for i in range(12))])
 @pytest.mark.parametrize("sweep", ["", "24 of 24 problems are steps of one sweep."])
 def test_the_first_screen_is_read_at_a_glance(more, levels, rivals, sweep):
     said = first_screen(known(*rivals, levels=levels, sweep=sweep, **more))
     assert len(said.headline.split()) <= 25
-    assert len(said.lines) <= 4
+    assert len(said.lines) <= 4 + ("unlike" in more)
     assert max(len(line.text.split()) for line in said.lines) <= 20
-    assert said.headline.endswith(", under unlike conditions.") == ("conditions" in more)
+    assert said.headline.endswith(", under unlike conditions.") == ("unlike" in more)
 
 
 def test_the_abstract_is_one_sentence_with_intervals():
     (abstract, *_) = first_screen(known(*FOUR)).details
     assert abstract.startswith(
         "On 24 problems with 15 trials of 1,000 d evaluations each, rDE ended lower than JADE (0.70 [0.67, 0.73]) and "
-        "GWO (0.70 [0.67, 0.73]), ended higher than BIPOP-CMA-ES (0.30 [0.27, 0.33]), did not differ significantly "
+        "GWO (0.70 [0.67, 0.73]), ended higher than BIPOP-CMA-ES (0.30 [0.27, 0.33]) and did not differ significantly "
         "from L-SHADE (0.52 [0.49, 0.55]) ("
     )
     assert abstract.endswith("adjusted over 4 pairs, level 0.035).")

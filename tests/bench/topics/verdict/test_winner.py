@@ -8,6 +8,7 @@ import pytest
 
 from bench.analysis import Levels
 from bench.report.wording import percent
+from bench.topics.matched.differing import Differing
 from bench.topics.verdict.clock import Clock
 from bench.topics.verdict.winner import Across, Stage, Standing, verdict
 
@@ -74,7 +75,13 @@ SWEEP = "18 of 18 problems are steps of one sweep."
 ON_P = standing(TWO, lower={("a", "b")}, problems=1, separable=1, first=1, problem="p", levels=Levels(0.045, 0.045))
 UNTESTED = with_pairs(standing(THREE, levels=NONE, trials="1 trial", blocks=1), **BLIND)
 TIED = standing(LEVEL, separable=0)
-UNLIKE = {"conditions": "handling is box for cma-es", "matched": "Controls would add 90 trials."}
+UNLIKE = {
+    "unlike": Differing(
+        "handling is box for cma-es",
+        "handling differs; bench run --matched makes it alike",
+        "Controls would add 90 trials.",
+    )
+}
 
 CASES = {
     "a winner": standing(
@@ -140,13 +147,13 @@ def test_optimizers_that_share_the_second_rank_are_all_named(second):
 def test_the_first_screen_is_read_at_a_glance(ranks, evidence):
     for conditions, sweep, selected, left_out in product(("", "box for cma-es"), ("", SWEEP), (0, 1), ((), ("p", "q"))):
         known = standing(
-            ranks, conditions=conditions, sweep=sweep, course=COURSE, clock=CLOCK, worse=3,
+            ranks, unlike=Differing(conditions, conditions), sweep=sweep, course=COURSE, clock=CLOCK, worse=3,
             differing="not in dimension 5 (gwo)", selected=bool(selected), left_out=left_out, **evidence,
         )  # fmt: skip
         said = verdict(known)
         assert not left_out or "not compared: p and q" in said.lines[0].text
         assert len(said.headline.split()) <= 25
-        assert len(said.lines) <= 4
+        assert len(said.lines) <= 4 + bool(conditions)
         assert max(len(line.text.split()) for line in said.lines) <= 20
         assert said.headline.endswith(", under unlike conditions.") == (
             bool(conditions) and len(known.level) < len(ranks)
