@@ -54,7 +54,7 @@ def box_plot(
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
     ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
     shown = np.concatenate([*drawn, np.empty(0)])
-    if least is None:
+    if least is None or least < shown.min(initial=np.inf) < np.inf:
         style.fitting_scale(ax, "x", shown)
     else:
         ax.set_xlim(least / 3, 3 * max(100 * least, shown.max(initial=least)))

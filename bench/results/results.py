@@ -7,6 +7,7 @@ import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from fnmatch import fnmatchcase
 from functools import cache, cached_property
 from itertools import compress
 from os import PathLike
@@ -118,6 +119,12 @@ class StoredResults:
         self.verifications = [source.folder.noted(VERIFICATION) for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
+
+    @property
+    def beside(self) -> list[str]:
+        """The labels of the optimizers, such as ``"mine@2"``, whose earlier versions are among the others."""
+        shown = [each for source in self._sources for each in source.shown.items()]
+        return [name for label, name in shown if any(fnmatchcase(label, pattern) for pattern in self._versions)]
 
     @property
     def partial(self) -> bool:

@@ -114,7 +114,8 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
         before = sum(len(source.environments) for source in found)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
-        renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), controls=controls)
+        subject = shown.get(study.subject, study.subject) if len(folders) == 1 else study.subject
+        renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), controls=controls, subject=subject)
         found.append(StudyFolder(folder, name, renamed, shown, cells, numbers, environments, places))
     return found
 

@@ -135,8 +135,8 @@ class Findings:
 
     @property
     def versions(self) -> str:
-        """A sentence on optimizers that were changed after results of theirs were seen; "" where none was."""
-        return versions(self.results.versions)
+        """Sentences on optimizers that were changed after results of theirs were seen; "" where none was."""
+        return versions(self.results.versions, self.results.beside)
 
     @cached_property
     def descriptions(self) -> Descriptions:

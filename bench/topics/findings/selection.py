@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from bench.families import function_of
 from bench.report.wording import count, listing
@@ -34,12 +34,15 @@ def selection(whole: Study, shown: Study, *, by_instance: bool) -> str:
     return f"Selected from {listing(every)} after the results were seen; left out: {listing(parts)}." if parts else ""
 
 
-def versions(numbers: Mapping[str, tuple[int, int]]) -> str:
-    """Return how often optimizers were changed in the folder, in a sentence; "" where each has one version.
+def versions(numbers: Mapping[str, tuple[int, int]], beside: Sequence[str] = ()) -> str:
+    """Return how often optimizers were changed in the folder, in sentences; "" where each has one version.
 
-    ``numbers`` are the version that is shown and the number of versions, by label (:attr:`bench.Results.versions`).
+    ``numbers`` are the version that is shown and the number of versions, by label (:attr:`bench.Results.versions`);
+    ``beside`` are those whose earlier versions are shown, too (:attr:`bench.Results.beside`).
     """
     parts = [
         f"{label} is version {number} of {every} run here" for label, (number, every) in numbers.items() if every > 1
     ]
-    return f"{listing(parts, NAMED)}; the others are not shown." if parts else ""
+    alone = f"{listing(parts, NAMED)}; the others are not shown." if parts else ""
+    chosen = f"The versions before {listing(beside, NAMED)} are shown beside it, chosen after the results were seen."
+    return " ".join(filter(None, (chosen if beside else "", alone)))

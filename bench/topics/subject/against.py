@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.error_rates import Levels
-from bench.analysis.subject import in_parts, seen_from
+from bench.analysis.subject import OUTCOMES, in_parts, seen_from
 from bench.analysis.subject import outcome as outcome_of
 from bench.report.parts import Line
 from bench.report.prose import speaker
@@ -95,6 +95,14 @@ class Against:
     sweep: str
     selected: bool
 
+    @property
+    def telling(self) -> list[Rival]:
+        """The rivals as lines name them: earlier versions, the best that loses and the best that wins, then others."""
+        versions = [rival for rival in self.rivals if _name_of(rival.label) == _name_of(self.subject)]
+        firsts = [next((each for each in self.rivals if each.outcome == one), None) for one in OUTCOMES[:2]]
+        ahead = [*versions, *sorted(filter(None, firsts), key=self.rivals.index)]
+        return list(dict.fromkeys([*ahead, *self.rivals]))
+
     def of(self, outcome: str) -> list[str]:
         """Return the labels of the rivals of an outcome."""
         return [rival.label for rival in self.rivals if rival.outcome == outcome]
@@ -112,7 +120,7 @@ class Against:
         other = shown[shown["outcome"] != shown["rival"].map(whole)]
         grouped = other.groupby(["outcome", "rival", "kind"], sort=False)["part"]
         found: list[tuple[str, str, str]] = []
-        for key, parts in grouped:
+        for key, parts in sorted(grouped, key=lambda group: -len(group[1])):
             outcome, rival, kind = cast("tuple[str, str, str]", key)
             found.append((outcome, rival, _where(kind, list(parts))))
         return found
@@ -121,6 +129,12 @@ class Against:
     def clear(self) -> bool:
         """Whether the page claims that the subject beats a rival, under like conditions."""
         return bool(self.of("better")) and not self.unlike.clause and not self.selected
+
+
+def _name_of(label: str) -> str:
+    """Return the label of an optimizer without the number of a version."""
+    name, at, number = label.rpartition("@")
+    return name if at and number.isdecimal() else label
 
 
 def _where(kind: str, parts: Sequence[str]) -> str:

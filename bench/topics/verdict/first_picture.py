@@ -26,10 +26,13 @@ def evidence(findings: Findings, clear: bool) -> Figure:
     """
     if not shows_trials(findings):
         return leader_figure(findings.final.overall, findings.from_leader, clear)
-    solved = set(findings.trials.pooled.functions)
-    return trials_figure(
-        findings.trials.frame, list(findings.final.medians.index), findings.trials.optima, solved, findings.display.pens
-    )
+    trials, errors = findings.trials, {}
+    if findings.anytime.target_set.absolute:  # elsewhere 1e-8 means nothing in the unit of a problem
+        errors = {label: best for label, best in trials.unbeaten.items() if label not in trials.pooled.functions}
+    above = trials.frame["problem"].astype(object).map(errors).astype(float).fillna(0.0)
+    frame = trials.frame.assign(fun=trials.frame["fun"] - above)
+    solved = {*trials.pooled.functions, *errors}
+    return trials_figure(frame, list(findings.final.medians.index), trials.optima, solved, findings.display.pens)
 
 
 def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Figure:
@@ -71,8 +74,7 @@ def trials_figure(
 ) -> Figure:
     """Return box plots with a point for every trial, a panel a problem.
 
-    ``solved`` are the problems whose objective values are precisions, which are drawn from
-    :data:`bench.analysis.SOLVED` on.
+    ``solved`` are the problems whose values are precisions, which are drawn from :data:`bench.analysis.SOLVED` on.
     """
     optimizers = labels(frame, "optimizer")
     drawn = frame[frame["problem"].isin(problems)]

@@ -213,6 +213,7 @@ def _evidence(findings: Findings) -> str:
         ALPHA,
         findings.final.levels,
         _untested(findings.final),
+        findings.subject,
         [f"{count(number, 'trial')} of {label}" for label, number in failed.items()],
     )
 

@@ -3,12 +3,13 @@
 import pandas as pd
 import pytest
 
-from bench import Results
+from bench import Results, Study
 from bench.plots import style
 from bench.report.page import inline
 from bench.topics.findings import Findings
 from bench.topics.verdict.first_picture import evidence, leader_figure, shows_trials, trials_figure
 from tests.bench.plots.frames import strict, svg, trials
+from tests.bench.reports import ended, store
 
 
 @pytest.fixture(autouse=True)
@@ -98,3 +99,17 @@ def test_the_data_are_those_of_the_drawn_problems():
     frame = trials({("p", "a"): [1.0], ("q", "a"): [2.0]})
     figure = trials_figure(frame, ["q"], {}, set(), style.pens(["a"]))
     pd.testing.assert_series_equal(figure.data["fun"].reset_index(drop=True), pd.Series([2.0], name="fun"))
+
+
+@pytest.mark.parametrize(("targets", "least", "scale"), [("precisions", 0.5, "log"), ("relative", 400.5, "linear")])
+def test_errors_of_a_suite_with_a_known_optimum_are_drawn_on_a_log_axis(tmp_path, targets, least, scale):
+    """Values of 400.5 to 3,400 above an optimum of 400 would crowd together on a linear axis."""
+    ends = {"gwo": 400.5, "random-search": 3_400.0}
+    table = {"name": "s", "trials": 2, "budget": 100, "problems": ["cec2022-f02-d10"], "optimizers": [*ends]}
+    study = Study.from_dict(table | {"targets": targets})
+    store(tmp_path / "s", study, lambda trial: ended(ends[trial.optimizer] + trial.number))
+    picture = evidence(Findings(Results(tmp_path / "s")), clear=False)
+    (ax,) = picture.figure.axes
+    points = [value for line in ax.lines if line.get_marker() in style.MARKERS for value in line.get_xdata()]
+    assert min(points) == pytest.approx(least)
+    assert ax.get_xscale() == scale
