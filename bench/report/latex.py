@@ -10,14 +10,14 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
 from itertools import groupby
-from math import ceil, inf
+from math import ceil, floor, inf
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, Template
 
 from bench.errors import BenchError, nearest
 from bench.helpers.bibtex import ACCENTS, LETTERS
-from bench.plots.style import POINT, Widths
+from bench.plots.style import POINT, SMALL, Widths
 from bench.report.parts import Figure, Table, TableCell
 
 WRAP = 40  # characters beyond which a column is set in paragraphs
@@ -26,7 +26,6 @@ CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a l
 BLOCK = 10  # rows of a block that is named once, and that no page break divides
 TALLEST = 0.8  # of the height of a page that a figure may take beside its caption
 SHRUNK = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
-WIDEST = 1.5  # lines; the type of a wider table would be too small to read where it shrinks to a line
 
 
 class Journal(NamedTuple):
@@ -39,7 +38,8 @@ class Journal(NamedTuple):
         page: lines of a page in that type, a caption of one line included.
         widths: of figures.
         height: inches of the text of a page.
-        size: the command of that type.
+        points: the size of that type.
+        size: its command.
         breaks: whether a long table may be a ``longtable``, which two-column classes refuse.
     """
 
@@ -49,8 +49,14 @@ class Journal(NamedTuple):
     page: int
     widths: Widths
     height: float
+    points: float = 8.0
     size: str = r"\footnotesize"
     breaks: bool = False
+
+    @property
+    def widest(self) -> float:
+        """The lines beyond which a table that shrinks to one would have letters too small to read."""
+        return self.points / SMALL
 
     @property
     def spans(self) -> float:
@@ -59,13 +65,13 @@ class Journal(NamedTuple):
 
 
 JOURNALS = {
-    "plain": Journal(r"\documentclass{article}", 84, 42, 41, Widths(), 550 * POINT, "", breaks=True),
+    "plain": Journal(r"\documentclass{article}", 84, 42, 41, Widths(), 550 * POINT, 10.0, "", breaks=True),
     "ieee": Journal(r"\documentclass[conference]{IEEEtran}", 120, 58, 64, Widths(), 672 * POINT),
     "acm": Journal(r"\documentclass[sigconf]{acmart}", 118, 56, 60, Widths(241.1 * POINT, 506.2 * POINT), 670 * POINT),
     "elsevier": Journal(
         r"\documentclass[final,5p,twocolumn]{elsarticle}", 120, 58, 62, Widths(page=522 * POINT), 682 * POINT
     ),
-    "lncs": Journal(r"\documentclass{llncs}", 74, 74, 44, Widths(page=347 * POINT), 549 * POINT),
+    "lncs": Journal(r"\documentclass{llncs}", 74, 74, 44, Widths(page=347 * POINT), 549 * POINT, 9.0),
 }
 """The journals whose classes tables are written for; "plain" ones also compile in an article of two columns."""
 
@@ -101,7 +107,9 @@ SYMBOLS = _symbols()
 """The characters that LaTeX needs as commands, which every installation knows in every font encoding."""
 
 _TOKEN = re.compile("[A-Za-z][\u0300-\u036f]+|-+|.")
-_POWER = re.compile(r"(-?[\d.]+)e([+-]\d+)")
+_MINUS = re.compile(r"(?<![\w.)-])-(?=\d)")
+_POWER = re.compile(r"(?<![\w.=])(\d[\d.]*)e([+-]\d+)(?![\w.])|(?<=\])\^d\b")  # 1e-08, [-5, 5]^d
+_BREAK = re.compile(r"(?<=[A-Za-z]{2})([:/_.])(?=[A-Za-z]{2})")
 
 
 def escape(text: str) -> str:
@@ -112,6 +120,26 @@ def escape(text: str) -> str:
     """
     composed = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
     return _TOKEN.sub(lambda token: _latex(token[0]), "".join(map(_decompose, composed)))
+
+
+def prose(text: str) -> str:
+    r"""Return sentences as LaTeX, with powers as in :func:`notation`; names may break after a colon, dot or slash."""
+    pieces = _BREAK.split(text)
+    pieces[1::2] = [f"{escape(sign)}\\allowbreak{{}}" for sign in pieces[1::2]]
+    pieces[::2] = map(notation, pieces[::2])
+    return "".join(pieces)
+
+
+def notation(text: str) -> str:
+    r"""Return plain text as :func:`escape` does, with minus signs of numbers, and powers in place of exponents."""
+    plain, found, start = _MINUS.sub("−", text), [], 0
+    for power in _POWER.finditer(plain):
+        mantissa, exponent = power[1], int(power[2] or 0)
+        times = "" if mantissa == "1" else f"{mantissa}$\\times$"
+        shown = f"{times}10$^{{{exponent}}}$" if exponent else mantissa or "$^d$"
+        found += [escape(plain[start : power.start()]), shown]
+        start = power.end()
+    return "".join([*found, escape(plain[start:])])
 
 
 def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> str:
@@ -139,10 +167,10 @@ def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> 
     long = lines > journal.page
     breaks = journal.breaks and long and (width <= line or wraps)  # paragraphs fit, and their height is not known
     sets = [columns]
-    turned = width > WIDEST * line and not wraps
+    turned = width > journal.widest * line and not wraps
     if (
         turned
-        and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index, line)) * lines <= journal.page
+        and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index, journal)) * lines <= journal.page
     ):
         sets, turned = apart, False
     needed = {"array": wraps, "longtable": breaks, "graphicx": width > journal.column and not breaks}
@@ -161,7 +189,7 @@ def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> 
         caption=_caption(table.caption, f"tab:{label}"),
         tabulars=[_tabular(columns_of, blocks, most, line) for columns_of in sets],
         totals=table.totals,
-        note=escape(table.note),
+        note=prose(table.note),
     )
 
 
@@ -184,7 +212,7 @@ def figure_to_latex(figure: Figure, path: str, label: str, journal: Journal = JO
 
 def _caption(text: str, label: str) -> str:
     """Return a caption with its label, cut where it is too long for TeX."""
-    caption = escape(text)
+    caption = prose(text)
     if len(caption) > CAPTION:
         caption = escape(text[: CAPTION // 10] + "…")  # a code point takes ten letters
     return f"\\caption{{{caption}}}\\label{{{re.sub(r'[^A-Za-z0-9.:_-]+', '-', label)}}}"
@@ -208,7 +236,7 @@ def _most_rows(table: Table, columns: Sequence[_Column], journal: Journal, *, tu
         return max(int(0.28 * max(width, 2 * line)) * line // 120 - beside, 1)
     paragraphs = [column.width for column in columns if column.wraps]
     height = max(1, -(-sum(paragraphs) // max(line - (width - sum(paragraphs)), WRAP))) if paragraphs else 1
-    shrunk = 1.0 if paragraphs else min(max(width / line, 1.0), WIDEST)
+    shrunk = 1.0 if paragraphs else min(max(width / line, 1.0), journal.widest)
     return max(int((journal.page - beside) * shrunk) // height, 1)
 
 
@@ -217,13 +245,13 @@ def _width(columns: Iterable[_Column]) -> int:
     return sum(column.width + 2 for column in columns)
 
 
-def _sets(columns: Sequence[_Column], heads: int, line: int) -> list[list[_Column]]:
+def _sets(columns: Sequence[_Column], heads: int, journal: Journal) -> list[list[_Column]]:
     """Return the columns in sets of about the same size, each after those of the index, that are not very wide."""
     index, values = columns[:heads], columns[heads:]
     for number in range(1, len(values) + 1):
         size = ceil(len(values) / number)
         sets = [[*index, *values[start : start + size]] for start in range(0, len(values), size)]
-        if max(map(_width, sets)) <= WIDEST * line:
+        if max(map(_width, sets)) <= journal.widest * journal.line:
             return sets
     return [[*index, column] for column in values]
 
@@ -288,7 +316,8 @@ def _types(columns: Sequence[_Column], line: int) -> str:
     types = []
     for column in columns:
         side = "left" if column.numeric else "right"  # \raggedleft sets to the right
-        paragraph = f">{{\\ragged{side}\\arraybackslash}}p{{{room * column.width / max(wants, 1):.2f}\\linewidth}}"
+        share = floor(100 * room * column.width / max(wants, 1)) / 100
+        paragraph = f">{{\\ragged{side}\\arraybackslash}}p{{{share:.2f}\\linewidth}}"
         types.append(paragraph if column.wraps else "lr"[column.numeric])
     return "".join(types)
 
@@ -303,7 +332,7 @@ def _row(cells: Sequence[str], *, skip: bool = False) -> str:
 
 
 def _cell(cell: TableCell, column: _Column) -> str:
-    text = _number(cell.text) if column.numeric else _text(cell.text, column.wraps)
+    text = _text(cell.text, column.wraps)
     text = f"\\textit{{{text}}}" if cell.italic else text
     if cell.bold:
         text = f"\\textbf{{\\boldmath {text}}}" if "$" in text else f"\\textbf{{{text}}}"
@@ -314,16 +343,9 @@ def _cell(cell: TableCell, column: _Column) -> str:
 def _text(text: str, wrap: bool) -> str:
     """Return a text; in a paragraph, long words such as paths and hashes may break."""
     if not wrap:
-        return escape(text)
+        return notation(text)
     pieces = ([word[i : i + WORD] for i in range(0, len(word), WORD)] for word in text.split())
-    return " ".join(r"\allowbreak{}".join(map(escape, word)) for word in pieces)
-
-
-def _number(text: str) -> str:
-    """Return a number with a minus sign instead of the hyphen and a power of ten instead of the exponent."""
-    parts = _POWER.fullmatch(text)
-    shown = escape((parts[1] if parts else text).replace("-", "−"))
-    return f"{shown}$\\times$10$^{{{int(parts[2])}}}$" if parts else shown
+    return " ".join(r"\allowbreak{}".join(map(notation, word)) for word in pieces)
 
 
 def _latex(token: str) -> str:

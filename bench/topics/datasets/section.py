@@ -107,7 +107,10 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     shown = cells[["n", "failed", "median", "mean", "sd", "best", "worst"]].rename(columns={"sd": "SD"})
     decimals = usual_decimals(cells["median"])
     shown.insert(3, "median 95%", _intervals(cells["median_low"], cells["median_high"], decimals))
-    shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
+    subject = findings.final.subject
+    marks = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
+    if marked := marks.fillna("").ne("").any():
+        shown[f"against {subject}" if subject else "letters"] = marks
     if len(rates):
         reached = (
             rates[(rates["problem"] == problem) & (rates["tau"] == chosen.level)]
@@ -124,8 +127,8 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
         note="The interval of the median is distribution-free; "
-        f"{'signs' if findings.final.subject else 'letters'} as in the comparison; success: "
-        f"trials that reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
+        + (f"{'signs' if subject else 'letters'} as in the comparison; " if marked else "")
+        + f"success: trials that reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
         data=cells.reset_index(),
     )
 

@@ -25,7 +25,7 @@ from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.pairwise import RESAMPLES
 from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
-from bench.report.latex import escape
+from bench.report.latex import prose
 from bench.report.wording import count, listing, options
 from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
@@ -125,15 +125,15 @@ def write(study: Study, descriptions: Mapping[str, Description], stated: Mapping
     """Return the methods section of a study with the facts of :func:`facts`."""
     works, works_of, warnings = _bibliography(study, descriptions)
     context = _context(study, descriptions, stated)
-    prose = paragraphs(templates().get_template("methods.j2").render(context, own=works_of))
+    written = paragraphs(templates().get_template("methods.j2").render(context, own=works_of))
     title = json.dumps(MARKDOWN.plain(f"Methods: {study.title or study.name}"), ensure_ascii=False)
     front = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---"
-    comment = f"% {BIBLIOGRAPHY} has the works cited"
+    comment = f"% {BIBLIOGRAPHY} has the works cited\n{{\\emergencystretch=1em"
     return Methods(
-        text=tuple(TEXT.write(paragraph, works) for paragraph in prose),
-        markdown="\n\n".join([front, *(MARKDOWN.write(paragraph, works) for paragraph in prose)]) + "\n",
-        latex="\n\n".join([comment, *(LATEX.write(paragraph, works) for paragraph in prose)]) + "\n",
-        bibtex="\n".join(works[key].bibtex + "\n" for key in cited_keys(prose)),
+        text=tuple(TEXT.write(paragraph, works) for paragraph in written),
+        markdown="\n\n".join([front, *(MARKDOWN.write(paragraph, works) for paragraph in written)]) + "\n",
+        latex="\n\n".join([comment, *(LATEX.write(paragraph, works) for paragraph in written)]) + "\\par}\n",
+        bibtex="\n".join(works[key].bibtex + "\n" for key in cited_keys(written)),
         warnings=warnings,
     )
 
@@ -294,7 +294,8 @@ def _data(value: Any) -> str:
 
 
 def paragraphs(filled: str) -> list[str]:
-    """Return the paragraphs of a filled template, each as one line; blank lines separate them."""
+    """Return the paragraphs of a filled template, each as one line; blank lines separate them, 1e-08 is 1e-8."""
+    filled = re.sub(r"(?<![\w.=])(\d[\d.]*e-)0(?=\d\b)", r"\1", filled)  # not in labels
     return [" ".join(text.split()) for text in re.split(r"\n\s*\n", filled) if text.strip()]
 
 
@@ -328,4 +329,4 @@ def _escape_markdown(text: str) -> str:
 
 TEXT = Style(str, lambda works: f" ({'; '.join(work.author_year for work in works)})")
 MARKDOWN = Style(_escape_markdown, lambda works: f" [{'; '.join(f'@{work.key}' for work in works)}]")
-LATEX = Style(escape, lambda works: f"~\\cite{{{','.join(work.key for work in works)}}}")
+LATEX = Style(prose, lambda works: f"~\\cite{{{','.join(work.key for work in works)}}}")

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from bench import BenchError, run
 from bench.plots import style
-from bench.report.latex import ACCENTS, BLOCK, JOURNALS, SYMBOLS, escape, figure_to_latex, journal_of, to_latex
+from bench.report.latex import ACCENTS, BLOCK, JOURNALS, SYMBOLS, escape, figure_to_latex, journal_of, prose, to_latex
 from bench.report.parts import Figure, Table
 from bench.topics import write_report
 
@@ -182,6 +182,15 @@ class TestToLatex:
         assert r"\begin{figure}[p]" in tall
         assert r"\includegraphics[totalheight=0.8\textheight]{f.pdf}" in tall
 
+    def test_sentences_have_powers_boxes_and_names_that_may_break(self):
+        assert prose("from 1e-08 in [-5, 5]^d") == "from 10$^{-8}$ in [$-$5, 5]$^d$"
+        assert prose("rde.py:RestartDE, 0.5") == r"rde.\allowbreak{}py:\allowbreak{}RestartDE, 0.5"
+
+    @pytest.mark.parametrize("journal", JOURNALS)
+    def test_columns_stand_apart_whatever_the_class_sets_between_them(self, journal):
+        text = to_latex(comparison(3, 2), "t", journal_of(journal))
+        assert "\\setlength{\\tabcolsep}{4pt}\n\\begin{tabular}" in text
+
     def test_a_journal_that_is_none_is_named(self):
         with pytest.raises(BenchError, match=r"journal must be one of plain, ieee, acm, elsevier, lncs, not 'iee'"):
             journal_of("iee")
@@ -257,12 +266,12 @@ class TestToLatex:
         assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == PAGE + 1
         assert text.count(r"\label{") == 1
 
-    def test_numbers_are_set_as_such_and_words_as_they_are(self):
-        frame = pd.DataFrame({"x": [-1.5e-7, 2e30], "n": [-3, 4], "word": ["-1e-5", "1e5"]})
+    def test_numbers_are_set_as_such_also_in_texts_but_not_in_labels(self):
+        frame = pd.DataFrame({"x": [-1.5e-7, 2e30], "n": [-3, 4], "word": ["-1e-05 to 0.00e+00", "x=1e-5"]})
         bold = pd.DataFrame({"x": [True, False], "n": [True, False]})
         text = to_latex(Table("t", "c", frame, bold=bold), "t")
-        assert r"\textbf{\boldmath $-$1.5$\times$10$^{-7}$} & \textbf{\boldmath $-$3} & -1e-5 \\" in text
-        assert r"2$\times$10$^{30}$ & 4 & 1e5 \\" in text
+        assert r"\textbf{\boldmath $-$1.5$\times$10$^{-7}$} & \textbf{\boldmath $-$3} & $-$10$^{-5}$ to 0.00 \\" in text
+        assert r"2$\times$10$^{30}$ & 4 & x=1e-5 \\" in text
 
     def test_a_row_that_begins_like_an_argument_is_kept_apart(self):
         lines = to_latex(Table("t", "c", pd.DataFrame({"[x": ["[1]", "*", "y"]})), "t").splitlines()
