@@ -124,17 +124,17 @@ def _chosen(kind: str, family: str) -> tuple[str, str]:
     """Return the kind and the family, "" for all, of the words of a command; a family's name alone has a kind."""
     if not family and kind not in (*KINDS, "all"):
         kind, family = next((group for group in GROUPED if kind in registry.entries(group)), kind), kind
-    _require_known("kind", kind, (*KINDS, "all", *_named()))
+    _require_known("no kind, family, suite or plug-in is called", kind, (*KINDS, "all", *_named()))
     if family and kind not in GROUPED:
         raise BenchError(f"{kind!r} has no families or suites; leave out {family!r}")
     if family:
-        _require_known(f"family of {kind}", family, registry.entries(kind))
+        _require_known(f"unknown family of {kind}", family, registry.entries(kind))
     return kind, family
 
 
 def _require_known(what: str, name: str, names: Iterable[str]) -> None:
     if name not in names:
-        raise BenchError(f"unknown {what} {name!r}{nearest(name, names)}")
+        raise BenchError(f"{what} {name!r}{nearest(name, names)}")
 
 
 def _print(title: str, entries: Iterable[Entry], full: bool, console: Console) -> None:

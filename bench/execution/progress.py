@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import TaskID, TextColumn, TimeRemainingColumn
 
 from bench.execution.plan import EXPENSIVE, Plan
+from bench.families import function_of
 from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
 from bench.trial import Trial
@@ -100,7 +101,9 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     study = plan.study
     total, present = (sum(numbers[place] for numbers in counts.values()) for place in range(2))
     controls = f" and {count(len(study.controls), 'control')}" if study.controls else ""
-    size = f"{count(len(study.problems), 'problem')} x {count(len(study.optimizers), 'optimizer')}{controls} x "
+    functions = {function_of(entry.label) for entry in study.problems}
+    pooled = f" ({len(functions):,} with instances pooled)" if len(functions) < len(study.problems) else ""
+    size = f"{count(len(study.problems), 'problem')}{pooled} x {count(len(study.optimizers), 'optimizer')}{controls} x "
     size += f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')}"
     part = f"; shard {plan.shard} of them: {count(total, 'run')}" if plan.shard else f" = {count(total, 'run')}"
     done = f", {present:,} of them already done" if present else ""

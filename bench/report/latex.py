@@ -79,7 +79,7 @@ JOURNALS = {
 def journal_of(name: str) -> Journal:
     """Return the journal of a name; raises BenchError for a name that is none."""
     if name not in JOURNALS:
-        raise BenchError(f"journal must be one of {', '.join(JOURNALS)}, not {name!r}{nearest(name, JOURNALS)}")
+        raise BenchError(f"no journal is called {name!r}{nearest(name, JOURNALS)}")
     return JOURNALS[name]
 
 

@@ -12,7 +12,9 @@ from bench.check.conformance.subject import Subject, ordinary_budget
 from bench.check.problems import RecordingProblem
 from bench.sandbox.messages import describe_error
 
-DECLARE = "reports name how it takes points into the box where a class attribute says so: handling: ClassVar = 'repair'"
+DECLARE = (
+    "for reports to name how it takes points into the box, declare a class attribute, handling: ClassVar = 'repair'"
+)
 
 CLIP = (
     "clip to objective.lower and objective.upper, or call objective.repair(x), as the last step before objective(x): "
@@ -66,8 +68,8 @@ def check_repair(subject: Subject) -> str:
     own = "" if hasattr(subject.fresh(), "handling") else f"; {DECLARE}"
     if not share:
         return f"all points are feasible by the problem's own repair{own}"
-    may = "it may use objective.repair(x)"
-    return f"{share:.0%} of the points are infeasible by the problem's own repair ({may}){own}"
+    may = "an optimizer may call objective.repair(x), and need not"
+    return f"not judged: the problem's own repair would move {share:.0%} of the points; {may}{own}"
 
 
 def check_dimensions(subject: Subject) -> str:

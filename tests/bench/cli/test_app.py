@@ -141,7 +141,10 @@ def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
         (["solve", "rastrigin", "gwo"], "did you mean 'classical-rastrigin-d2-i1', 'classical-rastrigin-d3-i1' or "),
         (["solve", "qwz", "gwo"], "unknown problem 'qwz'; the families are bbob, "),
         (["solve", "signature-12", "gwo", "--set", "agents"], "'agents' is not KEY=VALUE"),
-        (["list", "optimisers"], "unknown kind 'optimisers'; did you mean 'optimizers'?"),
+        (
+            ["list", "optimisers"],
+            "no kind, family, suite or plug-in is called 'optimisers'; did you mean 'optimizers'?",
+        ),
         (["report", "."], "holds no study.toml"),
         (["status", "nowhere"], "holds no study.toml"),
         (["simulate", "/proc/a.csv", "--level", "3"], "cannot be written"),

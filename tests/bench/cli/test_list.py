@@ -59,7 +59,7 @@ def test_the_list_of_another_kind_as_json_holds_its_plugins(bench_here, kind):
 def test_an_unknown_kind_is_refused_as_json_too(bench_here):
     done = bench_here("list", "--json", "problem")
     assert done.returncode == 2
-    assert "unknown kind 'problem'; did you mean 'problems'?" in done.stderr
+    assert "no kind, family, suite or plug-in is called 'problem'; did you mean 'problems'?" in done.stderr
 
 
 def test_a_family_lists_its_members(bench_here):
@@ -80,7 +80,7 @@ def test_what_all_members_share_is_printed_once(bench_here):
 def test_an_unknown_kind_is_refused(bench_here):
     done = bench_here("list", "optimisers")
     assert done.returncode == 2
-    assert "unknown kind 'optimisers'; did you mean 'optimizers'?" in done.stderr
+    assert "no kind, family, suite or plug-in is called 'optimisers'; did you mean 'optimizers'?" in done.stderr
 
 
 @pytest.mark.parametrize("words", [["cec2022"], ["problems", "cec2022"]])

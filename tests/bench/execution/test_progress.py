@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench import run
+from bench import Study, run
 from bench.execution import progress
 
 
@@ -33,3 +33,13 @@ def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
 def test_a_part_of_a_study_may_hold_no_trial(small_study, tmp_path, capsys):
     assert run(small_study, tmp_path / "out", jobs=1, shard="900/900", progress=True).made == 0
     assert "; shard 900/900 of them: 0 runs" in capsys.readouterr().out
+
+
+def test_a_plan_says_how_many_problems_a_report_makes_of_instances(tmp_path, capsys):
+    problems = [{"suite": "classical", "functions": ["sphere"], "dimensions": [2, 3], "instances": "1-2"}]
+    study = Study.from_dict(
+        {"name": "s", "trials": 1, "budget": 30, "problems": problems, "optimizers": ["random-search"]}
+    )
+    run(study, tmp_path / "out", jobs=1, verify=0, progress=True)
+    said = "study s: 4 problems (2 with instances pooled) x 1 optimizer x 1 trial = 4 runs of 30 evaluations"
+    assert said in capsys.readouterr().out

@@ -33,4 +33,5 @@ def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, ru
 
 def test_whether_the_problem_s_own_repair_is_used_is_told_and_not_judged():
     assert "all points are feasible" in verdicts("random-search")["repair"].finding
-    assert "% of the points are infeasible" in verdicts("random-search", handling="box")["repair"].finding
+    finding = verdicts("random-search", handling="box")["repair"].finding
+    assert finding.startswith("not judged: the problem's own repair would move ")
