@@ -19,8 +19,8 @@ from bench.topics.topic import Topic
 TITLE = "Reproduction"
 MOST_IMPROVEMENTS = 200_000  # rows of tables/traces.csv, about 12 MB; "bench export" writes more
 RANKS = ["comparison", "comparison-precisions", "rank-map", "ranking"]
-DECIDED = ["tests", *RANKS, "pairs-over-problems", "pair-matrix"]
-FINAL = ["cells", "regret", "interquartile-mean", *DECIDED]
+DECIDED = ["tests", "against-rivals", *RANKS, "pairs-over-problems", "pair-matrix"]
+FINAL = ["cells", "competition", "competition-statistics", "regret", "interquartile-mean", *DECIDED]
 ANYTIME = ["running-times", "success-rates", "target-sets", "aocc"]
 
 
