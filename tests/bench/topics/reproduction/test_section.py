@@ -64,6 +64,7 @@ def test_with_a_subject_it_tests_the_same_pairs(tmp_path, reproduce):
     write_report(folder, jobs=1)
     tests = pd.read_csv(folder / "tables" / "tests.csv")
     assert tests["p_holm"].notna().sum() == 4
+    assert "& against gwo &" in (folder / "tables" / "cells-classical-sphere-d2-i1.tex").read_text()
     code, printed = reproduce(folder)
     assert " 0 differ; " in printed.splitlines()[-1]
     for name in ("against-rivals", "competition", "competition-statistics"):
