@@ -59,6 +59,7 @@ MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the 
 HUGE = 1e100  # above it matplotlib's margins may overflow
 WIDE = 30.0  # the ratio of the largest to the least value above which a log axis reads better
 MANY_NAMES = 30  # nobody can read a longer legend
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 # A user's own settings must not change a report, except the backend: a report opens no window.
 DEFAULTS: dict[str, Any] = {key: value for key, value in matplotlib.rcParamsDefault.items() if "backend" not in key}
@@ -261,9 +262,12 @@ def inches(ax: Axes) -> float:
     return float(ax.get_window_extent().width / ax.figure.dpi)
 
 
-def text_width(texts: Iterable[str], points: float = POINTS) -> float:
-    """Return the width in inches of the widest text, 0 without any; a letter that the font lacks counts as square."""
-    font = FontProperties(family="sans-serif", size=points)
+def text_width(texts: Iterable[str], points: float = POINTS, *, bold: bool = True) -> float:
+    """Return the width in inches of the widest text, 0 without any; a letter that the font lacks counts as square.
+
+    Margins have room for ``bold`` letters, as the name of a subject is written.
+    """
+    font = FontProperties(family="sans-serif", size=points, weight="bold" if bold else "normal")
     widest = 0.0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of letters that the font lacks
@@ -357,7 +361,7 @@ def legend_height(texts: Sequence[str], width: float | None = None) -> float:
 
 
 def _legend_columns(texts: Sequence[str], width: float) -> int:
-    return max(min(int((width - 0.1) / (text_width(texts, SMALL) + 0.45)), len(texts)), 1)
+    return max(min(int((width - 0.1) / (text_width(texts, SMALL, bold=False) + 0.45)), len(texts)), 1)
 
 
 def spread(count: int) -> np.ndarray:
@@ -373,7 +377,10 @@ def drawable(values: ArrayLike) -> NDArray[np.bool_]:
 
 
 def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
-    """Make an axis logarithmic after drawing, with plain numbers, and ticks also at 2 and 5 where it spans little."""
+    """Make an axis logarithmic after drawing, with ticks also at 2 and 5 where it spans little.
+
+    Its numbers are plain, or all powers where some would be too long.
+    """
     getattr(ax, f"set_{which}scale")("log")
     low, high = sorted(getattr(ax, f"get_{which}lim")())
     if low <= 0:  # the limits around curves without any point, which a log axis cannot draw
@@ -382,7 +389,7 @@ def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     room = inches(ax) if which == "x" else TALLEST
     most = max(min(int(room / TICK), 6), 2)
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=most))
-    axis.set_major_formatter(FuncFormatter(partial(_number, largest=high)))
+    axis.set_major_formatter(FuncFormatter(partial(_number, as_power=high >= 1e6 or low < 1e-4)))
     axis.set_minor_locator(NullLocator())
 
 
@@ -405,12 +412,13 @@ def fitting_scale(ax: Axes, which: Literal["x", "y"], values: ArrayLike, ratio: 
     (log_scale if wide else linear_scale)(ax, which)
 
 
-def _number(value: float, _: int | None, largest: float) -> str:
-    """Return the text of a tick: 1,000 or 0.01, or 1e7 on an axis that goes beyond a million."""
-    if value >= 1e3 and largest < 1e6:
-        return f"{value:,.0f}"
+def _number(value: float, _: int | None, as_power: bool) -> str:
+    """Return the text of a tick: 1,000 or 0.01, or as a power, 10⁷ or 2×10⁻⁵."""
+    if not as_power:
+        return f"{value:,.0f}" if value >= 1e3 else f"{value:g}"
     digits, power = f"{value:e}".split("e")
-    return f"{float(digits):g}e{int(power)}" if value >= 1e3 or value < 1e-4 else f"{value:g}"
+    factor = "" if float(digits) == 1 else f"{float(digits):g}×"
+    return f"{factor}10{str(int(power)).translate(SUPERSCRIPTS)}"
 
 
 def rows_of(frame: pd.DataFrame, problem: str) -> pd.DataFrame:

@@ -72,9 +72,10 @@ def test_a_grid_has_the_margins_asked_for():
 
 
 @pytest.mark.parametrize(
-    ("limits", "wanted"), [((1, 60_000), "10,000"), ((1, 2e6), "1e4"), ((1e-8, 1), "1e-8"), ((0.01, 1), "0.01")]
+    ("limits", "wanted"),
+    [((1, 60_000), "10,000"), ((1, 2e6), "10⁴"), ((1e-8, 1), "10⁻⁸"), ((1e-8, 1), "10⁰"), ((0.01, 1), "0.01")],
 )
-def test_log_axes_have_plain_numbers(limits, wanted):
+def test_log_axes_have_plain_numbers_or_powers_alone(limits, wanted):
     ax = axes()
     ax.set_xlim(*limits)
     style.log_scale(ax, "x")
