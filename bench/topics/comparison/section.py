@@ -185,7 +185,8 @@ def tables(findings: Findings) -> list[File]:
         ),
         File(
             "tables/tests.csv",
-            f"The tests of every pair of optimizers, at most of the {CROWD} best, on every problem, with their level.",
+            f"The tests of {findings.final.pairs_words}, at most of the {CROWD} best, on every problem, with their "
+            "level.",
             findings.display.written_pairs.assign(level=findings.final.level_on_problems),
         ),
     ]

@@ -202,7 +202,7 @@ def _level(rows: pd.DataFrame, unit: str) -> float:
 
 def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
     """Return the tests of every pair, of many optimizers those of the first one alone; the file has all."""
-    pairs, which, crowd = every, "every pair of optimizers", findings.display.crowd
+    pairs, which, crowd = every, findings.final.pairs_words, findings.display.crowd
     if len(findings.trials.optimizers) > MANY_OPTIMIZERS:
         ranked = findings.final.standings[findings.final.standings["problem"] == problem].dropna(subset="rank")
         best = ranked.sort_values("rank", kind="stable")["optimizer"].iloc[0]

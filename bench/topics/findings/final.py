@@ -69,6 +69,11 @@ class Final:
         optimizers = len(self.trials.optimizers)
         return optimizers - 1 if self.subject else comb(optimizers, 2)
 
+    @property
+    def pairs_words(self) -> str:
+        """The pairs that are tested, in words."""
+        return f"{self.subject} and each other optimizer" if self.subject else "every pair of optimizers"
+
     @cached_property
     def tests(self) -> int:
         """The number of pairs on problems of which both have trials, and which are tested."""

@@ -93,6 +93,8 @@ def trials_figure(
         optimum = optima.get(problem) if least is None else None  # it is 0, off a log axis
         box_plot(frame, problem, optimum=optimum, least=least, pens=pens, ax=ax)
         style.title(ax, problem, 24)
+        if least is not None and len(problems) > 1:
+            ax.set_xlabel("error")  # which the caption explains: a panel has no room for more
         if (legend := ax.get_legend()) is not None:
             legend.remove()  # the caption says what the line is
         if place % columns:
@@ -100,7 +102,9 @@ def trials_figure(
     line = (
         " Line: the optimum, where it is known and on the axis." if set(problems) & optima.keys() - set(solved) else ""
     )
-    floor = f" Precisions below {SOLVED:g} are drawn there." if set(problems) & set(solved) else ""
+    floor = ""
+    if set(problems) & set(solved):
+        floor = f" The error is the value less the optimum; those below {SOLVED:g} are drawn there."
     caption = (
         "Every trial (points), with quartile boxes; the line in a box is the median. Lower (further left) is "
         f"better.{line}{floor} Failed trials are counted, not drawn."
