@@ -82,8 +82,8 @@ def test_the_picture_is_as_wide_as_a_page_and_no_text_is_cut(count):
 def test_precisions_are_drawn_from_the_solved_one_on():
     figure = drawn({("p", "a"): [0.0, 1e-3]}, solved="p")
     assert figure.figure.axes[0].lines[0].get_xdata().min() == 1e-8
-    assert "Precisions below 1e-08" in figure.caption
-    assert "the optimum" not in figure.caption
+    assert "those below 1e-08 are drawn there" in figure.caption
+    assert "Line: the optimum" not in figure.caption
 
 
 def test_a_page_draws_in_its_own_ink_and_the_files_keep_theirs():
