@@ -7,7 +7,7 @@ Expected running time and ECDF are those of COCO (Hansen, Auger, Brockhoff, Tuš
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from functools import cache
 from math import prod
 
@@ -31,20 +31,6 @@ def evaluation_grid(budget: int, points: int = 60) -> NDArray[np.int64]:
     return np.unique(np.geomspace(1, budget, points).round().astype(np.int64))
 
 
-def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed: int = 0) -> pd.DataFrame:
-    """Return evaluations, median, q1 and q3 of the best value found so far, over the trials of one cell.
-
-    A trial that ended early keeps its last value; ``failed`` trials, which left no trace, count as +inf throughout.
-    Quartiles are upper order statistics wherever a value is still infinite. No row for a cell without trials.
-    """
-    if not len(traces) + failed:
-        return pd.DataFrame(columns=list(CURVE), dtype=float)
-    values = np.full((len(traces) + failed, len(evaluations)), np.inf)
-    for row, trace in zip(values, traces, strict=False):
-        row[:] = trace.at(evaluations)
-    return pd.DataFrame(dict(zip(CURVE, (evaluations, *quartiles(values)), strict=True)))
-
-
 def quartiles(values: Floats) -> Floats:
     """Return median, lower and upper quartile, (3, …, E), of values of n trials, (…, n, E)."""
     shares = [0.5, 0.25, 0.75]
@@ -54,10 +40,11 @@ def quartiles(values: Floats) -> Floats:
 
 
 def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int64]) -> pd.DataFrame:
-    """Return the ``best_so_far`` of every cell: problem, optimizer, evaluations, median, q1 and q3.
+    """Return the best value found so far in every cell: problem, optimizer, evaluations, median, q1 and q3.
 
-    A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials. ``evaluations``
-    are the counts to look at, such as an :func:`evaluation_grid`.
+    A trial that ended early keeps its last value; a failed one counts as +inf, and so does one without a trace.
+    Quartiles are upper order statistics wherever a value is still infinite. No rows for a cell without trials.
+    ``evaluations`` are the counts to look at, such as an :func:`evaluation_grid`.
     """
     bests: dict[str, dict[str, list[Floats]]] = {}
     for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], traces_of(frame, traces), strict=True):

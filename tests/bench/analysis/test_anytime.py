@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from statsmodels.stats.proportion import proportion_confint
 
 from bench.analysis.anytime import (
-    best_so_far,
     convergence,
     data_profiles,
     ecdf,
@@ -283,29 +282,6 @@ class TestProperties:
             assert curve["fraction"].iloc[-1] == pytest.approx(share)
 
 
-class TestBestSoFar:
-    traces = (trace((1, 8.0), (10, 2.0)), trace((1, 4.0), (100, 0.0)))
-
-    def test_grid_runs_from_one_to_the_budget(self):
-        assert evaluation_grid(1).tolist() == [1]
-        grid = evaluation_grid(60_000)
-        assert (grid[0], grid[-1]) == (1, 60_000)
-        assert (np.diff(grid) > 0).all()
-
-    def test_median_by_hand(self):
-        curve = best_so_far(self.traces, np.array([1, 10, 100]))
-        assert curve["median"].tolist() == [6.0, 3.0, 1.0]
-        assert curve["q1"].tolist() == [5.0, 2.5, 0.5]
-
-    def test_failed_trials_count_as_infinite(self):
-        curve = best_so_far(self.traces, np.array([1, 100]), failed=1)
-        assert curve["median"].tolist() == [8.0, 2.0]
-        assert curve["q3"].tolist() == [INF, INF]
-
-    def test_an_empty_cell_has_no_curve(self):
-        assert best_so_far([], np.array([1])).empty
-
-
 CURVES = {
     ("p", "a", 0): trace((1, 8.0), (10, 2.0)),
     ("p", "a", 1): trace((1, 4.0), (100, 0.0)),
@@ -315,6 +291,30 @@ CURVES = {
 
 def ended(*rows):
     return trials(*((*row, None) for row in rows))
+
+
+class TestBestSoFar:
+    frame = ended(("p", "a", 0, "ok"), ("p", "a", 1, "ok"))
+
+    def test_grid_runs_from_one_to_the_budget(self):
+        assert evaluation_grid(1).tolist() == [1]
+        grid = evaluation_grid(60_000)
+        assert (grid[0], grid[-1]) == (1, 60_000)
+        assert (np.diff(grid) > 0).all()
+
+    def test_median_by_hand(self):
+        curve = convergence(self.frame, CURVES, np.array([1, 10, 100]))
+        assert curve["median"].tolist() == [6.0, 3.0, 1.0]
+        assert curve["q1"].tolist() == [5.0, 2.5, 0.5]
+
+    def test_failed_trials_count_as_infinite(self):
+        lost = ended(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "a", 2, "failed"))
+        curve = convergence(lost, CURVES, np.array([1, 100]))
+        assert curve["median"].tolist() == [8.0, 2.0]
+        assert curve["q3"].tolist() == [INF, INF]
+
+    def test_an_empty_cell_has_no_curve(self):
+        assert convergence(self.frame.iloc[:0], {}, np.array([1])).empty
 
 
 class TestConvergence:
