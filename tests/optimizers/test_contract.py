@@ -1,6 +1,6 @@
 """What every optimizer owes the harness, those written here and those of libraries: one table, the same tests for each.
 
-Tests of a family have what is its own: that a run is the library's, its stops, its options and what it leaves out.
+The tests of a family check the rest: that a run is the library's, its stops, its options and what it leaves out.
 """
 
 import logging

@@ -96,7 +96,7 @@ class Against:
     selected: bool
 
     @property
-    def telling(self) -> list[Rival]:
+    def named_first(self) -> list[Rival]:
         """The rivals as lines name them: earlier versions, the best that loses and the best that wins, then others."""
         versions = [rival for rival in self.rivals if _name_of(rival.label) == _name_of(self.subject)]
         firsts = [next((each for each in self.rivals if each.outcome == one), None) for one in OUTCOMES[:2]]
