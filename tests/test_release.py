@@ -51,29 +51,18 @@ def test_the_supported_versions_of_python_are_those_of_the_classifiers(release):
 
 
 @pytest.mark.parametrize(
-    ("text", "fragments", "wrong"),
+    ("text", "dated"),
     [
-        ("# Changelog\n\n## 1.2.0 - 2026-01-31\n\n- A.\n", (), []),
-        ("## 1.2.0 - 2026-01-31\n\n- A.\n", ("+b.fixed.md", "7.added.md"), ["lacks (+b.fixed.md, 7.added.md)"]),
-        ("## 1.2.0\n\n- A.\n", (), ["no line '## 1.2.0 - YYYY-MM-DD'"]),
-        ("## 1.2.0 - YYYY-MM-DD\n\n- A.\n", (), ["no line '## 1.2.0 - YYYY-MM-DD'"]),
-        ("## 1x2.0 - 2026-01-31\n", ("7.added.md",), ["no line", "lacks (7.added.md)"]),
+        ("# Changelog\n\n## 1.2.0 - 2026-01-31\n\n- A.\n", True),
+        ("## 1.2.0\n\n- A.\n", False),
+        ("## 1.2.0 - YYYY-MM-DD\n\n- A.\n", False),
+        ("## 1x2.0 - 2026-01-31\n", False),
     ],
 )
-def test_a_release_needs_a_dated_entry_and_no_fragment_beside_it(release, tmp_path, text, fragments, wrong):
-    (tmp_path / "changelog.d").mkdir()
-    for name in ("README.md", *fragments):
-        (tmp_path / "changelog.d" / name).touch()
+def test_a_release_needs_a_dated_entry(release, tmp_path, text, dated):
     (tmp_path / "CHANGELOG.md").write_text(text)
-    found = list(release.changelog_problems(tmp_path, "1.2.0"))
-    assert len(found) == len(wrong)
-    assert all(part in sentence for part, sentence in zip(wrong, found, strict=True))
-
-
-def test_every_change_is_of_a_kind_that_the_changelog_has():
-    kinds = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["towncrier"]["fragment"]
-    names = {file.name for file in (ROOT / "changelog.d").iterdir()} - {"README.md"}
-    assert all(re.fullmatch(rf"\+?[\w-]+\.({'|'.join(kinds)})\.md", name) for name in names), names
+    found = [sentence.split(";")[0] for sentence in release.changelog_problems(tmp_path, "1.2.0")]
+    assert found == [] if dated else ["CHANGELOG.md has no line '## 1.2.0 - YYYY-MM-DD'"]
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,7 @@
 
 The steps, in order; the first that fails ends the release with one sentence and exit code 1:
 
-1. ``version`` of pyproject.toml has a dated entry in CHANGELOG.md, changelog.d/ has no change that is not in it, and
-   the checkout has no uncommitted changes.
+1. ``version`` of pyproject.toml has a dated entry in CHANGELOG.md, and the checkout has no uncommitted changes.
 2. sdist and wheel are built from the commit, twice in different folders, and have the same bytes; the wheel is built
    from the sdist.
 3. ``twine check`` accepts both.
@@ -84,13 +83,10 @@ def call(*command: object, cwd: Path = ROOT, **environment: str) -> str:
 
 
 def changelog_problems(root: Path = ROOT, version: str = PROJECT["version"]) -> Iterator[str]:
-    """Yield why the changelog is not that of a version: an entry with a date is needed, and no fragment is left."""
+    """Yield a sentence where the changelog has no dated entry of a version."""
     text = (root / "CHANGELOG.md").read_text(encoding="utf-8")
     if not re.search(rf"^## {re.escape(version)} - \d{{4}}-\d\d-\d\d$", text, re.MULTILINE):
         yield f"CHANGELOG.md has no line '## {version} - YYYY-MM-DD'; give the entry its version and date"
-    left = sorted(file.name for file in (root / "changelog.d").glob("*.*.md"))
-    if left:
-        yield f"changelog.d has changes that CHANGELOG.md lacks ({', '.join(left)}); run 'towncrier build'"
 
 
 def changes() -> Iterator[str]:
