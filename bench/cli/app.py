@@ -35,7 +35,7 @@ PANELS = {
     "Run": ("list", "new", "register", "run", "solve", "tune", "merge", "rm"),
     "Read": ("status", "report", "plan", "recommend", "similar", "describe", "complexity"),
     "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
-    "Share": ("export", "import_", "pack", "unpack", "site"),
+    "Share": ("export", "import_", "pack", "unpack"),
 }
 """The commands by the panel of the help that shows them."""
 
