@@ -32,7 +32,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 PANELS = {
-    "Run": ("list", "new", "register", "run", "solve", "tune", "merge", "rm"),
+    "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
     "Read": ("status", "report", "plan", "recommend", "similar", "describe", "complexity"),
     "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
     "Share": ("export", "import_", "pack", "unpack"),

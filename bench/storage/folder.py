@@ -37,7 +37,6 @@ AT_ENDS = "at_ends"  # its part on the trials that runs make again at their ends
 DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
 KILLED = "killed.json"
-REGISTRATION = "registration.md"  # of the study, before its first trial
 ANSWER = "answer.json"  # of the report
 CRATE = "ro-crate-metadata.json"  # of the archive that a folder was unpacked from
 
@@ -256,8 +255,7 @@ class Folder:
         hold = FileLock(self.path / LOCK, timeout=0)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            others = [item.name for item in self.path.iterdir() if item.name != REGISTRATION]
-            if any(not name.startswith(".") for name in others) and not self._begun:
+            if any(not item.name.startswith(".") for item in self.path.iterdir()) and not self._begun:
                 raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
             hold.acquire()
         except Timeout as error:

@@ -16,7 +16,7 @@ SUMS = "SHA256SUMS"
 PAGE, MANIFEST = "report.html", ".report.json"  # as bench.report writes them
 
 REQUIRED = (notes.STUDY, TRIALS, notes.ENVIRONMENT)
-NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED, notes.REGISTRATION)
+NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED)
 """Notes that belong in an archive. Those on one moment of one machine do not: when the store was last checked, who is
 writing, and the lock."""
 
@@ -29,7 +29,6 @@ DESCRIPTIONS = {
     notes.DESCRIPTIONS: ("Optimizers", "How the plug-ins described the optimizers: works, parameters and defaults."),
     notes.CHECKS: ("Checks of the optimizers", "What 'bench check' found: the contract, and biases."),
     notes.VERIFICATION: ("Verification", "What 'bench verify' found when it made trials again."),
-    notes.REGISTRATION: ("The registration", "What was to be compared by which tests, written before the first trial."),
     notes.KILLED: ("Runs that were killed", "When each ended, and the trials then under way."),
     PAGE: ("The report", "Statistics, tables and figures on one page that works offline."),
     MANIFEST: ("The files of the report", "A list, by which the next report removes those that it does not write."),

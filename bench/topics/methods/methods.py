@@ -37,7 +37,6 @@ from bench.topics.findings.trials import sweeps
 from bench.topics.landscapes.features import landscapes
 from bench.topics.matched.conditions import conditions
 from bench.topics.methods import problem_words
-from bench.topics.registration.section import followed
 from bench.topics.subject.against import against, subject_methods
 from bench.topics.sweeps.section import by_sweep
 from bench.topics.verdict.winner import winner_rule
@@ -117,7 +116,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "extensions": undeclared(trials.extensions),
         "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),
         "stability": len(final.stability) > 0,
-        "registered": " ".join(findings.of(followed).text),
     }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from math import comb, isnan
-from typing import NamedTuple
 
 from bench import analysis
 from bench.analysis.error_rates import detectable_across, enough_trials
@@ -17,48 +16,17 @@ from bench.study import Study
 MORE = 10  # trials, or problems, that are added
 
 
-class PlannedTests(NamedTuple):
-    """The tests of a study before any trial, where every cell gets its trials.
-
-    Attributes:
-        optimizers: their number.
-        problems: their number; the instances of a function are one.
-        trials: of an optimizer on a problem.
-        instances: of a problem, on each of which an optimizer has its share of these trials.
-        pairs: of optimizers that are tested.
-        tests: pairs times problems.
-        levels: of the tests.
-        alone: whether only the subject's pairs are tested.
-    """
-
-    optimizers: int
-    problems: int
-    trials: int
-    instances: int
-    pairs: int
-    tests: int
-    levels: analysis.Levels
-    alone: bool
-
-
-def design(study: Study) -> PlannedTests:
-    """Return the tests of a study that has no trial yet."""
-    instances = Counter(function_of(entry.label) for entry in study.problems)
-    k, problems, each = len(study.optimizers), len(instances), min(instances.values())
-    trials = study.trials * each
-    alone = bool(study.subject and not study.looks)  # looks test all pairs
-    pairs = k - 1 if alone else comb(k, 2)
-    levels = levels_of([trials] * problems, pairs, pairs * problems, looks=bool(study.looks))
-    return PlannedTests(k, problems, trials, each, pairs, pairs * problems, levels, alone)
-
-
 def foreseen(study: Study, power: float = POWER) -> list[str]:
     """Return sentences on the smallest A12 that a study's tests find with a power, as it is and with more of it.
 
     Two normal samples of one spread are assumed, as in the part *Power* of a report. The instances of a function count
     as trials of one problem.
     """
-    k, problems, trials, instances, pairs, *_, alone = design(study)
+    of_function = Counter(function_of(entry.label) for entry in study.problems)
+    k, problems, instances = len(study.optimizers), len(of_function), min(of_function.values())
+    trials = study.trials * instances
+    alone = bool(study.subject and not study.looks)  # looks test all pairs
+    pairs = k - 1 if alone else comb(k, 2)
     words = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
     words += f" ({study.trials:,} on each of {instances:,} instances)" if instances > 1 else ""
     of = f", {study.subject} against each other one" if alone else ""

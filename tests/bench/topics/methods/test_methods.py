@@ -65,7 +65,7 @@ NOTHING = {
     "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
     "rope": None, "landscapes": 0, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
     "tuning": None, "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
-    "registered": "", "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
+    "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
 }  # fmt: skip
 
 

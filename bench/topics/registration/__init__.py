@@ -1,1 +1,0 @@
-"""A topic of reports: the registration of a study before its first trial, and whether it was followed."""
