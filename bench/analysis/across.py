@@ -28,17 +28,13 @@ from bench.analysis.cells import complete_problems, labels, merge_near_ties, ref
 from bench.analysis.direction import (
     ALPHA,
     Effects,
-    effects,
     intervals,
     least_p,
     mean_of,
-    stacked,
     standardised,
-    stratified,
 )
 from bench.analysis.pairwise import RESAMPLES, holm, of_subject, percentile_interval
 from bench.analysis.standings import against_rivals, complete_ranks, matrices, ranks
-from bench.analysis.strata import Samples
 from bench.errors import BenchError
 from bench.typing import Flags, Floats
 
@@ -246,22 +242,6 @@ def _by_problem(pairs: pd.DataFrame) -> tuple[pd.DataFrame, list[str], Effects]:
 def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object_]:
     """Return the block of each problem, as an array: pandas would take a list of labels for names of columns."""
     return np.array([(blocks or {}).get(str(problem), str(problem)) for problem in problems], dtype=object)
-
-
-def improvement_of(samples: Sequence[Sequence[Samples]]) -> tuple[float, float, float]:
-    """Return the probability that a value of the first of two samples ends lower, as a mean over problems, low to high.
-
-    ``samples`` are those of each problem by stratum (:mod:`bench.analysis.strata`). As :func:`across_problems` does;
-    missing without any problem, and the interval where a sample has a single value.
-    """
-    if not samples:
-        return np.nan, np.nan, np.nan
-    found = [
-        stratified([effects(one[np.newaxis], rival[np.newaxis]) for one, rival in by_stratum]) for by_stratum in samples
-    ]
-    mean = mean_of(stacked(found))
-    low, high = intervals(mean)
-    return float(mean.a12[0]), float(low[0]), float(high[0])
 
 
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:

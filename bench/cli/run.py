@@ -86,9 +86,6 @@ def command(
         ),
     ] = None,
     subject: Subject = None,
-    matched: Annotated[
-        bool, _study("--matched", help="Also run each optimizer under the conditions of the others, as controls.")
-    ] = False,
     backend: Annotated[
         str | None, _machines(help="Where trials are made: local (this machine) or dask, the default with --scheduler.")
     ] = None,
@@ -159,17 +156,6 @@ def command(
         "subject": subject,
     }
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
-    if matched:
-        from bench.execution.job import Task
-        from bench.execution.supervisor import check as load
-        from bench.study.matched import with_controls
-
-        chosen = with_controls(chosen, load(Task.of(chosen, untrusted)).descriptions)  # by processes of their own
-        if not chosen.controls:
-            print_line(
-                "no control is missing: no optimizer can run under a condition of another one that it does not have",
-                console=console,
-            )
     beside, best = published(against)  # before the run, which may take long
     if best or (chosen.targets and chosen.targets.by_best):
         from bench.formats.coco.best2009 import best2009  # which imports pandas and scipy.stats
@@ -247,7 +233,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool, eac
 
     counts = plan.counts()
     show_plan(plan, counts, console)
-    for entry in plan.study.with_controls:
+    for entry in plan.study.optimizers:
         left = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
         print_line(f"  {entry.label}: {sum(left)} to run", console=console)
     workers = cpu_count() if jobs == -1 else jobs

@@ -93,10 +93,10 @@ def summary(folder: Folder) -> Group:
     most = {
         (problem.label, entry.label): stopped.get((problem.label, entry.label), study.trials)
         for problem in study.problems
-        for entry in study.with_controls
+        for entry in study.optimizers
     }
     rows = []
-    for entry in study.with_controls:
+    for entry in study.optimizers:
         its_cells = [cell for cell in cells if cell.optimizer == entry.label]
         done, lost = sum(cell.done for cell in its_cells), sum(cell.failed for cell in its_cells)
         seconds = sum(cell.wall_s for cell in its_cells)  # 0 of imported trials, whose times are unknown

@@ -74,7 +74,7 @@ class Task:
         Raises:
             BenchError: for a file that cannot be read.
         """
-        optimizers, problems = ([entry.name for entry in every] for every in (study.with_controls, study.problems))
+        optimizers, problems = ([entry.name for entry in every] for every in (study.optimizers, study.problems))
         files, held = from_file.contents(optimizers, problems), objects.among(optimizers, problems)
         return cls(study, untrusted=untrusted, files=files, objects=held)
 
@@ -99,7 +99,7 @@ class Job:
         self._warming = self._loading | {"seconds": warming, "printed": PRINTED}
         self.doing = ""  # beside the trial itself, for messages
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
-        self._packages = {entry.label: loading.package(entry.name) for entry in study.with_controls}
+        self._packages = {entry.label: loading.package(entry.name) for entry in study.optimizers}
         self._root = root(task)
         self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
@@ -251,7 +251,7 @@ def root(task: Task, *, without_problems: bool = False) -> ForkServer:
 
     Processes ``without_problems`` find no installed problem in the sandbox.
     """
-    names = [entry.name for entry in (*task.study.with_controls, *task.study.problems)]
+    names = [entry.name for entry in (*task.study.optimizers, *task.study.problems)]
     found = sandbox(names, without_problems=without_problems) if task.untrusted else None
     return ForkServer(task.hash_seed, sandbox=found)
 

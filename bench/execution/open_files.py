@@ -31,7 +31,7 @@ def kept(study: Study, jobs: int) -> int:
         BenchError: where even one for each job would be too many.
     """
     families = {loading.family(entry.name) for entry in study.problems}
-    most = min(KEPT, len(families) * len(study.with_controls))
+    most = min(KEPT, len(families) * len(study.optimizers))
     # Of a job: the first ones, and for each family those of its problems and of each package.
     always = 2 + len(families) * (1 + len(study.packages()))
 

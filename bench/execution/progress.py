@@ -42,7 +42,7 @@ class Display:
     def plan(self, plan: Plan) -> None:
         """Print the plan's size and notes, and start the bars at the trials that an earlier run made."""
         show_plan(plan, plan.counts(), self._console)
-        for label in ("", *(entry.label for entry in plan.study.with_controls)):
+        for label in ("", *(entry.label for entry in plan.study.optimizers)):
             self._bars[label] = self._progress.add_task(label or "all", total=0)
         self._present = self._count(plan)
 
@@ -100,10 +100,9 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
     total, present = (sum(numbers[place] for numbers in counts.values()) for place in range(2))
-    controls = f" and {count(len(study.controls), 'control')}" if study.controls else ""
     functions = {function_of(entry.label) for entry in study.problems}
     pooled = f" ({len(functions):,} with instances pooled)" if len(functions) < len(study.problems) else ""
-    size = f"{count(len(study.problems), 'problem')}{pooled} x {count(len(study.optimizers), 'optimizer')}{controls} x "
+    size = f"{count(len(study.problems), 'problem')}{pooled} x {count(len(study.optimizers), 'optimizer')} x "
     size += f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')}"
     part = f"; shard {plan.shard} of them: {count(total, 'run')}" if plan.shard else f" = {count(total, 'run')}"
     done = f", {present:,} of them already done" if present else ""

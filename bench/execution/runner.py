@@ -206,7 +206,7 @@ def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Loaded:
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
             "could make or repeat them"
         )
-    foreign = [entry.name for entry in (*study.problems, *study.with_controls) if loading.brings_code(entry.name)]
+    foreign = [entry.name for entry in (*study.problems, *study.optimizers) if loading.brings_code(entry.name)]
     if foreign and folder.untrusted and not untrusted:
         raise BenchError(
             f"{folder.path} comes from an archive, or was made with --untrusted, and names {foreign[0]!r}, whose code "
@@ -268,10 +268,8 @@ def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder]) ->
 
 
 def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:
-    """Return whether the folder holds that many trials of each cell but controls, failed ones included."""
-    plan = Plan(replace(study, trials=trials), shard, folder.store.keys())
-    controls = {entry.label for entry in study.controls}
-    return all(trial.optimizer in controls for trial in plan.missing())
+    """Return whether the folder holds that many trials of each cell, failed ones included."""
+    return not any(Plan(replace(study, trials=trials), shard, folder.store.keys()).missing())
 
 
 def _answers(

@@ -29,8 +29,8 @@ from bench.sandbox.process import (
 )
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
-from bench.study import Fingerprints, Study, descriptions
-from bench.study.descriptions import Description, Descriptions, accepting, read
+from bench.study import Fingerprints
+from bench.study.descriptions import Description, Descriptions, describe, read
 from bench.trial import Trial
 
 DESCRIBING = 60.0  # seconds for what the optimizers of one package print of themselves
@@ -121,21 +121,18 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
         for label in labels:
             code[label] = {printable(what, 300): printable(is_, 300) for what, is_ in answer["hashes"][label].items()}
 
-    def describe(study: Study) -> Descriptions:
-        described = {entry.label: Description() for entry in study.with_controls}
-        for package, labels in study.packages().items():
-            with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
-                answer = packages[package].call(descriptions.describe, study, labels, seconds=DESCRIBING)
-                described |= read(answer, labels)
-        return described
-
-    for entry in study.with_controls:
+    described = {entry.label: Description() for entry in study.optimizers}
+    for package, labels in study.packages().items():
+        with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
+            answer = packages[package].call(describe, study, labels, seconds=DESCRIBING)
+            described |= read(answer, labels)
+    for entry in study.optimizers:
         if from_file.split(entry.name) or objects.is_object(entry.name):  # whose own process names packages alone
             code[entry.label] = versions(code[entry.label])
         code[entry.label] |= from_file.fingerprint(entry.name, task.files)
         code[entry.label] |= objects.identity("optimizers", entry.name, task.files, task.objects)
     fingerprints = Fingerprints(data, code, dimensions)
-    return Loaded(fingerprints, json.dumps(machine), accepting(study, describe), replace(task, data=data, code=code))
+    return Loaded(fingerprints, json.dumps(machine), described, replace(task, data=data, code=code))
 
 
 def failed(reason: str) -> Row:

@@ -8,7 +8,6 @@ from pathlib import Path
 from bench.errors import BenchError, nearest
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
-from bench.helpers.text import listed
 from bench.results.results import StoredResults
 
 README = "README.txt"
@@ -30,7 +29,7 @@ def export(results: StoredResults, kind: str, folder: Path) -> list[str]:
         raise BenchError("; ".join(results.damage) or f"{results.paths[0]} holds no trials yet; run the study first")
     chosen = FORMATS[kind].writer
     files = chosen.files(results)
-    notes = results.damage + _controls(results) + ([] if chosen.holds_failures else omission_notes(results.frame))
+    notes = results.damage + ([] if chosen.holds_failures else omission_notes(results.frame))
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
     readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
     try:
@@ -42,15 +41,6 @@ def export(results: StoredResults, kind: str, folder: Path) -> list[str]:
     except OSError as error:
         raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
     return notes
-
-
-def _controls(results: StoredResults) -> list[str]:
-    """Return the sentence on the trials of controls, which are in no export; none without any."""
-    left = len(results.controls)
-    names = listed([entry.label for entry in results.study.controls])
-    return [f"Left out, because controls are not compared with the optimizers: {left:,} trials of {names}."] * bool(
-        left
-    )
 
 
 def _empty(folder: Path, title: str) -> None:

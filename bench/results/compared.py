@@ -23,14 +23,11 @@ class Compared:
     @cached_property
     def pooled(self) -> analysis.Pooled:
         """The trials with the instances of each function pooled; a study without instances stays as it is."""
-        return self._pool(self.results.frame, self.results.traces)
-
-    def _pool(self, frame: pd.DataFrame, traces: analysis.Traces) -> analysis.Pooled:
         names = [entry.label for entry in self.results.study.problems]
         facts = {label: self.results.facts(label) for label in names}
         optima = {label: of_problem.optimum for label, of_problem in facts.items() if of_problem.optimum is not None}
         features = {label: of_problem.features for label, of_problem in facts.items()}
-        return analysis.pool_instances(frame, traces, names, features, optima)
+        return analysis.pool_instances(self.results.frame, self.results.traces, names, features, optima)
 
     @cached_property
     def study(self) -> Study:

@@ -183,7 +183,7 @@ class StoredResults:
     @property
     def frame(self) -> pd.DataFrame:
         """The tidy frame, one row a sound trial; see :func:`load_results`."""
-        return self._parts[0]
+        return self._frame_and_origins[0]
 
     def pooled(self) -> pd.DataFrame:
         """Return the frame that a report ranks and tests, for the functions of :mod:`bench.analysis`.
@@ -195,18 +195,8 @@ class StoredResults:
         return Compared(self).frame
 
     @property
-    def controls(self) -> pd.DataFrame:
-        """The trials of the study's controls, which are not in the frame, as such a frame."""
-        return self._parts[1]
-
-    @property
-    def everything(self) -> pd.DataFrame:
-        """The trials of optimizers and controls in one frame."""
-        return self._frame_and_origins[0]
-
-    @property
     def origins(self) -> pd.Series:
-        """The number (from 1) of the environment of each row of ``everything``; not a column, as it is no result."""
+        """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
         return self._frame_and_origins[1]
 
     @property
@@ -232,8 +222,8 @@ class StoredResults:
 
     @cached_property
     def _labels(self) -> tuple[set[str], set[str]]:
-        """The labels of the study's problems, and those of its optimizers and controls."""
-        problems, optimizers = self.study.problems, self.study.with_controls
+        """The labels of the study's problems, and those of its optimizers."""
+        problems, optimizers = self.study.problems, self.study.optimizers
         return {entry.label for entry in problems}, {entry.label for entry in optimizers}
 
     @cached_property
@@ -242,21 +232,12 @@ class StoredResults:
         return by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
 
     @cached_property
-    def _parts(self) -> tuple[pd.DataFrame, pd.DataFrame]:
-        """The frame of the optimizers, and that of the controls."""
-        frame, controls = self.everything, [entry.label for entry in self.study.controls]
-        if not controls:
-            return frame, frame.iloc[:0]
-        apart = frame["optimizer"].isin(controls)
-        return frame[~apart].reset_index(drop=True), frame[apart].reset_index(drop=True)
-
-    @cached_property
     def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
         tidy = Tidy()
         for source in self._sources:
             source.read(tidy, *self._labels)
         frame = tidy.frame(
-            [entry.label for entry in self.study.problems], [entry.label for entry in self.study.with_controls]
+            [entry.label for entry in self.study.problems], [entry.label for entry in self.study.optimizers]
         )
         origins = frame.pop("environment")
         labels = [entry.label for entry in self.study.problems]

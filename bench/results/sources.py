@@ -50,7 +50,7 @@ class StudyFolder:
         its budget, which is then taken for the study's.
         """
         whole = self.study.budget
-        budgets = dict.fromkeys((entry.label for entry in self.study.with_controls), whole)
+        budgets = dict.fromkeys((entry.label for entry in self.study.optimizers), whole)
         if not self.study.imported:
             return budgets
         spent: dict[str, Counter[int | None]] = {}
@@ -93,29 +93,26 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
     """Read the folders' studies, cells and environments; make folder names and optimizer labels distinct."""
     studies = [folder.study() for folder in folders]
     names = _short_names([folder.path for folder in folders])
-    labels = Counter(entry.label for study in studies for entry in study.with_controls)
+    labels = Counter(entry.label for study in studies for entry in study.optimizers)
     labelled = [
         f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
         for study, name in zip(studies, names, strict=True)
-        for entry in study.with_controls
+        for entry in study.optimizers
     ]
     distinct = iter(unique(labelled))  # a label may already equal another one with its folder
     found: list[StudyFolder] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
-        shown = {entry.label: next(distinct) for entry in study.with_controls}
+        shown = {entry.label: next(distinct) for entry in study.optimizers}
         held = folder.store.held()
         older, cells, numbers = _versions(held, folder.store.trials(), shown, versions)
         cells |= {n: (problem, shown[label]) for n, (problem, label) in held.selected.items() if label in shown}
-        optimizers, controls = (
-            tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in entries)
-            for entries in (study.optimizers, study.controls)
-        )
+        optimizers = (dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
         noted = folder.store.environments()
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
         before = sum(len(source.environments) for source in found)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
         subject = shown.get(study.subject, study.subject) if len(folders) == 1 else study.subject
-        renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), controls=controls, subject=subject)
+        renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), subject=subject)
         found.append(StudyFolder(folder, name, renamed, shown, cells, numbers, environments, places))
     return found
 

@@ -71,10 +71,9 @@ def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
 
 
 def _common(studies: list[tuple[Folder, Study]]) -> tuple[Study, dict[Labels, Cell]]:
-    """Return the study of all folders, with the largest number of trials and the controls of all, and its cells."""
+    """Return the study of all folders, with the largest number of trials, and its cells."""
     first, study = studies[0]
     cells = first.store.held().by_labels
-    controls = {entry.label: entry for entry in study.controls}
     for folder, other in studies[1:]:
         theirs = folder.store.held().by_labels
         different = any(cells.get(labels, cell) != cell for labels, cell in theirs.items())
@@ -84,9 +83,8 @@ def _common(studies: list[tuple[Folder, Study]]) -> tuple[Study, dict[Labels, Ce
                 "one study can be merged: run the study with --reuse to take the trials that it shares with others"
             )
         cells |= theirs
-        controls |= {entry.label: entry for entry in other.controls}
         study = study.override(trials=max(study.trials, other.trials))
-    return study.override(controls=tuple(controls.values())), cells
+    return study, cells
 
 
 def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:

@@ -20,7 +20,7 @@ def selected(
 ) -> Study:
     """Return a study of some of its optimizers and problems, in its order.
 
-    It has the controls that are of the plug-ins of these optimizers. It declares no looks: those were at all pairs.
+    It declares no looks: those were at all pairs.
 
     Args:
         study: the whole one.
@@ -47,9 +47,7 @@ def selected(
         return study
     labels = {label for entry in chosen for label in (entry.label, function_of(entry.label))}
     blocks = study.blocks and study.blocks.within(labels)
-    plugins = {entry.name for entry in kept}
-    controls = tuple(entry for entry in study.controls if entry.name in plugins)
-    return replace(study, optimizers=kept, problems=chosen, controls=controls, blocks=blocks, looks=())
+    return replace(study, optimizers=kept, problems=chosen, blocks=blocks, looks=())
 
 
 def _matching(

@@ -101,8 +101,6 @@ class Study:
             (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
         subject: the label of the optimizer that the study is about: reports test it against each rival, and no other
             pair. It decides no trial's result; "" where there is none.
-        controls: optimizers that run beside the others and are not compared with them, such as the same ones under
-            other conditions (:mod:`bench.study.matched`). They decide no other trial's result.
     """
 
     name: str
@@ -123,7 +121,6 @@ class Study:
     tuning: Checked[Tuning | None] = Checked(Tuning.read)
     looks: Checked[Looks] = Checked(Looks.read, Looks())
     subject: str = ""
-    controls: tuple[Entry, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the name and the title; raises BenchError, as each field does for a value that it cannot hold.
@@ -170,8 +167,7 @@ class Study:
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
-        keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
-        lists = {key: entries.read_entries(data.get(key), key, where) for key in keys}
+        lists = {key: entries.read_entries(data.get(key), key, where) for key in ("problems", "optimizers")}
         content: dict[str, Any] = {**data, **lists}
         try:
             study = cls(**content)
@@ -225,7 +221,6 @@ class Study:
             if not getattr(self, key):
                 raise BenchError(f"study {where} needs at least one of the {key}")
             entries.check_labels(getattr(self, key), key, where)
-        entries.check_labels(self.with_controls, "optimizers and controls", where)
         if self.subject:
             self._named("optimizer", self.optimizers, self.subject)
         labels = [entry.label for entry in self.problems]
@@ -242,21 +237,16 @@ class Study:
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
-        entry = self._named("optimizer", self.with_controls, label)
+        entry = self._named("optimizer", self.optimizers, label)
         return loading.load_optimizer(entry.name, **deepcopy(entry.options))  # a plug-in may change a list
 
-    @property
-    def with_controls(self) -> tuple[Entry, ...]:
-        """Return the optimizers and after them the controls, which together are all that is run."""
-        return (*self.optimizers, *self.controls)
-
     def packages(self) -> dict[str, list[str]]:
-        """Return the labels of optimizers and controls by the file, family or package that each comes from.
+        """Return the labels of the optimizers by the file, family or package that each comes from.
 
         Nothing is loaded. Those whose results were imported come from none.
         """
         labels: dict[str, list[str]] = {}
-        for entry in self.with_controls:
+        for entry in self.optimizers:
             if not loading.is_imported(entry.name):
                 labels.setdefault(loading.package(entry.name), []).append(entry.label)
         return labels
@@ -285,7 +275,7 @@ class Study:
                 problem has.
         """
         data, dimensions = self.data()
-        return Fingerprints(data, self.code((entry.label for entry in self.with_controls), dimensions), dimensions)
+        return Fingerprints(data, self.code((entry.label for entry in self.optimizers), dimensions), dimensions)
 
     def data(self, load: Callable[[str], Problem] | None = None) -> tuple[dict[str, str], dict[str, int]]:
         """Load every problem; return the hashes of their data and their dimensions; raises as :meth:`check`.
@@ -328,7 +318,7 @@ class Study:
             entry.label: record(
                 label=entry.label, name=entry.name, options=entry.options, code=found.code.get(entry.label, {})
             )
-            for entry in self.with_controls
+            for entry in self.optimizers
         }
         evaluations = {
             label: self.evaluations(found.dimensions[label]) if label in found.dimensions else 0 for label in problems
@@ -348,7 +338,7 @@ class Study:
         Args:
             seeds: the labels from which the seeds of a cell are made, where they are others than it is shown with.
         """
-        cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.with_controls]
+        cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.optimizers]
         labels = {cell: (seeds or {}).get(cell, cell) for cell in cells}
         for number in range(self.trials):
             block = [Trial(*cell, number, trial_seed(self.seed, *labels[cell], number)) for cell in cells]
@@ -360,7 +350,7 @@ class Study:
         table["subject"] = self.subject or None
         table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
         table |= {"targets": self.targets, "rope": self.rope, "looks": self.looks.plain}
-        for key in ("problems", "optimizers", *(["controls"] if self.controls else [])):
+        for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         table["blocks"] = self.blocks
         table["tuning"] = None if self.tuning is None else self.tuning.as_dict()
@@ -383,12 +373,11 @@ class Study:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
         Targets, rope, blocks, tuning, subject and the default handlings of constraints and evaluations are no part of
-        it: older studies do not name them. Neither are the number of points evaluated at a time, and controls, which
-        change no other trial and may be added to a folder. Looks are, where there are any: they decide which trials are
-        made, and must be declared before the first one.
+        it: older studies do not name them. Neither is the number of points evaluated at a time. Looks are, where there
+        are any: they decide which trials are made, and must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "looks", "controls", "subject"}
+        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "looks", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks

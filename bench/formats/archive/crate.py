@@ -65,13 +65,12 @@ def describe(
     described = list(_software(environments))
     software = [entity for entity, _ in described]
     actions = [_action(number, record, software, people) for number, record in enumerate(environments, start=1)]
-    controls = f" and {len(study.controls):,} controls" if study.controls else ""
     root = {
         "@id": "./",
         "@type": "Dataset",
         "name": study.title or study.name,
         "description": (
-            f"Results of the study {study.name!r}: {trials:,} trials of {len(study.optimizers):,} optimizers{controls} "
+            f"Results of the study {study.name!r}: {trials:,} trials of {len(study.optimizers):,} optimizers "
             f"on {len(study.problems):,} problems, {study.budget_words} a trial."
         ),
         "identifier": study.identity(),

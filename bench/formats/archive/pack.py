@@ -127,7 +127,7 @@ def _add(archive: zipfile.ZipFile, name: str, source: Path) -> PackedFile:
 def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence: str) -> Iterator[str]:
     """Yield a sentence for everything that a reader of the archive would miss."""
     stopped = stopped_cells(study, folder.store).values()
-    planned = (len(study.problems) * len(study.with_controls) - len(stopped)) * study.trials + sum(stopped)
+    planned = (len(study.problems) * len(study.optimizers) - len(stopped)) * study.trials + sum(stopped)
     if folder.running():
         yield "a run is writing to this folder; the archive holds the trials that it had finished"
     if trials < planned:

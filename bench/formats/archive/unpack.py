@@ -135,7 +135,7 @@ def _read_whole(temporary: Path, source: Path) -> tuple[int, str]:
         raise BenchError(f"{source}: {sentence}") from error
     if not health.sound:
         raise BenchError(f"{source}: {health.sentence}")
-    problems, optimizers = ({entry.label for entry in part} for part in (study.problems, study.with_controls))
+    problems, optimizers = ({entry.label for entry in part} for part in (study.problems, study.optimizers))
     if strange := [cell for cell in cells if cell.problem not in problems or cell.optimizer not in optimizers]:
         where = printable(f"{strange[0].optimizer} on {strange[0].problem}", LONGEST)
         raise BenchError(f"{source}: it holds trials of {where}, which its study does not name")

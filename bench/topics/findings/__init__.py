@@ -140,5 +140,5 @@ class Findings:
 
     @cached_property
     def descriptions(self) -> Descriptions:
-        """The optimizers and controls as their plug-ins described them when the study ran, by label."""
+        """The optimizers as their plug-ins described them when the study ran, by label."""
         return noted(self.study, self.results.descriptions)

@@ -31,11 +31,6 @@ class Trials(Compared):
 
     results: StoredResults
 
-    @cached_property
-    def controls(self) -> pd.DataFrame:
-        """The trials of the study's controls with instances pooled, which no other frame has."""
-        return self._pool(self.results.controls, {}).frame
-
     @property
     def precisions(self) -> list[str]:
         """The problems with pooled instances, whose values are precisions; those of all others are objective values."""

@@ -30,12 +30,12 @@ from bench.report.wording import count, listing, options
 from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
 from bench.study.descriptions import Description
+from bench.topics.conditions.conditions import conditions
 from bench.topics.equivalence.section import beside_rope
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import Replication, each_problem
 from bench.topics.findings.trials import sweeps
 from bench.topics.landscapes.features import landscapes
-from bench.topics.matched.conditions import conditions
 from bench.topics.methods import problem_words
 from bench.topics.subject.against import against, subject_methods
 from bench.topics.sweeps.section import by_sweep

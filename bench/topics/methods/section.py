@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bench.report.parts import File, Section
+from bench.topics.conditions.conditions import conditions_table
 from bench.topics.findings import Findings
-from bench.topics.matched.conditions import conditions_table
 from bench.topics.methods.methods import methods
 from bench.topics.methods.problem_words import problems_table
 from bench.topics.topic import Topic

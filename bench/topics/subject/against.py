@@ -16,8 +16,8 @@ from bench.analysis.subject import outcome as outcome_of
 from bench.report.parts import Line
 from bench.report.prose import speaker
 from bench.report.wording import listing
+from bench.topics.conditions.differing import Differing, differing
 from bench.topics.findings import Findings
-from bench.topics.matched.differing import Differing, differing
 from bench.topics.ranks.words import dependent
 
 TITLE = "Against its rivals"

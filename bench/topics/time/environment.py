@@ -43,7 +43,7 @@ def section(findings: Findings) -> Section:
         items.append(Table("data", "The hash of each problem’s data when its trials ran.", hashes))
     if not results.environments:
         return Section(TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran it.",))
-    origins = _Origins(results.environments, results.everything, results.origins)
+    origins = _Origins(results.environments, results.frame, results.origins)
     items += [*origins.environments(), origins.runs()]
     if origins.known and len(origins.groups) > 1:
         items.append(origins.trials())
@@ -54,11 +54,7 @@ def _entries(study: Study) -> Table:
     entries = pd.DataFrame(
         [
             {"kind": kind, "label": entry.label, "plug-in": entry.name, "options": options(entry.options)}
-            for kind, group in (
-                ("optimizer", study.optimizers),
-                ("control", study.controls),
-                ("problem", study.problems),
-            )
+            for kind, group in (("optimizer", study.optimizers), ("problem", study.problems))
             for entry in group
             if kind == "optimizer" or entry.options or entry.label != entry.name  # the label says all of the others
         ]

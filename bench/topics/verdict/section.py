@@ -13,10 +13,10 @@ from bench.report.parts import Card, File, Part, Section
 from bench.report.prose import speaker
 from bench.report.wording import count, listing, percent, unfinished_trials
 from bench.storage.folder import ANSWER
+from bench.topics.conditions.conditions import sentences
+from bench.topics.conditions.differing import UNUSED, differing, shares_used
 from bench.topics.findings import Final, Findings
 from bench.topics.integrity.section import warnings
-from bench.topics.matched.conditions import sentences
-from bench.topics.matched.differing import UNUSED, differing, shares_used
 from bench.topics.ranks.tables import rank_map
 from bench.topics.ranks.words import across, dependent
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule

@@ -21,7 +21,7 @@ from bench.analysis.error_rates import Levels
 from bench.report.parts import Line
 from bench.report.prose import speaker
 from bench.report.wording import listing
-from bench.topics.matched.differing import Differing
+from bench.topics.conditions.differing import Differing
 from bench.topics.verdict.clock import Clock
 
 NAMED = 3  # optimizers that a sentence names

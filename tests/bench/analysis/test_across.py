@@ -14,7 +14,6 @@ from bench.analysis.across import (
     across_problems,
     cliques,
     friedman,
-    improvement_of,
     in_sequence,
     nemenyi,
     normalised_errors,
@@ -26,7 +25,6 @@ from bench.analysis.cells import summarise
 from bench.analysis.direction import effects, least_p
 from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.standings import mean_ranks, standings
-from bench.analysis.strata import strata
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
@@ -360,13 +358,6 @@ class TestCliques:
 
     def test_a_group_ends_where_any_of_its_pairs_differs(self):
         assert self.groups(("b", "c")) == [("a", "b"), ("c", "d")]  # a and c, not neighbours, have no bar
-
-
-def test_the_improvement_of_a_pair_is_that_by_instance(frame_of):
-    values = {("p", "a"): [1.0, 2.0, 11.0, 12.0, 13.0], ("p", "b"): [1.5, 2.5, 3.5, 11.5, 12.5]}
-    frame = frame_of(values, instance=[1, 1, 2, 2, 2, 1, 1, 1, 2, 2])
-    row = across_problems(pairwise_tests(frame)).iloc[0]
-    assert improvement_of(list(strata(frame).values())) == pytest.approx(tuple(row[["probability", "low", "high"]]))
 
 
 @pytest.mark.parametrize(

@@ -329,7 +329,7 @@ PEEPS = """
     [
         ("solve", "sphere-2", "{file}", "--budget", 40),
         ("check", "{file}", "--no-bias"),
-        ("run", "quick", "--optimizer", "{file}", "--matched", "--output", "{folder}/out"),
+        ("run", "quick", "--optimizer", "{file}", "--output", "{folder}/out"),
     ],
 )
 def test_no_command_loads_a_file_outside_it(bench_here, tmp_path, command):

@@ -62,9 +62,3 @@ def test_declared_looks_and_blocks_of_other_problems_are_left_out():
     assert part.looks == ()
     assert part.blocks == {"mine": "b"}
     assert selected(whole, "*", "*", [2, 5], DIMENSIONS) is whole
-
-
-def test_a_selection_has_the_controls_of_its_optimizers_alone():
-    controls = [{"name": "gwo", "label": "gwo (9 agents)"}, {"name": "cma-es", "label": "cma-es (box)"}]
-    part = selected(study(controls=controls), "gwo", None, None, DIMENSIONS)
-    assert [entry.label for entry in part.controls] == ["gwo (9 agents)"]

@@ -190,7 +190,6 @@ def test_a_study_built_in_python_is_checked_as_one_from_a_file(changes, message)
         ({"problems": ()}, "study 's' needs at least one of the problems"),
         ({"optimizers": ()}, "study 's' needs at least one of the optimizers"),
         ({"problems": (Entry("p", "p"), Entry("q", "p"))}, "study 's': 'p' occurs twice among the problems"),
-        ({"controls": (Entry("c", "a"),)}, "study 's': 'a' occurs twice among the optimizers and controls"),
         ({"optimizers": (Entry("a", "a\nb"),)}, "study 's': a label of the optimizers holds a control character"),
         ({"optimizers": (Entry("a", "=a()"),)}, "study 's': a spreadsheet would compute the label '=a()'"),
         ({"blocks": {"q": "one"}}, "study 's': 'blocks' names 'q', which is no problem"),

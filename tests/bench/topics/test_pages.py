@@ -128,19 +128,15 @@ def ends_at(levels, nfev=100):
 
 
 @page
-def controls(make, folder):
-    """Optimizers under unlike conditions, with controls for two of three; gwo leaves a part of its budget."""
-    levels = {"cma-es": 0.001, "gwo": 0.015, "random-search": 40.0, "gwo (box)": 0.02, "cma-es (repair, random)": 0.03}
+def unlike_conditions(make, folder):
+    """Optimizers under unlike conditions; gwo leaves a part of its budget."""
+    levels = {"cma-es": 0.001, "gwo": 0.015, "random-search": 40.0}
     table = [
         {"name": "cma-es", "agents": 9, "handling": "box", "start": "midpoint"}, {"name": "gwo", "agents": 9},
         {"name": "random-search", "agents": 9},
     ]  # fmt: skip
-    others = [
-        {"name": "gwo", "label": "gwo (box)", "agents": 9, "handling": "box"},
-        {"name": "cma-es", "label": "cma-es (repair, random)", "agents": 9, "handling": "repair", "start": "random"},
-    ]
     problems = [{"names": ["classical-sphere-d2-i1", "classical-ackley-d3-i1"]}]
-    study = {"name": "made", "trials": 6, "budget": 100, "problems": problems, "optimizers": table, "controls": others}
+    study = {"name": "made", "trials": 6, "budget": 100, "problems": problems, "optimizers": table}
     store(folder, Study.from_dict(study), ends_at(levels, {"gwo": 72}), record=RECORD)
     return Findings(Results(folder))
 

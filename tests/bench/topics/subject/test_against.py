@@ -9,8 +9,8 @@ import pytest
 from bench import BenchError, Results, Study
 from bench.analysis import Levels
 from bench.topics import write_report
+from bench.topics.conditions.differing import Differing
 from bench.topics.findings import Findings
-from bench.topics.matched.differing import Differing
 from bench.topics.methods import section as methods
 from bench.topics.subject import section as subject
 from bench.topics.subject.against import Against, Rival, against, first_screen

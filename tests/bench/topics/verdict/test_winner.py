@@ -8,7 +8,7 @@ import pytest
 
 from bench.analysis import Levels
 from bench.report.wording import percent
-from bench.topics.matched.differing import Differing
+from bench.topics.conditions.differing import Differing
 from bench.topics.verdict.clock import Clock
 from bench.topics.verdict.winner import Across, Stage, Standing, verdict
 
@@ -78,7 +78,7 @@ TIED = standing(LEVEL, separable=0)
 UNLIKE = {
     "unlike": Differing(
         "handling is box for cma-es",
-        "handling differs; bench run --matched makes it alike",
+        "handling differs: set it alike in the study",
         "Controls would add 90 trials.",
     )
 }

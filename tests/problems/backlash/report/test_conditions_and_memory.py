@@ -43,5 +43,8 @@ def test_the_memory_that_reports_print_is_what_is_measured(name):
 
 
 def test_a_study_of_unequal_conditions_names_the_one_of_equal_ones():
-    assert "the study thesis-equal does so with several populations" in fitting_errors.unequal(Study.load("thesis"))[0]
+    assert (
+        "the study thesis-equal gives all the same handling and start"
+        in fitting_errors.unequal(Study.load("thesis"))[0]
+    )
     assert fitting_errors.unequal(Study.load("thesis-equal")) == ()

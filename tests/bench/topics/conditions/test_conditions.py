@@ -9,8 +9,8 @@ from bench.execution.supervisor import Task, check
 from bench.study.budget import Budget
 from bench.study.descriptions import Description, noted
 from bench.study.tuned import Tuning
-from bench.topics.matched import conditions
-from bench.topics.matched.conditions import conditions_table
+from bench.topics.conditions import conditions
+from bench.topics.conditions.conditions import conditions_table
 
 
 def study(*optimizers):

@@ -12,9 +12,8 @@ from bench.analysis.instances import SOLVED
 from bench.analysis.stages import unused_budget
 from bench.report.prose import speaker
 from bench.report.wording import listing, percent
+from bench.topics.conditions import conditions
 from bench.topics.findings import Findings
-from bench.topics.matched import conditions
-from bench.topics.matched.controls import REPORTED, controls
 
 UNUSED = 0.01  # of the budget, on average, by which an optimizer may use less than another one
 SAY = speaker(__package__, MOST_LABELS=conditions.MOST_LABELS)
@@ -26,7 +25,7 @@ class Differing(NamedTuple):
     Attributes:
         clause: such as ``"handling is box for cma-es and repair for the 4 others, gwo left 28% of its budget unused"``.
         line: the same in at most twenty words, with what removes it.
-        remedy: sentences on what removes it, or what is known without it.
+        remedy: sentences on what removes it.
     """
 
     clause: str = ""
@@ -52,7 +51,7 @@ def differing(findings: Findings, beaten: Collection[str], lost: Collection[str]
     options = options_differing(findings)
     clauses = (options, f"{left} of its budget unused" if len(less) else "")
     names = conditions.names_differing(findings.study, findings.descriptions, leader)
-    remedy = (_controls(findings) if options else "", SAY("restarts", list(less.index)))
+    remedy = (SAY("alike_in_the_study", names), SAY("restarts", list(less.index)))
     return Differing(
         ", ".join(filter(None, clauses)), SAY("unlike", names, list(less.index)), " ".join(filter(None, remedy))
     )
@@ -61,19 +60,6 @@ def differing(findings: Findings, beaten: Collection[str], lost: Collection[str]
 def options_differing(findings: Findings) -> str:
     """Return the options that may favour or harm the leader, as a clause; "" if none is known to."""
     return conditions.differing(findings.study, findings.descriptions, findings.leader)
-
-
-def _controls(findings: Findings) -> str:
-    """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
-    chances, missing = findings.of(controls).chances, findings.of(controls).cost
-    second = next(iter(chances["rival"]), "")
-    of_second = chances[(chances["conditions"] != REPORTED) & (chances["rival"] == second)]
-    parts = [
-        f"{row['probability']:.2f} [{row['low']:.2f}, {row['high']:.2f}] ({row['conditions']})"
-        for row in of_second.to_dict("records")
-    ]
-    same = f"Under the same conditions it beats {second} with probability {listing(parts)}." if parts else ""
-    return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
 
 
 def shares_used(findings: Findings) -> pd.DataFrame:
