@@ -37,8 +37,6 @@ DESCRIPTIONS = {
     "methods.tex": ("The methods", "As LaTeX, for a paper."),
     "references.bib": ("References", "The works that the methods cite, as BibTeX."),
     "answer.json": ("The answer", "The first sentence of the verdict, and a short table of the optimizers."),
-    "reproduce.py": ("The numbers again", "A script that makes the numbers of the tables from the trials."),
-    "reproduce.json": ("Facts for the script", "What that script needs beside the trials."),
 }  # fmt: skip
 FOLDERS = {"tables": "Table of the report", "figures": "Figure of the report"}
 

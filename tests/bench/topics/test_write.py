@@ -72,9 +72,7 @@ def test_each_function_has_a_convergence_figure_in_the_folder_alone(folder, usua
 
 
 def test_the_page_stands_alone(usual):
-    usual.check_that_it_stands_alone(
-        ("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce.", "CONTENTS.md")
-    )
+    usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "CONTENTS.md"))
     assert usual.tags.count("svg") == usual.tags.count("figure") > 10
     assert usual.tags.count("caption") == usual.tags.count("table")
     assert set(usual.values("scope")) == {"col", "row"}
@@ -91,7 +89,7 @@ def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
 
 
 def test_an_archive_takes_every_file_of_a_report(folder):
-    assert {*report_files(folder)} >= {"report.html", "CONTENTS.md", "reproduce.py", "tables/trials.csv"}
+    assert {*report_files(folder)} >= {"report.html", "CONTENTS.md", "tables/trials.csv"}
 
 
 @pytest.mark.usefixtures("draws")
@@ -162,9 +160,7 @@ def test_a_plugins_figure_has_no_id_of_a_section(make, read, tmp_path, monkeypat
     items = (Figure("part", "A figure.", plot, frame), Table("part", "A table.", frame))
     patch_plugins(monkeypatch, mine=lambda findings: [Section("Mine", items=items)])
     page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    page.check_that_it_stands_alone(
-        ("tables/", "figures/", "methods.", "references.", "answer.json", "reproduce.", "CONTENTS.md")
-    )
+    page.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "CONTENTS.md"))
     assert {"part-2", "part-3"} <= set(page.values("id"))
 
 

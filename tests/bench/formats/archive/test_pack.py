@@ -69,15 +69,6 @@ def test_notes_name_what_a_reader_would_miss(copied, tmp_path):
     ]  # fmt: skip
 
 
-def test_the_script_beside_a_report_is_packed_with_its_facts(copied, tmp_path):
-    beside = ["reproduce.json", "reproduce.py"]
-    for name in beside:
-        (copied.path / name).write_text("{}")
-    (copied.path / ".report.json").write_text(json.dumps(["report.html", "tables/cells.csv", *beside]))
-    unpack(pack(copied.path, tmp_path / "a.zip").path, tmp_path / "there")
-    assert [(tmp_path / "there" / name).read_text() for name in beside] == ["{}", "{}"]
-
-
 def test_a_part_of_the_report_that_is_missing_is_named(copied, tmp_path):
     (copied.path / "tables" / "cells.csv").unlink()
     with pytest.raises(BenchError, match=r"cells.csv, a file of the report, is missing; write the report again"):
