@@ -232,7 +232,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
     for optimizer in labels(frame, "optimizer"):
         of_optimizer = finished[finished["optimizer"] == optimizer]
         numbers = of_optimizer[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
-        calls = of_optimizer.get("calls", pd.Series(np.nan, of_optimizer.index)).astype(float)  # older frames lack it
+        calls = of_optimizer.get("calls", pd.Series(np.nan, of_optimizer.index)).astype(float)  # own frames may lack it
         wall, cpu = numbers["wall_s"], numbers["cpu_s"]
         speed = numbers["nfev"] / wall.where(wall > 0)
         ratio = (wall / cpu.where(cpu > 0)).dropna().median()

@@ -10,7 +10,6 @@ from rich.console import Console
 
 from bench.cli import completion
 from bench.cli.console import Against, Jobs, Open, Rope, Subject, Targets
-from bench.errors import BenchError
 from bench.helpers.console import print_line, steps
 
 
@@ -32,7 +31,6 @@ def command(
     jobs: Jobs = -1,
     against: Against = None,
     subject: Subject = None,
-    reference: Annotated[str | None, typer.Option(metavar="LABEL", help="Called --subject now.")] = None,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(metavar="PATTERN", help="Show these optimizers alone, as in 'gwo*'; repeatable. Needs --output."),
@@ -61,8 +59,6 @@ def command(
     Several folders, such as those of two versions of an optimizer, are compared as one study. A selection of
     optimizers or problems says on its page what is left out.
     """
-    if reference is not None:
-        raise BenchError(f"--reference is --subject now: give --subject {reference}")
     chosen = {"optimizers": optimizer or None, "problems": problem or None, "dimensions": dimension or None}
     beside, best = published(against)
     settings = {

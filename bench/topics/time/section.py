@@ -89,7 +89,7 @@ def _table(timing: pd.DataFrame) -> Table:
         }
     ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
     batches = "; evaluations a call of the objective show how many of them could be made at the same time"
-    if timing["per_call_median"].isna().all():  # of imported trials, and those of older versions
+    if timing["per_call_median"].isna().all():  # of imported trials
         batches, shown, timing = "", shown.drop(columns="evals/call"), timing.drop(columns="per_call_median")
     return Table(
         "timing",

@@ -299,8 +299,6 @@ def load_calibration(path: str | Path) -> Calibration:
     """
     where = f"calibration {path}"
     content = {"name": path, "amplitude_rpm": None, "half_gap_rad": None} | read_toml(path, where)
-    if content.pop("method", "monotone") != "monotone":  # in files of older versions
-        raise BenchError(f"{where} is a cubic, which only older versions read; make it anew by 'bench calibrate'")
     for key in content:
         if key not in ENTRIES:
             raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, ENTRIES)}")

@@ -113,7 +113,6 @@ def test_a_calibration_without_fits_takes_their_amplitude_for_the_peak():
         ("amplitude_rpm = [2, 1]\nhalf_gap_rad = [0, 1]", "the amplitude does not grow"),
         ("amplitude_rpm = [1, 2]\nhalf_gap_rad = [1, 0]", "the half-gap does not grow"),
         ("amplitude_rpm = [1]\nhalf_gap_rad = [1]", "needs at least 2 pairs"),
-        (f'method = "cubic"\n{PAIRS}', "is a cubic, which only older versions read; make it anew by"),
         ("amplitudes = [1, 2]", "the unknown entry 'amplitudes'; did you mean 'amplitude_rpm'?"),
         (f"{PAIRS}fitted_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
         (f"{PAIRS}scatter_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
