@@ -39,7 +39,6 @@ class Column:
         frame: whether the tidy frame has it.
         stored: whether a store has it; other columns are computed when a frame is read.
         repeats: whether it is the same whenever the trial is made.
-        since: the layout of stores that has it first, where trials of older ones lack it; 0 for all others.
     """
 
     name: str
@@ -56,7 +55,6 @@ class Column:
     frame: bool = True
     stored: bool = True
     repeats: bool = True
-    since: int = 0
 
 
 def _column(meaning: str, **about: Any) -> Any:
@@ -69,15 +67,15 @@ class Measured:
 
     fun: float = _column("lowest objective value found, +inf where no point counts")
     nfev: int = _column("evaluations made", least=1, most=LARGEST_BUDGET, within="budget")
-    calls: int = _column("calls of the objective, each with a batch of points", least=1, within="nfev", since=4)
-    largest_call: int = _column("most points in a call of the objective", least=1, within="nfev", since=5)
+    calls: int = _column("calls of the objective, each with a batch of points", least=1, within="nfev")
+    largest_call: int = _column("most points in a call of the objective", least=1, within="nfev")
     wall_s: float = _column("wall time of the whole search", unit="s", least=0, repeats=False)
     cpu_s: float = _column("processor time of the whole search", unit="s", least=0, repeats=False)
     objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", least=0, repeats=False)
     stop: str = _column("`budget`, or the reason that the optimizer declared, or `undeclared` without one")
     outside_box: int = _column("evaluations outside the box", least=0, within="nfev")
     failures: int = _column(
-        "evaluations that failed and count with the value +inf (`on_error`)", least=0, within="nfev", since=5
+        "evaluations that failed and count with the value +inf (`on_error`)", least=0, within="nfev"
     )
 
 
@@ -100,10 +98,7 @@ COLUMNS = (
     ),
     Column("x", bytes, "best point, by variable", names="variables", prefix="x_"),
     Column("metrics", bytes, "domain metrics of the best point, by name", names="metric_names"),
-    Column(
-        "log", bytes, "what the optimizer logged, by name: pairs of evaluations and values, as JSON", frame=False,
-        since=5,
-    ),
+    Column("log", bytes, "what the optimizer logged, by name: pairs of evaluations and values, as JSON", frame=False),
     Column(
         "trace", bytes, "improvements: m int64 counts of evaluations, then m float64 best-so-far values", frame=False
     ),

@@ -31,7 +31,6 @@ from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path
 from bench.storage.merge import reusable, take
-from bench.storage.repair import repair
 from bench.storage.selection import Selection
 from bench.study import Study
 from bench.trial import Trial
@@ -131,7 +130,7 @@ def run(
             pool = held.enter_context(open_pool(backend, jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
-        repaired = repair(folder, study.trials)  # before anything else reads the store
+        folder.require_sound()
         study, selection = folder.select(study, checked.fingerprints)
         asked = [record.get("trials") for record in folder.environments()]
         before = max((number for number in asked if isinstance(number, int)), default=0)
@@ -140,7 +139,7 @@ def run(
             with folder.store.writer() as writer:
                 take(other, writer, selection.cells.values(), where=other.path.name)
         beside = at_a_time(study, pool.jobs, backend)
-        plan = _plan(study, folder, part, selection, [repaired, *reused, beside], verify)
+        plan = _plan(study, folder, part, selection, [*reused, beside], verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -187,13 +186,12 @@ def plan(
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
+    folder.require_sound()
     checked = prepare(study, folder, untrusted)
     others = [Folder(path) for path in reuse]
     study, selection = folder.select(study, checked.fingerprints)
     reused = _reusable(folder, selection, others)
-    stored = folder.store.check()
-    plan = _plan(study, folder, part, selection, ["" if stored.sound else stored.sentence, *reused], verify)
-    plan.finished.difference_update(stored.damaged)
+    plan = _plan(study, folder, part, selection, reused, verify)
     for other in others:
         plan.finished.update(other.store.keys(finished_only=True, shown=selection.labels_in(other.store.held())))
     return plan

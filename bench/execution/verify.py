@@ -71,7 +71,7 @@ def verify(
     found out, too.
 
     Trials that a limit of time has ended (``time`` of a study) cannot be repeated, and are left out. All stored trials
-    are compared with their digests; damaged ones are not made again here, but by the next run.
+    are compared with their digests; damaged ones are not made again.
 
     Args:
         path: the folder that ``bench.run`` wrote.

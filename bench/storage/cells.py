@@ -68,20 +68,13 @@ class Cells:
 UNKNOWN = "an unknown problem", "an unknown optimizer"
 
 
-def read(connection: sqlite3.Connection, *, rescue: bool = False) -> Cells:
-    """Return the cells of a store; with ``rescue``, without a selection or all cells where these cannot be read.
+def read(connection: sqlite3.Connection) -> Cells:
+    """Return the cells of a store.
 
     Raises:
         sqlite3.DatabaseError: where they cannot be read, or the selection is not as it was written.
     """
-    cells = Cells()
-    try:
-        cells.all = _all(connection)
-        cells.selected, cells.study, cells.looks = _selected(connection)
-    except sqlite3.DatabaseError:
-        if not rescue:
-            raise
-    return cells
+    return Cells(_all(connection), *_selected(connection))
 
 
 def _all(connection: sqlite3.Connection) -> dict[int, Cell]:

@@ -20,8 +20,6 @@ from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
 from bench.storage import committed, provenance, under_way
-from bench.storage.cells import Cells
-from bench.storage.migrations import LOCK
 from bench.storage.reading import StoreCheck
 from bench.storage.selection import Selection, changed, select
 from bench.storage.store import DamagedStoreError, Store
@@ -29,6 +27,7 @@ from bench.storage.under_way import UnderWay
 from bench.study import Fingerprints, Study
 from bench.study.cell import read
 
+LOCK = ".lock"  # the file that a run locks
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
 CHECKS = "checks.json"
@@ -64,7 +63,7 @@ class Folder:
         if not self._begun:
             raise BenchError(f"{self.path} holds no {STUDY}; give the folder that 'bench run' wrote")
         study = Study.load(self.path / STUDY)
-        if (ran := self._readable().study) not in ("", study.identity()):
+        if (ran := self.store.held().study) not in ("", study.identity()):
             raise BenchError(
                 f"{self.path / STUDY} was changed: the trials beside it were made with the study of hash {ran}, and "
                 f"its hash is {study.identity()} now; put back the {STUDY} that the run wrote, or run the changed one: "
@@ -75,11 +74,7 @@ class Folder:
     @property
     def untrusted(self) -> bool:
         """Whether an archive brought the folder here, or its trials were made of code that nobody trusts."""
-        try:
-            records = self.environments()
-        except DamagedStoreError:  # a run will repair it
-            records = self.copied_environments()
-        return (self.path / CRATE).exists() or any(record.get("sandbox") for record in records)
+        return (self.path / CRATE).exists() or any(record.get("sandbox") for record in self.environments())
 
     @property
     def _begun(self) -> bool:
@@ -88,13 +83,6 @@ class Folder:
     def environments(self) -> list[dict[str, Any]]:
         """Return the environments that made the store's rows, in the order of their numbers from 1 on."""
         return list(self.store.environments().values())
-
-    def copied_environments(self) -> list[dict[str, Any]]:
-        """Return the records of environment.json, a copy for a damaged store; none if the copy is damaged, too."""
-        with suppress(OSError, ValueError):
-            copies = parse_json((self.path / ENVIRONMENT).read_bytes())
-            return [copy for copy in copies if isinstance(copy, dict)] if isinstance(copies, list) else []
-        return []
 
     def write_environments(self) -> None:
         """Write a copy of the store's environments to environment.json, for people."""
@@ -113,9 +101,7 @@ class Folder:
         Raises:
             BenchError: where looks were declared before, or are declared now, and trials were made of another study.
         """
-        held, trials, asked = self._readable(), {}, study.trials
-        with suppress(DamagedStoreError):
-            trials = self.store.trials()
+        held, trials, asked = self.store.held(), self.store.trials(), study.trials
         if not study.looks and not held.looks:
             with suppress(BenchError):
                 study = study.override(trials=max(asked, Study.load(self.path / STUDY).trials))
@@ -176,13 +162,7 @@ class Folder:
 
     def data(self) -> dict[str, str]:
         """Return the hash of each problem's data that trials were made with, by the label shown; "" for none."""
-        return {labels[0]: read(cell.problem)["data"] or "" for labels, cell in self._readable().by_labels.items()}
-
-    def _readable(self) -> Cells:
-        """Return the cells of the store, none where it is damaged: a run repairs it before it makes trials."""
-        with suppress(DamagedStoreError):
-            return self.store.held()
-        return Cells()
+        return {labels[0]: read(cell.problem)["data"] or "" for labels, cell in self.store.held().by_labels.items()}
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.
@@ -236,6 +216,15 @@ class Folder:
         self.note_store(check)
         return check
 
+    def require_sound(self) -> None:
+        """Raise BenchError where any row of the store is not as it was written: no run adds to it then."""
+        if not (found := self.store.check(structure=True)).sound:
+            raise BenchError(
+                f"{self.path}: {found.sentence}; restore {self.store.path.name} from a copy, or run the study into "
+                f"another folder with --reuse {self.path}, which takes the trials that are as they were written"
+            )
+        self.note_store(found)
+
     def note_store(self, check: StoreCheck) -> None:
         """Note the outcome of a check, unless there is nothing to check or the folder cannot be written."""
         noted = {"checked": provenance.now(), "sound": check.sound, "sentence": check.sentence}
@@ -266,8 +255,6 @@ class Folder:
         try:
             if (holder := self.running()) and holder["host"] == provenance.host():  # whose lock was removed
                 raise self._taken(holder)
-            if self.store.exists:
-                self.store.update()
             if killed := self.killed():
                 self.note(KILLED, {"runs": killed})
             holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}

@@ -91,15 +91,14 @@ def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
     """Return in a sentence which of these cells another folder holds, and why not the others.
 
     Raises:
-        BenchError: where it holds none of them, or damaged trials, or a run is writing to it.
+        BenchError: where it holds none of them, or a run is writing to it.
     """
     if not source.path.exists():
         raise BenchError(f"{source.path} to be reused does not exist")
     source.study()
     if running := source.running():
         raise BenchError(f"process {running['pid']} is writing to {source.path}; reuse its trials when that has ended")
-    if not (check := source.store.check()).sound:
-        raise BenchError(f"{source.path}: {check.sentence}")
+    check = source.store.check()
     there, trials = source.store.held(), source.store.trials()
     held = {cell: trials[number] for number, cell in there.all.items() if trials.get(number)}
     shared = [cell for cell in cells.values() if cell in held]
@@ -108,6 +107,7 @@ def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
     others = listed([f"{reason} ({count(number, 'cell')})" for reason, number in reasons.most_common()], between="; ")
     sentence = f"{len(shared):,} of the study's {count(len(cells), 'cell')} are in {source.path.name}"
     sentence += f"; of the others {others}" if others else ""
+    sentence += "" if check.sound else f"; there {check.sentence}"
     if not shared:
         raise BenchError(f"{sentence}; leave out --reuse {source.path.name}")
     return sentence

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -33,7 +32,7 @@ _ENVIRONMENT = READ.index("environment")
 class StoreCheck:
     """The outcome of reading a store's rows: which of them are not as they were written.
 
-    A damaged trial counts as missing: it is left out of results, and the next run makes it again.
+    A damaged trial is left out of results, and no run adds to a store that has one.
     """
 
     trials: int = 0  # rows read, damaged ones included
@@ -66,12 +65,7 @@ class StoreCheck:
             parts.append(f"the structure of the file is damaged ({self.structure})")
         if not parts:
             return f"all {self.trials:,} trials are as they were written"
-        again = ""
-        if self.damaged or self.structure:
-            again = "; damaged trials count as missing, and 'bench run' makes them again"
-        elif self.missing or self.lost:
-            again = "; 'bench run' makes them again"
-        return ", and ".join(parts) + again
+        return ", and ".join(parts)
 
 
 def _name(problem: str, optimizer: str, trial: int) -> str:
@@ -89,14 +83,13 @@ class Reader:
     Args:
         connection: to the store.
         noted: what was noted beside the store, before it was opened.
-        rescue: whether to read what can be read of a damaged store.
     """
 
-    def __init__(self, connection: sqlite3.Connection, noted: Committed, *, rescue: bool = False) -> None:
+    def __init__(self, connection: sqlite3.Connection, noted: Committed) -> None:
         self._connection, self._noted = connection, noted
         connection.text_factory = bytes  # damage may leave texts that are no UTF-8
         connection.execute("BEGIN")  # cells, names and rows of one moment, while a run adds to all
-        self.cells = read(connection, rescue=rescue)
+        self.cells = read(connection)
         names = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
         self._bound = cache(partial(bound, self.cells.all, names))
         self.names: dict[Any, tuple[str, str]] = {number: (decoded(a), decoded(b)) for number, (a, b) in names.items()}
@@ -196,34 +189,13 @@ class Reader:
                 columns = dict(zip(COLUMNS, known, strict=True))
                 yield cell, columns | {name: decoded(columns[name]) for name in TEXTS if columns[name] is not None}
 
-    def rescue(self, trials: int) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Yield cell and columns of every sound row that can be read, some perhaps twice.
-
-        Where SQLite cannot read all rows of a cell, its first ``trials`` trials are looked up one by one.
-
-        Raises:
-            sqlite3.OperationalError: where SQLite does not even find the table.
-        """
-        self._rows("0")
-        for cell in self.cells.all:
-            try:
-                yield from self.whole("cell = ?", cell)
-            except sqlite3.DatabaseError:
-                for number in range(trials):
-                    with suppress(sqlite3.DatabaseError):
-                        yield from self.whole("cell = ? AND trial = ?", cell, number)
-
-    def environments(self, copies: Sequence[object] = ()) -> dict[int, dict[str, Any]]:
-        """Return the environments' records by number, oldest first.
-
-        A damaged one is taken from the ``copies``, or else empty.
-        """
-        records = {}
-        for number, text, noted in self._connection.execute("SELECT id, record, digest FROM environments ORDER BY id"):
-            texts = [text, *(json.dumps(copy).encode() for copy in copies)]
-            sound = (copied for copied in texts if isinstance(copied, bytes) and record_digest(number, copied) == noted)
-            records[number] = _record(next(sound, b""))
-        return records
+    def environments(self) -> dict[int, dict[str, Any]]:
+        """Return the environments' records by number, oldest first; a damaged one is empty."""
+        query = "SELECT id, record, digest FROM environments ORDER BY id"
+        return {
+            number: _record(text if isinstance(text, bytes) and record_digest(number, text) == noted else b"")
+            for number, text, noted in self._connection.execute(query)
+        }
 
     def _rows(self, where: str = "", *values: object) -> sqlite3.Cursor:
         condition = f"WHERE {where}" if where else ""

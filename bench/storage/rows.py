@@ -30,16 +30,9 @@ def decoded(stored: Any) -> str:
 
 
 def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
-    """Return the first column that repeats and in which two rows of one trial, traces included, differ; "" for none.
-
-    A column that an older layout lacks is compared where both rows have it.
-    """
-    since = dict.fromkeys(NAMES, 0) | {column.name: column.since for column in STORED if column.repeats}
-    for name, layout in since.items():
-        values = one.get(name), other.get(name)
-        if values[0] != values[1] and not (layout and None in values):
-            return name
-    return ""
+    """Return the first column that repeats and in which two rows of one trial, traces included, differ; "" for none."""
+    names = (*NAMES, *(column.name for column in STORED if column.repeats))
+    return next((name for name in names if one.get(name) != other.get(name)), "")
 
 
 def typed(row: Mapping[str, Any]) -> list[Any]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import sqlite3
 from contextlib import closing
 from functools import cache
 
 from bench.columns import STORED
 from bench.storage.committed import Committed
-from bench.storage.rows import NAMES
+from bench.storage.rows import NAMES, VALUES
 
-VERSION, OLDEST = 5, 4
-"""The layout of new stores, and the first one from which :mod:`bench.storage.migrations` leads to it."""
+VERSION = 5
+"""The layout of stores; others are refused."""
 
 SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN names ON names.id = results.names"
 """The SQL tables of the trials that the last study selects, under the labels that it shows."""
@@ -20,23 +19,16 @@ SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN name
 _KINDS = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
 
 
-def values_of(version: int | None) -> tuple[str, ...]:
-    """Return the columns of ``results`` in a layout, beside cell, trial, digest and names."""
-    return tuple(column.name for column in STORED if column.since <= (version or VERSION))
-
-
 @cache
-def schema(version: int = VERSION) -> str:
-    """Return the statements that make the tables of a layout.
+def schema() -> str:
+    """Return the statements that make the tables.
 
     A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
     """
-    values = values_of(version)
     definitions = [
         f"{column.name} {_KINDS[column.kind]}{' NOT NULL' * column.required}"
         + f" REFERENCES {column.table}" * bool(column.table)
         for column in STORED
-        if column.name in values
     ]
     return f"""
 CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
@@ -61,9 +53,9 @@ CREATE TABLE results (
     {", ".join(definitions)}, PRIMARY KEY (cell, trial)
 ) WITHOUT ROWID;
 CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(NAMES)}, {", ".join(values)}
+    SELECT problem, optimizer, trial, {", ".join(NAMES)}, {", ".join(VALUES)}
     FROM {SELECTED};
-PRAGMA user_version = {version}
+PRAGMA user_version = {VERSION}
 """
 
 
@@ -73,14 +65,13 @@ def layout(connection: sqlite3.Connection) -> int | None:
     return None if empty else int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
-def strange(connection: sqlite3.Connection, version: int, *, rescue: bool = False) -> str:
+def strange(connection: sqlite3.Connection) -> str:
     """Return the name of what a store has and its layout has not: a table, an index, a view or a trigger; or "".
 
     A stranger's view may have no end, and triggers and generated columns compute whenever they are read or written.
-    With ``rescue``, damage to our own is passed over. What is missing is found where it is read.
+    What is missing is found where it is read.
     """
-    found = {*connection.execute(_STRUCTURE)}
-    foreign = {each for each in found if _computes(*each)} if rescue else found - _ours(version)
+    foreign = {*connection.execute(_STRUCTURE)} - _ours()
     return min((name.decode(errors="replace") for _, name, _ in foreign), default="")
 
 
@@ -88,16 +79,10 @@ _STRUCTURE = "SELECT CAST(type AS BLOB), CAST(name AS BLOB), CAST(sql AS BLOB) F
 
 
 @cache
-def _ours(version: int) -> frozenset[tuple[bytes, bytes, bytes | None]]:
+def _ours() -> frozenset[tuple[bytes, bytes, bytes | None]]:
     with closing(sqlite3.connect(":memory:")) as connection:
-        create(connection, schema(version))
+        create(connection, schema())
         return frozenset(connection.execute(_STRUCTURE))
-
-
-def _computes(kind: bytes, name: bytes, sql: bytes | None) -> bool:
-    if kind in (b"view", b"trigger"):
-        return name != b"trials"  # which is read by people alone
-    return re.search(rb"\bAS\b", sql or b"", re.IGNORECASE) is not None
 
 
 def create(connection: sqlite3.Connection, statements: str) -> None:

@@ -8,7 +8,7 @@ import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,12 @@ from typing import Any
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.objective import Logs
-from bench.storage import committed, migrations
+from bench.storage import committed
 from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS, decoded
-from bench.storage.schema import OLDEST, SELECTED, VERSION, layout, prepare, strange
+from bench.storage.schema import SELECTED, VERSION, layout, prepare, strange
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
 from bench.study.cell import Labels
@@ -29,7 +29,7 @@ from bench.study.cell import Labels
 FILE = "trials.sqlite"
 LONGEST = 200  # characters of SQLite's words on an error
 
-BEYOND_REPAIR = "restore it from a copy, or move it away and run the study again"
+RESTORE = "restore it from a copy, or move it away and run the study again"
 
 
 @dataclass
@@ -87,17 +87,15 @@ class Store:
             return reader.check_count(StoreCheck(), reader.rows)
 
     @contextmanager
-    def reader(self, *, rescue: bool = False) -> Iterator[Reader]:
+    def reader(self) -> Iterator[Reader]:
         """Open the store to read its rows at one moment; a missing one has none.
 
-        With ``rescue``, SQLite also opens a file that was cut short, or whose schema is damaged in some places.
-
         Raises:
-            DamagedStoreError: when SQLite cannot read all rows, or with ``rescue`` not even labels and names.
+            DamagedStoreError: when SQLite cannot read all rows.
         """
         noted = committed.read(self.path.parent)  # before the store is opened, which a run may write to
-        with self._read(rescue=rescue) as connection:
-            yield Reader(connection, noted, rescue=rescue)
+        with self._read() as connection:
+            yield Reader(connection, noted)
 
     def traces(self, shown: Mapping[int, Labels] | None = None) -> Traces:
         """Return the anytime traces of sound trials by (problem, optimizer, trial); failed trials have none.
@@ -192,32 +190,20 @@ class Store:
     # opening it
 
     @contextmanager
-    def writer(self, *, anew: bool = False) -> Iterator[Writer]:
+    def writer(self) -> Iterator[Writer]:
         """Open the store for writing, creating it where it is missing; every row is committed as it is added.
-
-        Args:
-            anew: begin a store that takes the place of a damaged one, and note nothing beside it.
 
         Raises:
             DamagedStoreError: when committed trials are missing.
             BenchError: when it cannot be written.
         """
-        if not anew and not (counted := self.check_count()).sound:
+        if not (counted := self.check_count()).sound:
             raise DamagedStoreError(f"the store {self.path} cannot be written: {counted.sentence}")
-        with self._open(writing=True) as connection:
+        with self._open() as connection:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
             prepare(connection, committed.read(self.path.parent))
-            yield Writer(connection, self.path, noted=not anew)
-
-    def update(self) -> None:
-        """Bring a store of an older layout to this one; its folder must be locked. A damaged store stays as it is.
-
-        Raises:
-            BenchError: when it cannot be written.
-        """
-        with suppress(DamagedStoreError), self._open(writing=True):
-            pass
+            yield Writer(connection, self.path)
 
     def copy(self, file: Path) -> None:
         """Write all that the store holds at one moment into a new file, one without a log beside it.
@@ -236,37 +222,34 @@ class Store:
                 copy.execute("PRAGMA schema_version = 1")  # VACUUM counts it up from that of this store
 
     @contextmanager
-    def _open(self, *, rescue: bool = False, writing: bool = False) -> Iterator[sqlite3.Connection]:
-        """Yield a connection; a store of an older layout is brought to this one, or a copy of it (``migrations``)."""
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        """Yield a connection; raises BenchError for a store of another layout, or with other tables."""
         try:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
-                if rescue:
-                    connection.execute("PRAGMA writable_schema = ON")
                 version = layout(connection)
-                if version is not None and not OLDEST <= version <= VERSION:
+                if version not in (None, VERSION):
                     raise BenchError(
                         f"the store {self.path} was written in layout {version}, and this version reads layout "
                         f"{VERSION}; export it with the version that wrote it ('bench export --format csv') and import "
                         "that, or run the study into another folder"
                     )
-                if version is not None and (name := strange(connection, version, rescue=rescue)):
+                if version is not None and (name := strange(connection)):
                     raise BenchError(
                         f"the store {self.path} holds {printable(name, LONGEST)!r} in another form than 'bench run' "
-                        f"writes it, so nothing of it is read; {BEYOND_REPAIR}"
+                        f"writes it, so nothing of it is read; {RESTORE}"
                     )
-                with migrations.current(connection, self.path, writing=writing) as current:
-                    yield current
+                yield connection
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
             raise _refusal(self.path, error) from error
 
     @contextmanager
-    def _read(self, *, rescue: bool = False) -> Iterator[sqlite3.Connection]:
+    def _read(self) -> Iterator[sqlite3.Connection]:
         """Yield a connection; one to an empty store where there is none, or where a run was killed before its tables.
 
         Nothing is written.
         """
         with ExitStack() as opened:
-            connection = opened.enter_context(self._open(rescue=rescue)) if self.exists else None
+            connection = opened.enter_context(self._open()) if self.exists else None
             if connection is None or layout(connection) is None:
                 connection = opened.enter_context(closing(sqlite3.connect(":memory:")))
                 prepare(connection, Committed())
@@ -287,11 +270,9 @@ def _refusal(path: Path, error: Exception) -> BenchError:
     sentence = f"the store {path} cannot be used: {printable(str(error), LONGEST)}"
     code = getattr(error, "sqlite_errorcode", None)
     if code is not None and code & 0xFF == sqlite3.SQLITE_CORRUPT:
-        return DamagedStoreError(
-            f"{sentence}; 'bench run' into this folder keeps the trials that can be read and makes the others again"
-        )
+        return DamagedStoreError(f"{sentence}; {RESTORE}")
     if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no such table, another file
-        return BenchError(f"{sentence}; {BEYOND_REPAIR}")
+        return BenchError(f"{sentence}; {RESTORE}")
     return BenchError(f"{sentence}; what it holds is kept")
 
 

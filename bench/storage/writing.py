@@ -31,11 +31,10 @@ class Writer:
     Args:
         connection: to the store.
         path: of the store.
-        noted: whether what is committed is noted beside it, as it is unless the store is not in its place yet.
     """
 
-    def __init__(self, connection: sqlite3.Connection, path: Path, *, noted: bool = True) -> None:
-        self._connection, self.path, self._noted = connection, path, noted
+    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+        self._connection, self.path = connection, path
         self._file = _identity(path)
         self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
         self._names: dict[tuple[str | None, ...], int] = {}
@@ -167,8 +166,7 @@ class Writer:
         return int(done.rowcount)
 
     def _note(self) -> None:
-        if self._noted:
-            committed.write(self.path.parent, self._committed)
+        committed.write(self.path.parent, self._committed)
 
     def _record(self, number: int, text: str) -> None:
         values = text, record_digest(number, text.encode()), number

@@ -9,10 +9,7 @@ from bench import load_results, run
 from bench.storage.folder import Folder
 from tests.bench.storage.changes import SCATTER, change
 
-SENTENCE = (
-    "1 of 18 trials are damaged (scatter on sphere-2, trial 1); damaged trials count as missing, and 'bench run' makes "
-    "them again"
-)
+SENTENCE = "1 of 18 trials are damaged (scatter on sphere-2, trial 1)"
 
 
 @pytest.fixture(scope="module")
@@ -91,19 +88,17 @@ def test_merge_names_a_changed_trial(bench_here, changed, tmp_path):
     assert "17 trials in" in done.stdout
 
 
-@pytest.mark.slow
-def test_the_next_run_makes_it_again(bench_here, changed, made):
+def test_the_next_run_refuses_it_and_another_folder_takes_the_others(bench_here, changed, made, tmp_path):
     study, out = changed
-    planned = bench_here("run", study, "--output", out, "--dry-run")
-    assert SENTENCE in planned.stdout
-    assert "17 of them already done" in planned.stdout
-    done = bench_here("run", study, "--output", out, "--jobs", 1)
-    assert f"{SENTENCE}; 17 sound trials are kept, and the damaged store is now trials.sqlite.damaged" in done.stdout
-    again, before = load_results(out), load_results(made / "out")
+    refused = bench_here("run", study, "--output", out, "--jobs", 1)
+    assert refused.returncode == 2
+    assert f"{SENTENCE}; restore trials.sqlite from a copy, or run the study into another folder" in refused.stderr
+    other = tmp_path / "other"
+    done = bench_here("run", study, "--output", other, "--jobs", 1, "--reuse", out, "--no-report")
+    assert "17 of them already done" in done.stdout
+    again, before = load_results(other), load_results(made / "out")
     times = ["wall_s", "cpu_s", "objective_s"]
     assert again.drop(columns=times).equals(before.drop(columns=times))
-    assert "all 18 trials are as they were written" in bench_here("status", out).stdout
-    assert "all 18 trials are as they were written" in bench_here("verify", out, "--jobs", 1).stdout
 
 
 HOSTILE = """
@@ -144,6 +139,6 @@ def test_a_record_of_an_environment_that_was_changed_is_printed(bench_here, chan
     study, out = changed
     change(out / "trials.sqlite", "UPDATE environments SET record = '{}'")
     assert "environment 1: damaged record" in bench_here("status", out).stdout
-    bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
-    assert "damaged" not in bench_here("status", out).stdout
+    refused = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
+    assert "the record of environment 1 is damaged; restore trials.sqlite from a copy" in refused.stderr
     assert len(json.loads((out / "environment.json").read_text())) == 2

@@ -1,15 +1,15 @@
-"""A small study's folder that is filled by hand, and what makes it whole again after damage."""
+"""A small study's folder that is filled by hand, and what is said of its damage."""
 
 import random
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from bench import BenchError, Results, Study
+from bench import BenchError, Results
 from bench.columns import packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.storage.repair import repair
 from bench.study.cell import read, record
 from bench.trial import Trial
 
@@ -76,15 +76,12 @@ def recell(store, changed):
         writer.select(held.study, held.looks, {labels: changed.get(c, c) for labels, c in held.by_labels.items()})
 
 
-def assert_repaired(folder, whole):
-    """Mend a store, add what is missing, and compare all of it with the original."""
-    repair(folder, TRIALS)
-    folder.claim(Study.load(folder.path / "study.toml"))
-    add_missing(folder)
-    assert folder.store.check(structure=True).sound
-    results, original = Results(folder.path), Results(whole.path)
-    pd.testing.assert_frame_equal(results.frame, original.frame, check_exact=True)
-    assert traces(results) == traces(original)
+def assert_refused(folder):
+    """No run adds to a damaged store, which stays as it is."""
+    before = folder.store.path.read_bytes()
+    with pytest.raises(BenchError):
+        folder.require_sound()
+    assert folder.store.path.read_bytes() == before
 
 
 def damage_of(folder, original, frame, known):

@@ -7,12 +7,11 @@ import shutil
 import pandas as pd
 import pytest
 
-from bench import BenchError, Results, load_results, run
+from bench import BenchError, Results, load_results
 from bench.columns import packed
 from bench.storage.committed import FILE, Committed, read
 from bench.storage.folder import Folder
-from bench.storage.repair import ASIDE, repair
-from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_repaired, damage_of, rows, traces
+from tests.bench.storage.filled import RECORD, damage_of, rows, traces
 
 MORE = 67  # trials in the write-ahead log alone
 
@@ -68,7 +67,7 @@ def test_a_killed_run_leaves_all_it_committed(killed, left, filled):
 
 @pytest.mark.parametrize("damage", [flip, cut, remove])
 @pytest.mark.parametrize("seeds", [range(8), pytest.param(range(8, 80), marks=pytest.mark.slow)], ids=["few", "many"])
-def test_damage_of_the_log_is_noticed_and_what_it_held_is_made_again(damage, seeds, killed, filled, tmp_path):
+def test_damage_of_the_log_is_noticed(damage, seeds, killed, filled, tmp_path):
     original = Results(filled.path)
     frame, known = original.frame, traces(original)
     noticed = 0
@@ -78,38 +77,30 @@ def test_damage_of_the_log_is_noticed_and_what_it_held_is_made_again(damage, see
         said = damage_of(spoilt, original, frame, known)
         assert said in ("", spoilt.store.check().sentence) or "copy: " in said, seed
         noticed += bool(said)
-        assert bool(repair(spoilt, TRIALS)) == bool(said), seed
-        add_missing(spoilt)
-        again = Results(spoilt.path)
-        assert not again.damage, seed
-        pd.testing.assert_frame_equal(again.frame, frame, check_exact=True)
-        assert traces(again) == known, seed
     assert noticed
 
 
-def test_the_number_of_lost_trials_is_reported(left, filled):
+def test_the_number_of_lost_trials_is_reported(left):
     (left.path / "trials.sqlite-wal").unlink()
-    sentence = f"{MORE} of 120 committed trials are missing; 'bench run' makes them again"
+    sentence = f"{MORE} of 120 committed trials are missing"
     assert left.store.check_count().sentence == left.store.check().sentence == sentence
     assert Results(left.path).damage == [f"left: {sentence}"]
     with pytest.warns(UserWarning, match=f"{MORE} of 120 committed trials are missing"):
         assert len(load_results(left.path)) == 120 - MORE
     with pytest.raises(BenchError, match=f"cannot be written: {MORE} of 120"), left.store.writer():
         pass
-    said = repair(left, TRIALS)
-    assert said == f"{sentence}; {120 - MORE} sound trials are kept, and the damaged store is now {ASIDE}"
-    assert_repaired(left, filled)
+    with pytest.raises(BenchError, match=f"{sentence}; restore trials.sqlite from a copy"):
+        left.require_sound()
 
 
 @pytest.mark.parametrize("what", ["emptied", "removed"])
-def test_a_store_that_is_gone_is_not_taken_for_a_new_one(what, left, filled):
+def test_a_store_that_is_gone_is_not_taken_for_a_new_one(what, left):
     left.store.path.write_bytes(b"") if what == "emptied" else left.store.path.unlink()
     assert left.store.check_count().sentence.startswith("120 of 120 committed trials are missing")
     with pytest.raises(BenchError, match="cannot be written: 120 of 120"), left.store.writer():
         pass
-    assert repair(left, TRIALS).startswith("120 of 120 committed trials are missing; 'bench run' makes them again; 0 ")
-    assert repair(left, TRIALS) == ""
-    assert_repaired(left, filled)
+    with pytest.raises(BenchError, match="120 of 120 committed trials are missing; restore"):
+        left.require_sound()
 
 
 def test_an_older_copy_of_the_store_is_noticed_though_it_has_as_many_rows(spoilt):
@@ -120,9 +111,7 @@ def test_an_older_copy_of_the_store_is_noticed_though_it_has_as_many_rows(spoilt
     with spoilt.store.writer() as writer:
         writer.add(trial, packed(row))
     spoilt.store.path.write_bytes(older)
-    assert spoilt.store.check().sentence == "the last 1 commits are lost; 'bench run' makes them again"
-    assert "; 120 sound trials are kept" in repair(spoilt, TRIALS)
-    assert repair(spoilt, TRIALS) == ""
+    assert spoilt.store.check().sentence == "the last 1 commits are lost"
 
 
 @pytest.mark.parametrize("note", [None, b"", b"{", b"[]", b'{"commits": 3}', b'{"commits": "x", "trials": 7}'])
@@ -140,8 +129,7 @@ def test_a_note_that_is_missing_or_damaged_is_written_again(note, spoilt):
 def test_a_note_that_lags_behind_after_a_kill_is_no_damage(spoilt):
     noted = read(spoilt.path)
     (spoilt.path / FILE).write_text(json.dumps(Committed(noted.commits - 1, noted.trials - 1)._asdict()))
-    assert spoilt.store.check().sound
-    assert repair(spoilt, TRIALS) == ""
+    spoilt.require_sound()
 
 
 def test_removed_trials_are_not_missing(spoilt):
@@ -177,7 +165,7 @@ def deletes(objective, rng):
 
 
 @pytest.mark.slow
-def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_made_again(bench_here, tmp_path):
+def test_a_store_that_is_deleted_during_a_run_is_an_error(bench_here, tmp_path):
     out = tmp_path / "out"
     (tmp_path / "hostile.py").write_text(DELETES.format(path=str(out / FILE)))
     study = tmp_path / "study.toml"
@@ -197,23 +185,5 @@ def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_mad
     (tmp_path / "hostile.py").write_text(DELETES.format(path=""))
     (out / "environment.json").unlink(missing_ok=True)
     again = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
-    assert again.returncode == 0, again.stderr
-    assert f"{lost} of {lost} committed trials are missing" in again.stdout
-    assert len(load_results(out)) == 6
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("share", [0.5, 0.8, 0.95])
-def test_a_run_into_a_store_that_was_cut_short_repairs_it(share, small_study, tmp_path):
-    folder = Folder(tmp_path / "out")
-    run(small_study.override(trials=60), folder.path, jobs=2)
-    before, content = load_results(folder.path), folder.store.path.read_bytes()
-    folder.store.path.write_bytes(content[: int(share * len(content)) // 4096 * 4096])
-    plans = []
-    run(small_study.override(trials=60), folder.path, jobs=2, on_plan=plans.append)
-    assert "sound trials are kept" in plans[0].notes[0]
-    times = ["wall_s", "cpu_s", "objective_s"]
-    pd.testing.assert_frame_equal(
-        load_results(folder.path).drop(columns=times), before.drop(columns=times), check_exact=True
-    )
-    assert folder.store.check(structure=True).sound
+    assert again.returncode == 2
+    assert f"{lost} of {lost} committed trials are missing; restore" in again.stderr

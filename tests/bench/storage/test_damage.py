@@ -1,0 +1,97 @@
+"""Damage is named, what is read beside it is as it was written, and no run adds to it."""
+
+import random
+import shutil
+import sqlite3
+from contextlib import closing
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, load_results, run
+from bench.storage.folder import Folder
+from tests.bench.storage.changes import change
+from tests.bench.storage.filled import damage_of, traces
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE environments SET record = replace(record, 'here', 'there')", "UPDATE environments SET record = 7",
+        "UPDATE environments SET record = '[[['", "UPDATE environments SET digest = NULL", "DELETE FROM environments",
+    ],
+)  # fmt: skip
+def test_a_changed_record_of_an_environment_is_named_and_its_trials_kept(statement, spoilt, filled):
+    change(spoilt.store.path, statement)
+    found = spoilt.store.check()
+    assert found.environments == [1]
+    assert found.sentence == "the record of environment 1 is damaged"
+    assert len(Results(spoilt.path).frame) == 120
+    with pytest.raises(BenchError, match=r"the record of environment 1 is damaged; restore trials\.sqlite from a copy"):
+        spoilt.require_sound()
+
+
+def damaged_copy(filled, folder, seed):
+    """Write sixteen random bytes to a random place of a copy of a store."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(filled.path, folder)
+    spoilt, rng = Folder(folder), random.Random(seed)
+    content = bytearray(spoilt.store.path.read_bytes())
+    place = rng.randrange(len(content) - 16)
+    content[place : place + 16] = rng.randbytes(16)
+    spoilt.store.path.write_bytes(content)
+    return spoilt
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(20), pytest.param(range(20, 200), marks=pytest.mark.slow)], ids=["few", "many"]
+)
+def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, filled, tmp_path):
+    with closing(sqlite3.connect(filled.store.path)) as connection:
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    original = Results(filled.path)
+    frame, known = original.frame, traces(original)
+    noticed = 0
+    for seed in seeds:
+        spoilt = damaged_copy(filled, tmp_path / "copy", seed)
+        said = damage_of(spoilt, original, frame, known)
+        noticed += bool(said)
+        if said:
+            with pytest.raises(BenchError):
+                spoilt.require_sound()
+    assert noticed > len(seeds) / 5  # the rest hit unused space
+
+
+@pytest.mark.parametrize("hole", [slice(0, 4096), slice(100, 4096), slice(4096, None), slice(-4096 * 3, -4096)])
+def test_a_store_that_cannot_be_read_is_one_sentence_and_stays(hole, spoilt):
+    content = bytearray(spoilt.store.path.read_bytes())
+    content[hole] = bytes(len(content[hole]))
+    spoilt.store.path.write_bytes(content)
+    with pytest.raises(BenchError, match=r"restore .* from a copy, or"):
+        spoilt.require_sound()
+    assert spoilt.store.path.read_bytes() == content
+
+
+def test_a_sound_store_stays_as_it_is(spoilt):
+    before = spoilt.store.path.read_bytes()
+    spoilt.require_sound()
+    assert spoilt.store.path.read_bytes() == before
+    assert spoilt.noted("store.json")["sentence"] == "all 120 trials are as they were written"
+
+
+def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(small_study, tmp_path):
+    folder, other = Folder(tmp_path / "out"), tmp_path / "other"
+    run(small_study, folder.path, jobs=1)
+    before = load_results(folder.path)
+    change(
+        folder.store.path,
+        "UPDATE results SET fun = 0 WHERE trial = 1",
+        "UPDATE results SET trace = NULL WHERE trial = 2",
+    )
+    with pytest.raises(BenchError, match=r"12 of 18 trials are damaged \(.*into another folder with --reuse"):
+        run(small_study, folder.path, jobs=1)
+    made = []
+    run(small_study, other, jobs=1, reuse=[folder.path], on_trial=lambda trial, _: made.append(trial.key))
+    assert len(made) == len(set(made)) == 12
+    times = ["wall_s", "cpu_s", "objective_s"]
+    pd.testing.assert_frame_equal(load_results(other).drop(columns=times), before.drop(columns=times), check_exact=True)
