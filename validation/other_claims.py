@@ -1,12 +1,9 @@
 """How often a page marks a difference beside its verdict where there is none, by simulation.
 
-    python validation/other_claims.py [STUDIES] [stars] [features] [leads]     # default: 300 studies a row, 15 minutes
+    python validation/other_claims.py [STUDIES] [stars] [leads]     # default: 300 studies a row, 15 minutes
 
 - A star of the table of running times: identical optimizers; the time to each target is lognormal and increases with
   the target, and a trial ends by chance on the way. "grid": times are multiples of a population of 300.
-- A "significant" feature of landscapes: features and medians are random and have nothing to do with each other; a share
-  of both is that of the function and the same in all dimensions. "shift": both also grow with the dimension. "ties":
-  features have four values.
 - A lead at a smaller budget: identical optimizers, whose best values decrease in steps that are independent of each
   other ("steps") or all come from one basin of two ("basins"); the leader is the one that most often ends lower.
 """
@@ -18,18 +15,16 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.direction import wins
-from bench.analysis.landscape import feature_ranks
 from bench.analysis.running_time import separably_fastest
 from bench.analysis.stages import SHARES, earlier_leads
 from bench.objective import Trace
 
-FEATURES = 26  # of a report
 BUDGET = 10_000
 
 
 def main() -> None:
     studies = int(sys.argv[1]) if len(sys.argv) > 1 else 300
-    parts = {"stars": ("a star", stars), "features": ("a significant feature", features), "leads": ("a lead", leads)}
+    parts = {"stars": ("a star", stars), "leads": ("a lead", leads)}
     for title, rows in (parts[name] for name in sys.argv[2:] or parts):
         print(f"\n{title:62} share of {studies} studies (standard error)", flush=True)
         for label, claims in rows():
@@ -58,32 +53,6 @@ def star(rng: np.random.Generator, k: int, functions: int, targets: int, n: int,
     table = pd.DataFrame({"evaluations": np.where(reached, times, np.inf).ravel()}, index).reset_index()
     table["optimizer"] = table["optimizer"].map("o{}".format)
     return len(separably_fastest(table.assign(target=table["tau"], spent=BUDGET))) > 0
-
-
-def features() -> Iterator[tuple[str, Callable[[np.random.Generator], bool]]]:
-    for functions, dimensions, k, share in [(24, 3, 5, 0.5), (24, 3, 5, 1.0), (12, 2, 10, 0.8), (8, 6, 2, 0.9)]:
-        for kind in ("", "shift", "ties"):
-            label = f"{functions} functions in {dimensions} dimensions, {k} optimizers, share {share:g} {kind}".strip()
-            yield label, lambda rng, design=(functions, dimensions, k, share, kind): feature(rng, *design)
-
-
-def feature(rng: np.random.Generator, functions: int, dimensions: int, k: int, share: float, kind: str) -> bool:
-    """Return whether a feature that has nothing to do with ranks is called significant."""
-
-    def drawn(number: int) -> np.ndarray:
-        own = rng.standard_normal((functions, dimensions, number))
-        kept = np.sqrt(share) * rng.standard_normal((functions, 1, number)) + np.sqrt(1 - share) * own
-        shift = np.arange(dimensions)[:, np.newaxis] * rng.standard_normal(number) if kind == "shift" else 0.0
-        return (kept + shift).reshape(functions * dimensions, number)
-
-    names = [f"f{f}-d{d}" for f in range(functions) for d in range(dimensions)]
-    x = drawn(FEATURES)
-    table = pd.DataFrame(np.digitize(x, [-0.7, 0.0, 0.7]) if kind == "ties" else x, names).add_prefix("x")
-    blocks, places = ({name: name.split("-")[place] for name in names} for place in (0, 1))
-    found = feature_ranks(
-        table, pd.DataFrame(drawn(k), names), blocks, {name: int(place[1:]) for name, place in places.items()}
-    )
-    return bool(found["significant"].any())
 
 
 def leads() -> Iterator[tuple[str, Callable[[np.random.Generator], bool]]]:

@@ -33,7 +33,7 @@ app = typer.Typer(
 )
 PANELS = {
     "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
-    "Read": ("status", "report", "plan", "recommend", "similar", "describe", "complexity"),
+    "Read": ("status", "report", "plan", "complexity"),
     "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
     "Share": ("export", "import_", "pack", "unpack"),
 }

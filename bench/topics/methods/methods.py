@@ -35,7 +35,6 @@ from bench.topics.equivalence.section import beside_rope
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import Replication, each_problem
 from bench.topics.findings.trials import sweeps
-from bench.topics.landscapes.features import landscapes
 from bench.topics.methods import problem_words
 from bench.topics.subject.against import against, subject_methods
 from bench.topics.sweeps.section import by_sweep
@@ -104,7 +103,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "subject": subject_methods(findings.of(against)) if findings.subject and len(final.medians) else "",
         "subject_tested": final.subject,
         "rope": final.rope if len(findings.of(beside_rope)) else None,
-        "landscapes": len(findings.of(landscapes).table),
         "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,
         "budgets": {label: budget.words for label, budget in results.budgets.items()},
         "common": trials.common_words,

@@ -1,1 +1,0 @@
-"""A topic of reports: what kind of problems these are."""
