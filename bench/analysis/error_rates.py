@@ -74,22 +74,19 @@ class ClaimRates(NamedTuple):
     any: float
 
 
-def levels(sizes: Sequence[int], pairs: int, tests: int, looks: bool = False, alpha: float = ALPHA) -> Levels:
+def levels(sizes: Sequence[int], pairs: int, tests: int, alpha: float = ALPHA) -> Levels:
     """Divide ``alpha`` between the tests on problems, those over all problems and the course, by the design alone.
 
     So all claims of a page together err with ``alpha`` at most. Where no test on a problem could be significant, and
     where there is one problem, on which both kinds of tests are the same, the tests over all problems have the level
-    of both. Declared looks spend all of ``alpha`` on problems.
+    of both.
 
     Args:
         sizes: the trials of the smaller cell of each pair, by problem.
         pairs: of optimizers.
         tests: pairs times problems.
-        looks: whether the study declares looks.
         alpha: the level of all claims.
     """
-    if looks:
-        return Levels(alpha if _can_reject(max(sizes, default=0), tests, alpha) else 0.0, 0.0)
     course = alpha * COURSE / ALPHA
     on_problems, both = alpha * ON_PROBLEMS / ALPHA, alpha - course
     if not _can_reject(len(sizes) * min(sizes, default=0), pairs, both):
@@ -102,12 +99,12 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, looks: bool = False, al
     return Levels(on_problems, both - on_problems, course)
 
 
-def enough_trials(problems: int, pairs: int, tests: int, looks: bool = False) -> tuple[int, float]:
+def enough_trials(problems: int, pairs: int, tests: int) -> tuple[int, float]:
     """Return the trials a cell from which on a test on a problem can be significant, and the level that it then has.
 
     Arguments are those of :func:`levels`, for the same number of trials on each of the ``problems``.
     """
-    found = ((n, levels([n] * max(problems, 1), pairs, tests, looks).problems) for n in itertools.count(1))
+    found = ((n, levels([n] * max(problems, 1), pairs, tests).problems) for n in itertools.count(1))
     return next((n, level) for n, level in found if level)
 
 

@@ -16,7 +16,6 @@ from bench.analysis.comparable import blames_problem
 from bench.analysis.finished_trials import CHECKS, Boxes, CheckResult, Evidence, cell_names, judge, percent, where
 from bench.helpers.text import count, listed
 from bench.storage.reading import StoreCheck
-from bench.study.looks import LEAST
 
 Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
 
@@ -30,6 +29,7 @@ class Trait(NamedTuple):
     well: str  # what was not found, and is not shown to be absent; goes before "any of the 5 optimizers"
 
 
+LEAST = 6  # trials of a cell: with fewer not even complete separation has a p of at most 0.05
 TRAITS = {
     "centre bias": Trait(  # Kudela 2022
         "Errors are higher when the optimum is moved away from the centre of the box",
@@ -92,7 +92,7 @@ def integrity(
             (``VERIFICATION`` of :mod:`bench.storage.folder`), empty where there is none.
         stores: the outcome of reading each folder's store (:attr:`bench.Results.stores`).
         extensions: the trials of each cell that were complete, and those then asked for, of each run that asked for
-            more trials without declared looks.
+            more trials.
     """
     findings = {
         "completeness": _completeness(frame, planned_trials),
@@ -161,8 +161,8 @@ def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]
         steps = listed(
             [f"{held:,} trials of each cell were complete when {asked:,} were asked for" for held, asked in stopping]
         )
-        return CheckResult("warning", f"Trials were added to complete ones, and no looks were declared: {steps}.")
-    return CheckResult("pass", "No run on record added trials to complete ones without declared looks.")
+        return CheckResult("warning", f"Trials were added to complete ones: {steps}.")
+    return CheckResult("pass", "No run on record added trials to complete ones.")
 
 
 def _failures(frame: pd.DataFrame) -> CheckResult:

@@ -26,7 +26,6 @@ from scipy.stats import norm
 from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA, effects_of_draws, p_values, stratified
 from bench.analysis.error_rates import trials_to_separate
-from bench.analysis.sequential import levels
 from bench.analysis.strata import strata
 from bench.typing import Floats
 
@@ -45,7 +44,7 @@ COLUMNS = (
 
 def trials_needed(
     frame: pd.DataFrame, pairs: pd.DataFrame, standing: pd.DataFrame, *, power: float = POWER,
-    alpha: float = ALPHA, looks: Sequence[int] = (), seed: int = 0,
+    alpha: float = ALPHA, seed: int = 0,
 ) -> pd.DataFrame:  # fmt: skip
     """Return one row a pair that is not separated: the trials of each of its optimizers that would separate it.
 
@@ -61,12 +60,10 @@ def trials_needed(
             a problem count.
         power: the chance to separate a pair, which is to be reached.
         alpha: the level of the tests on all problems together.
-        looks: the study's declared looks: the level of a pair is then that of the last one.
         seed: of the simulation.
     """
     chosen = (pairs["lower"] == "").to_numpy(dtype=bool)
     level = alpha / max(int(chosen.sum()), 1)
-    level = levels(tuple(looks), level)[-1] if looks else level
     if not (simulated := chosen.sum() <= MOST_PAIRS):
         best = standing[standing["rank"] == standing.groupby("problem", observed=True)["rank"].transform("min")]
         leaders = pd.MultiIndex.from_frame(best[["problem", "optimizer"]].astype(object))

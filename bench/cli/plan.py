@@ -33,7 +33,7 @@ def command(
     optimizer ends lower, as it is, with more trials, and with more problems.
 
     A pair is separated where a report calls one optimizer separably lower. The estimates are as uncertain as the
-    trials; for a new study, declare looks: [looks] trials = [10, 20, 30].
+    trials; use them for a new study with another seed.
     """
     if not is_finite(power) or not 0.05 <= power <= 0.99:
         raise BenchError(f"the power is a chance from 0.05 to 0.99, such as 0.8, not {power:g}")

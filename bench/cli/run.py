@@ -247,6 +247,6 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool, eac
     if seconds is None:
         estimate = f"no duration can be estimated: {source}"
     else:
-        most = "at most " if plan.study.looks else "at least " if plan.study.parallel > 1 else ""
+        most = "at least " if plan.study.parallel > 1 else ""
         estimate = f"{most}about {duration(seconds / workers)} with {count(workers, 'job')}, estimated from {source}"
     print_line(estimate, console=console)

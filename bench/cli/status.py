@@ -86,33 +86,22 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
 
 def summary(folder: Folder) -> Group:
     """Return a table of finished and failed trials by optimizer, and a line for a run that is under way."""
-    from bench.execution.looks import stopped_cells
-
-    study = folder.study()
-    cells, stopped = folder.store.cells(), stopped_cells(study, folder.store)
-    most = {
-        (problem.label, entry.label): stopped.get((problem.label, entry.label), study.trials)
-        for problem in study.problems
-        for entry in study.optimizers
-    }
+    study, cells = folder.study(), folder.store.cells()
+    planned = len(study.problems) * study.trials
     rows = []
     for entry in study.optimizers:
         its_cells = [cell for cell in cells if cell.optimizer == entry.label]
         done, lost = sum(cell.done for cell in its_cells), sum(cell.failed for cell in its_cells)
         seconds = sum(cell.wall_s for cell in its_cells)  # 0 of imported trials, whose times are unknown
         mean = f"{seconds / done:.3g}" if done and seconds else ""
-        planned = sum(trials for (_, label), trials in most.items() if label == entry.label)
         rows.append((entry.label, done, Text(str(lost), "red" if lost else ""), planned, mean))
     head = Text(f"study {study.name}" + f": {study.title}" * bool(study.title)), Text(f"study hash {study.identity()}")
     lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
     if returned := folder.store.undeclared():
         lines.append(Text(too_early(returned), "red"))
     lines += map(Text, _kept(folder))
-    if study.looks:
-        at = ", ".join(f"{list(stopped.values()).count(look)} at {look}" for look in sorted({*stopped.values()}))
-        lines.append(Text(f"looks at {study.looks.words} trials; cells decided: {at or 'none'}, of {len(most)}"))
     if running := folder.running():
-        left = sum(most.values()) - sum(cell.done for cell in cells)
+        left = planned * len(study.optimizers) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
     return Group(*lines)
 

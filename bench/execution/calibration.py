@@ -52,7 +52,7 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
-    some = replace(study, problems=study.problems[::step][:PROBLEMS], looks=(), blocks=None, tuning=None)
+    some = replace(study, problems=study.problems[::step][:PROBLEMS], blocks=None, tuning=None)
     probed = {} if each is not None else _probed(some, untrusted)
     if isinstance(probed, str):
         return TimeEstimate(None, probed)

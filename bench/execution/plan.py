@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, takewhile
+from itertools import islice
 
 from bench.errors import BenchError
 from bench.storage.store import CellCounts
@@ -47,24 +47,17 @@ class Plan:
     finished: set[Key]  # the trials that need not be made; a run adds those that it makes
     cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
     notes: Sequence[str] = ()  # warnings to print before the run begins
-    stopped: dict[tuple[str, str], int] = field(default_factory=dict)  # trials of the cells that looks stopped so far
     seeds: Mapping[Labels, Labels] = field(default_factory=dict)  # of cells: the labels that seeds are made from
     verify: bool = False  # whether one trial of each optimizer is made again at the end
 
     def trials(self) -> Iterator[Trial]:
         """Yield every trial, finished or not, in the order in which they are to be made."""
-        plan = (trial for trial in self.study.plan(self.seeds) if trial.number < self.most(*trial.key[:2]))
+        plan = self.study.plan(self.seeds)
         return plan if self.shard is None else islice(plan, self.shard.number - 1, None, self.shard.of)
 
-    def missing(self, before: int | None = None) -> Iterator[Trial]:
-        """Yield the trials, those numbered below ``before``, that are not finished at the moment they are reached."""
-        trials = self.trials()
-        wanted = trials if before is None else takewhile(lambda trial: trial.number < before, trials)
-        return (trial for trial in wanted if trial.key not in self.finished)
-
-    def most(self, problem: str, optimizer: str) -> int:
-        """Return the number of trials that a cell is to have, as far as the looks so far decide."""
-        return self.stopped.get((problem, optimizer), self.study.trials)
+    def missing(self) -> Iterator[Trial]:
+        """Yield the trials that are not finished at the moment they are reached."""
+        return (trial for trial in self.trials() if trial.key not in self.finished)
 
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from time import monotonic
 from typing import Any
@@ -45,12 +45,6 @@ class Display:
         for label in ("", *(entry.label for entry in plan.study.optimizers)):
             self._bars[label] = self._progress.add_task(label or "all", total=0)
         self._present = self._count(plan)
-
-    def look(self, look: int, plan: Plan) -> None:
-        """Print the decisions of a look, and remove the trials that it stopped from the bars."""
-        now = [cell for cell, most in plan.stopped.items() if most == look]
-        print_line(f"look at {look} trials: {_decided(now, plan, look)}", console=self._console)
-        self._count(plan)
 
     def trial(self, trial: Trial, row: dict[str, Any]) -> None:
         """Count one finished trial; print a failed one at once."""
@@ -103,7 +97,7 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     functions = {function_of(entry.label) for entry in study.problems}
     pooled = f" ({len(functions):,} with instances pooled)" if len(functions) < len(study.problems) else ""
     size = f"{count(len(study.problems), 'problem')}{pooled} x {count(len(study.optimizers), 'optimizer')} x "
-    size += f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')}"
+    size += count(study.trials, "trial")
     part = f"; shard {plan.shard} of them: {count(total, 'run')}" if plan.shard else f" = {count(total, 'run')}"
     done = f", {present:,} of them already done" if present else ""
     print_line(f"study {study.name}: {size}{part} of {study.budget_words}{done}", console=console)
@@ -113,17 +107,5 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     if total > present:
         checks = f"{count(total - present, 'evaluation')} more: each run's best point is evaluated again"
         print_line(checks, console=console)
-    if study.looks:
-        print_line(f"looks at {study.looks.words} trials: {_decided([], plan)}", console=console)
     for note in plan.notes:
         print_line(note, "yellow", console)
-
-
-def _decided(now: Sequence[tuple[str, str]], plan: Plan, look: int = 0) -> str:
-    """Return in words how many cells are decided by all looks so far, and those of them that the last ``look`` did."""
-    named = ", ".join(f"{optimizer} on {problem}" for problem, optimizer in now[:SHOWN])
-    more = f" and {len(now) - SHOWN} more" if len(now) > SHOWN else ""
-    stopped = "" if look == plan.study.trials else " and stopped"
-    cells, total = len(plan.study.problems) * len(plan.study.optimizers), len(plan.stopped)
-    newly = f"decided{stopped} {named}{more}; " if now else ""
-    return f"{newly}{total} of {cells} cells {'is' if total == 1 else 'are'} decided"

@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,6 @@ from bench.execution.again import Repetition
 from bench.execution.backends import open_pool
 from bench.execution.job import Task
 from bench.execution.local import Answer
-from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
@@ -37,7 +35,6 @@ from bench.trial import Trial
 
 StudyLike = Study | Mapping[str, object] | str | PathLike[str]
 Listener = Callable[[Trial, dict[str, Any]], None]
-OnLook = Callable[[int, Plan], None]
 
 
 @dataclass(frozen=True)
@@ -80,7 +77,6 @@ def run(
     reuse: Sequence[str | PathLike[str]] = (),
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
-    on_look: OnLook | None = None,
     progress: bool | None = None,
 ) -> Outcome:
     """Run every trial of a study that its folder does not hold yet.
@@ -88,8 +84,6 @@ def run(
     Rerunning the same call continues where the last one ended; failed trials are tried again. Results depend on the
     study alone: not on the number of jobs, on the order of trials or on the other optimizers. Every optimizer runs in
     processes of its own, so that one that hangs or crashes costs only its own trials.
-
-    A study with looks is run look by look: after each, the cells that the look decided get no more trials.
 
     Args:
         study: a study, a dict of what its file would hold, the name of an installed one, or a TOML file's path.
@@ -108,8 +102,6 @@ def run(
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
-        on_look: called after every look for which trials were made, with its number of trials and the plan, whose
-            ``stopped`` are the cells decided by then.
         progress: whether to print the plan, the trials done and the failures; by default in a notebook only.
 
     Raises:
@@ -157,13 +149,12 @@ def run(
             extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
         )
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
-        lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
 
         def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
             return pool.answers(task, checked.machine, missing, under_way.begin)
 
-        answers, repetition = _answers(plan, folder, make, lookers), Repetition(study)
-        made = _make(plan, folder, answers, about, interrupts, repetition, listeners)
+        repetition = Repetition(study)
+        made = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
@@ -219,11 +210,6 @@ def _resolved(
     part = None if shard is None else Shard.parse(shard)
     study = study if isinstance(study, Study) else Study.load(study)
     study.require_sound()
-    if part and study.looks:
-        raise BenchError(
-            f"study {study.name!r} declares looks, at which all of its trials are compared, so no part of it can be "
-            "run alone; leave out --shard, or use many machines with --backend dask"
-        )
     return study, Folder(default_path(study) if output is None else output), part
 
 
@@ -237,11 +223,6 @@ def _plan(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
             "differ in their last digits and their times; the report lists them separately"
         )
-    if blind := blind_looks(study):
-        notes.append(
-            f"so little of the level is spent by the look{'s' if len(blind) > 1 else ''} at "
-            f"{', '.join(map(str, blind))} of {study.trials} trials that nothing can be decided there"
-        )
     if study.time is not None:
         notes.append(
             f"a trial ends after {duration(study.time)}, whatever it has evaluated by then: where that comes before "
@@ -254,8 +235,8 @@ def _plan(
         )
     store = folder.store
     shown = selection.labels_in(store.held())
-    finished, stopped = store.keys(finished_only=True, shown=shown), stopped_cells(study, store)
-    return Plan(study, shard, finished, store.cells(shown), notes, stopped, selection.seeds, verify)
+    finished = store.keys(finished_only=True, shown=shown)
+    return Plan(study, shard, finished, store.cells(shown), notes, selection.seeds, verify)
 
 
 def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder]) -> list[str]:
@@ -268,31 +249,6 @@ def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder]) ->
 def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:
     """Return whether the folder holds that many trials of each cell, failed ones included."""
     return not any(Plan(replace(study, trials=trials), shard, folder.store.keys()).missing())
-
-
-def _answers(
-    plan: Plan,
-    folder: Folder,
-    make: Callable[[Callable[[], Iterator[Trial]]], Iterator[Answer]],
-    lookers: Sequence[OnLook],
-) -> Iterator[Answer]:
-    """Yield the answers of the trials that are missing, look by look; decide after each look what is stopped.
-
-    Every answer is committed before the next one is asked for.
-    """
-    if not plan.study.looks:
-        yield from make(plan.missing)
-        return
-    for look in plan.study.looks:
-        missing = partial(plan.missing, look)
-        if next(missing(), None) is None:
-            continue
-        yield from make(missing)
-        stopped = stopped_cells(plan.study, folder.store)
-        plan.stopped.clear()
-        plan.stopped.update(stopped)
-        for on_look in lookers:
-            on_look(look, plan)
 
 
 def _make(

@@ -78,8 +78,6 @@ class StoredResults:
         budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
         planned: the trials that each cell of an optimizer should hold, by the label shown; 0 of imported runs, which
             follow no plan that is known.
-        looked: the names of the folders whose looks stopped cells, where several folders, or a selection, are
-            compared: each cell then holds as many trials as the first look at least.
         differences: sentences on how the folders differ where imported results are among them; else none.
         checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
@@ -99,13 +97,8 @@ class StoredResults:
         self.study = self.whole = united([source.study for source in self._sources], self.names, self._stored_dimension)
         shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
         self.budgets = {label: source.budgets[label] for label, (_, source) in shown.items()}
-        self.looked = [source.name for source in self._sources if source.study.looks and others]
-        trials = {
-            source.name: source.study.looks[0] if source.name in self.looked else source.study.trials
-            for source in self._sources
-        }
         self.planned = {
-            label: 0 if is_imported(name) or label not in source.shown.values() else trials[source.name]
+            label: 0 if is_imported(name) or label not in source.shown.values() else source.study.trials
             for label, (name, source) in shown.items()
         }
         self.versions = {label: number for source in self._sources for label, number in source.versions.items()}
@@ -135,7 +128,7 @@ class StoredResults:
         """Return the results of some optimizers on some problems, read anew.
 
         Whoever chooses after a look at the results chooses among claims, so a report of a selection says what it is
-        selected from. Where looks were declared, the selection compares whatever they left of each cell.
+        selected from.
 
         Args:
             optimizers: one or more labels or patterns such as ``"gwo*"``; by default all.
@@ -149,11 +142,6 @@ class StoredResults:
         chosen._problem, chosen._facts = self._problem, self._facts
         chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
         kept, labels = ({entry.label for entry in group} for group in (chosen.study.optimizers, chosen.study.problems))
-        looked = [source for source in self._sources if source.study.looks]
-        if looked and not chosen.study.looks:
-            chosen.looked = [source.name for source in looked]
-            least = {label: source.study.looks[0] for source in looked for label in source.shown.values()}
-            chosen.planned |= {label: least[label] for label in chosen.planned if label in least}
         for by_optimizer in (chosen.budgets, chosen.planned, chosen.checks):
             for label in by_optimizer.keys() - kept:
                 del by_optimizer[label]

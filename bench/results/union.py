@@ -61,7 +61,6 @@ def united(studies: Sequence[Study], names: Sequence[str], stored: Callable[[str
         budget=_largest(studies, problems, stored),
         problems=tuple(problems.values()),
         optimizers=tuple(entry for study in studies for entry in study.optimizers),
-        looks=(),  # each folder was stopped by its own pairs
     )
 
 

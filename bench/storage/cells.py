@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,7 +9,6 @@ from dataclasses import dataclass, field
 from bench.storage.rows import binding, decoded, digest
 from bench.study.cell import Cell, Labels
 from bench.study.cell import read as read_record
-from bench.study.looks import Looks
 
 
 @dataclass
@@ -21,13 +19,11 @@ class Cells:
         all: every cell by its number.
         selected: the labels of those that the last study selects, by their number.
         study: the identity of that study (:meth:`bench.study.Study.identity`); "" before the first.
-        looks: those that it declared.
     """
 
     all: dict[int, Cell] = field(default_factory=dict)
     selected: dict[int, Labels] = field(default_factory=dict)
     study: str = ""
-    looks: Looks = field(default_factory=Looks)
 
     @property
     def by_labels(self) -> dict[Labels, Cell]:
@@ -85,7 +81,7 @@ def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
     return {number: Cell(decoded(problem), decoded(optimizer), *rest) for number, problem, optimizer, *rest in rows}
 
 
-def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str, Looks]:
+def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str]:
     selected = connection.execute("SELECT cell, problem, optimizer FROM selected ORDER BY cell").fetchall()
     studies = connection.execute("SELECT identity, looks, digest FROM study").fetchall()
     identity, looks, noted = studies[0] if len(studies) == 1 else (b"", b"", None)
@@ -94,7 +90,7 @@ def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str, L
         error = sqlite3.DatabaseError("the selection of cells is not as it was written")
         error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
         raise error
-    return labelled, decoded(identity), Looks(json.loads(looks or b"[]"))
+    return labelled, decoded(identity)
 
 
 def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
@@ -103,6 +99,6 @@ def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
 
 
 def selection_digest(identity: str, looks: str, selected: Mapping[int, Labels]) -> bytes:
-    """Return the digest of a study's identity, of its looks as JSON and of what it selects."""
+    """Return the digest of a study's identity, of a second column and of what it selects."""
     parts = (part for number in sorted(selected) for part in (number, *selected[number]))
     return digest(b"", (identity, looks, *parts))

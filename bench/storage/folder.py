@@ -97,31 +97,16 @@ class Folder:
         """Return a study as it is to be run here, and its cells, of which the folder may hold some; write nothing.
 
         Fewer trials than before do not shrink a folder.
-
-        Raises:
-            BenchError: where looks were declared before, or are declared now, and trials were made of another study.
         """
         held, trials, asked = self.store.held(), self.store.trials(), study.trials
-        if not study.looks and not held.looks:
-            with suppress(BenchError):
-                study = study.override(trials=max(asked, Study.load(self.path / STUDY).trials))
+        with suppress(BenchError):
+            study = study.override(trials=max(asked, Study.load(self.path / STUDY).trials))
         selection = select(study.cells(found), study.trials, held, trials)
         if asked < study.trials:
             selection.notes.append(
                 f"{self.path} was asked for {study.trials} trials before, so {study.trials} and not {asked} are made "
                 "of each cell; another --output holds fewer"
             )
-        if (study.looks or held.looks) and any(trials.get(number) for number in held.selected):
-            begun = f"with looks at {held.looks.words} trials" if held.looks else "without looks"
-            cells = held.by_labels
-            changed_code = any(cells.get(labels, cell) != cell for labels, cell in selection.cells.items())
-            if study.identity() != held.study or changed_code:
-                other = " of another study, or of other code" if study.looks == held.looks else ""
-                raise BenchError(
-                    f"{self.path} was begun {begun}{other}: looks are declared before the first trial, since what is "
-                    "declared after it may follow the results; keep study and looks as they are, or give another "
-                    "--output"
-                )
         return study, selection
 
     def require_unchanged(self, study: Study, found: Fingerprints) -> None:
@@ -144,7 +129,7 @@ class Folder:
             temporary.write_text(study.to_toml(), encoding="utf-8")
             with self.store.writer() as writer:
                 chosen = selection or Selection(study.cells(Fingerprints({}, {}, {})))
-                writer.select(study.identity(), study.looks, chosen.cells)
+                writer.select(study.identity(), chosen.cells)
 
     def save(self, path: Path) -> Path:
         """Copy the folder, with its store as it is at one moment, to a new or empty one, and return that.

@@ -17,7 +17,6 @@ from bench.storage.committed import Committed
 from bench.storage.reading import record_digest
 from bench.storage.rows import NAMES, VALUES, digest, typed
 from bench.study.cell import Cell, Labels
-from bench.study.looks import Looks
 from bench.trial import Trial
 
 _INTO = ("cell", "trial", "digest", "names", *VALUES)
@@ -126,7 +125,7 @@ class Writer:
             self.cells.all[self._numbers[cell]] = cell
         return self._numbers[cell]
 
-    def select(self, identity: str, looks: Looks, cells: Mapping[Labels, Cell]) -> None:
+    def select(self, identity: str, cells: Mapping[Labels, Cell]) -> None:
         """Commit the cells that a study selects, by label, in place of the previous selection."""
         with self.transaction():
             selected = {self.number(cell): labels for labels, cell in cells.items()}
@@ -134,7 +133,7 @@ class Writer:
             self._connection.executemany(
                 "INSERT INTO selected VALUES (?, ?, ?)", [(number, *labels) for number, labels in selected.items()]
             )
-            about = identity, json.dumps(looks)
+            about = identity, "[]"  # a second column that this layout has
             self._connection.execute("DELETE FROM study")
             self._connection.execute("INSERT INTO study VALUES (?, ?, ?)", (*about, selection_digest(*about, selected)))
         self._read()

@@ -20,7 +20,6 @@ def selected(
 ) -> Study:
     """Return a study of some of its optimizers and problems, in its order.
 
-    It declares no looks: those were at all pairs.
 
     Args:
         study: the whole one.
@@ -47,7 +46,7 @@ def selected(
         return study
     labels = {label for entry in chosen for label in (entry.label, function_of(entry.label))}
     blocks = study.blocks and study.blocks.within(labels)
-    return replace(study, optimizers=kept, problems=chosen, blocks=blocks, looks=())
+    return replace(study, optimizers=kept, problems=chosen, blocks=blocks)
 
 
 def _matching(

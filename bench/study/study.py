@@ -32,7 +32,6 @@ from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
-from bench.study.looks import Looks
 from bench.study.rope import Rope
 from bench.study.sweep import Sweep, sweeps
 from bench.study.targets import Targets
@@ -74,8 +73,7 @@ class Study:
         name: a short name, which also names the default output folder.
         problems: the problems, with distinct labels.
         optimizers: the optimizers, with distinct labels.
-        trials: the number of runs of each optimizer on each problem; by default those of the last look,
-            or 30 without looks.
+        trials: the number of runs of each optimizer on each problem.
         budget: evaluations a run may spend: a number, a multiple of the dimension such as ``"1e4 * d"``, or a table by
             dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
@@ -97,8 +95,6 @@ class Study:
             (:meth:`bench.study.blocks.Blocks.read`); None: those of which it is known. They decide no trial's result.
         tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.study.tuned`); None: by no
             tuning of this harness. It decides no trial's result.
-        looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
-            (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
         subject: the label of the optimizer that the study is about: reports test it against each rival, and no other
             pair. It decides no trial's result; "" where there is none.
     """
@@ -106,7 +102,7 @@ class Study:
     name: str
     problems: tuple[Entry, ...]
     optimizers: tuple[Entry, ...]
-    trials: Checked[int] = Checked(partial(_whole, least=1, most=MOST_TRIALS))
+    trials: Checked[int] = Checked(partial(_whole, least=1, most=MOST_TRIALS), TRIALS)
     budget: Checked[Budget] = Checked(Budget.read, Budget.read(10_000))
     seed: Checked[int] = Checked(partial(_whole, least=0, most=LARGEST_SEED), 0)
     title: str = ""
@@ -119,7 +115,6 @@ class Study:
     rope: Checked[Rope | None] = Checked(Rope.read)
     blocks: Checked[Blocks | None] = Checked(Blocks.read)
     tuning: Checked[Tuning | None] = Checked(Tuning.read)
-    looks: Checked[Looks] = Checked(Looks.read, Looks())
     subject: str = ""
 
     def __post_init__(self) -> None:
@@ -128,8 +123,6 @@ class Study:
         Whether the values fit each other is checked where a study is read, changed or run (:meth:`require_sound`): a
         part of a study may be less.
         """
-        if self.trials is None:  # as the field's default is
-            object.__setattr__(self, "trials", self.looks[-1] if self.looks else TRIALS)
         if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", self.name):
             raise BenchError(
                 f"the name {self.name!r} must be up to 100 letters, digits, '.', '_' or '-', as it names a folder"
@@ -179,9 +172,7 @@ class Study:
     def override(self, **changes: object) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
         chosen: dict[str, Any] = {key: value for key, value in changes.items() if value is not None}
-        study = dataclasses.replace(self, **chosen)
-        study.looks.require_fit(study.trials, len(study.optimizers), (entry.label for entry in study.problems))
-        return study
+        return dataclasses.replace(self, **chosen)
 
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
@@ -198,11 +189,7 @@ class Study:
         return self.budget.words
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
-        """Return a copy with more optimizers and problems, by name or pattern.
-
-        Raises:
-            BenchError: for a label twice, and for a problem that the declared looks do not suit.
-        """
+        """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
         both: dict[str, Any] = {}
         for key, names in (("optimizers", optimizers), ("problems", problems)):
             added = entries.read_entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
@@ -228,7 +215,6 @@ class Study:
             self.blocks.require_known({*labels, *map(function_of, labels)}, f"study {where}: ")
         if self.tuning is not None:
             self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
-        self.looks.require_fit(self.trials, len(self.optimizers), labels, f"study {where}: ")
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
@@ -349,7 +335,7 @@ class Study:
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         table["subject"] = self.subject or None
         table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
-        table |= {"targets": self.targets, "rope": self.rope, "looks": self.looks.plain}
+        table |= {"targets": self.targets, "rope": self.rope}
         for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         table["blocks"] = self.blocks
@@ -373,14 +359,11 @@ class Study:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
         Targets, rope, blocks, tuning, subject and the default handlings of constraints and evaluations are no part of
-        it: older studies do not name them. Neither is the number of points evaluated at a time. Looks are, where there
-        are any: they decide which trials are made, and must be declared before the first one.
+        it: older studies do not name them. Neither is the number of points evaluated at a time.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "looks", "subject"}
+        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
-        if self.looks:
-            content["looks"] = self.looks
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 
     def _handling(self) -> dict[str, Any]:

@@ -142,7 +142,7 @@ def _marked(topic: Topic, findings: Findings) -> list[Section]:
 def lead(findings: Findings) -> str:
     """Return the sentence below the title of the page: what was run how often, and what was selected of it."""
     study = findings.study
-    trials = each_problem(findings.trials.replications, at_most=study.trials if study.looks else 0)
+    trials = each_problem(findings.trials.replications)
     text = (
         f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on {count(len(study.problems), 'problem')}, "
         f"{trials}, {'at most ' * bool(study.imported)}{study.budget_words} a trial."

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
-from bench.execution.looks import stopped_cells
 from bench.formats.archive.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
 from bench.formats.archive.crate import describe, stated
 from bench.helpers.atomic import replacing
@@ -126,8 +125,7 @@ def _add(archive: zipfile.ZipFile, name: str, source: Path) -> PackedFile:
 
 def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence: str) -> Iterator[str]:
     """Yield a sentence for everything that a reader of the archive would miss."""
-    stopped = stopped_cells(study, folder.store).values()
-    planned = (len(study.problems) * len(study.optimizers) - len(stopped)) * study.trials + sum(stopped)
+    planned = len(study.problems) * len(study.optimizers) * study.trials
     if folder.running():
         yield "a run is writing to this folder; the archive holds the trials that it had finished"
     if trials < planned:

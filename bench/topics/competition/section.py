@@ -36,7 +36,7 @@ def section(findings: Findings) -> Section | None:
     )
     text = [_about(errors, findings.trials.common_words)]
     if findings.subject:
-        text.append(_tested(findings.subject, tests, stopped=bool(findings.trials.decisions.stopped)))
+        text.append(_tested(findings.subject, tests))
         if not findings.final.levels.problems:
             text.append(
                 "A sign here is no claim of the page, which tests single problems only from "
@@ -66,7 +66,7 @@ def _about(errors: pd.DataFrame, common: str) -> str:
     )
 
 
-def _tested(subject: str, tests: pd.DataFrame, *, stopped: bool) -> str:
+def _tested(subject: str, tests: pd.DataFrame) -> str:
     """Explain the signs, and how often they would appear without any difference."""
     meaning = (
         f"+: the errors of {subject} are lower than those of the other optimizer (Wilcoxon’s rank-sum test, "
@@ -77,9 +77,8 @@ def _tested(subject: str, tests: pd.DataFrame, *, stopped: bool) -> str:
     return (
         f"{meaning} As the field does, each test is made at 0.05 by itself: nothing is corrected for the "
         f"{count(len(tests), 'test')} of this table. If no optimizer differed from {subject}, about "
-        f"{0.05 * len(tests):.2g} of its signs would still be + or − on average, or fewer with few or tied trials"
-        + (", and more here, as looks stopped trials where a difference was large" if stopped else "")
-        + ". The verdict and the comparison have tests that are corrected for their number."
+        f"{0.05 * len(tests):.2g} of its signs would still be + or − on average, or fewer with few or tied trials. "
+        "The verdict and the comparison have tests that are corrected for their number."
     )
 
 

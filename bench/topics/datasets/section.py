@@ -213,8 +213,7 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
             if crowd
             else f"the file has all {len(every):,} pairs"
         )
-    stopped = pairs.get("stopped", pd.Series(False, index=pairs.index))  # by a look: the estimate is biased
-    chance = pairs["a12"].mask(stopped)
+    chance = pairs["a12"]
     shown = pd.DataFrame(
         {
             "A12": chance,

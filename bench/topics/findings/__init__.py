@@ -94,13 +94,10 @@ class Findings:
 
     @property
     def declared(self) -> bool:
-        """Whether the first run already named the subject; only then are other pairs no hypotheses of the page.
-
-        Looks test all pairs.
-        """
+        """Whether the first run already named the subject; only then are other pairs no hypotheses of the page."""
         runs = [record for record in self.results.environments if not record.get("imported")]
         first = min(runs, key=lambda record: str(record.get("started", "")), default={})
-        return bool(self.subject) and first.get("subject") == self.subject and not self.results.study.looks
+        return bool(self.subject) and first.get("subject") == self.subject
 
     @property
     def leader(self) -> str:

@@ -13,7 +13,6 @@ from bench import analysis
 from bench.analysis.across import places, with_winner
 from bench.analysis.error_rates import enough_trials
 from bench.analysis.error_rates import levels as levels_of
-from bench.analysis.looks import at_looks
 from bench.analysis.pairwise import adjusted
 from bench.analysis.standings import disagreements as disagreements_of
 from bench.analysis.subject import signs_of
@@ -44,12 +43,12 @@ class Final:
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
-        """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
+        """The tests of each pair of optimizers on each problem."""
         level = self.levels.problems
         pairs = analysis.pairwise_tests(self.trials.frame, level or analysis.ALPHA, self.subject)
         if not level:  # the whole level belongs to the tests over all problems
             pairs = adjusted(pairs, level, self.subject).assign(testable=False)
-        return at_looks(pairs, self.trials.decisions, level) if self.trials.results.study.looks else pairs
+        return pairs
 
     @property
     def tested_pairs(self) -> pd.DataFrame:
@@ -61,7 +60,7 @@ class Final:
         """The levels of the tests on problems and over all of them, which the design of the study gives."""
         sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
         smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
-        return levels_of(smaller, self.tested, self.tests, looks=bool(self.trials.results.study.looks))
+        return levels_of(smaller, self.tested, self.tests)
 
     @property
     def tested(self) -> int:
@@ -94,8 +93,7 @@ class Final:
 
     @cached_property
     def _enough(self) -> tuple[int, float]:
-        looks = bool(self.trials.results.study.looks)
-        return enough_trials(len(self.medians), self.tested, self.tests, looks)
+        return enough_trials(len(self.medians), self.tested, self.tests)
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
@@ -121,7 +119,7 @@ class Final:
     def ranking(self) -> pd.DataFrame:
         """The place of each optimizer over all problems, and the number of problems on which it is ranked first."""
         table = analysis.ranking(self.summary, self.pairs, standing=self.standings)
-        return table.merge(places(self._overall, self.trials.optimizers), on="optimizer")
+        return table.merge(places(self.overall, self.trials.optimizers), on="optimizer")
 
     # across problems
 
@@ -143,9 +141,8 @@ class Final:
     def needed_for(self, power: float) -> pd.DataFrame:
         """Return the trials that would separate the pairs that are not separated, with a power."""
         return analysis.trials_needed(
-            self.trials.frame, self.tested_pairs, self.standings, power=power, alpha=self.level_on_problems,
-            looks=self.trials.results.study.looks,
-        )  # fmt: skip
+            self.trials.frame, self.tested_pairs, self.standings, power=power, alpha=self.level_on_problems
+        )
 
     @cached_property
     def medians(self) -> pd.DataFrame:
@@ -159,24 +156,16 @@ class Final:
 
     @cached_property
     def overall(self) -> pd.DataFrame:
-        """The probability of each pair to end lower over all problems, with its tests.
-
-        Trials stop where a difference looks large, so the effects are missing where a look stopped a cell.
-        """
-        effects = self._overall.filter(regex="probability|low$|high$")
-        return self._overall.assign(**effects * float("nan")) if self.trials.decisions.stopped else self._overall
+        """The probability of each pair to end lower over all problems, with its tests."""
+        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across, self.subject)
+        if self.subject or not len(tests):
+            return tests
+        return with_winner(tests, self.trials.optimizers, self.levels.across)
 
     @property
     def tested_overall(self) -> pd.DataFrame:
         """The rows of the pairs over all problems that are tested: all, or those of the subject."""
         return self.overall[self.overall["p_holm"].notna()]
-
-    @cached_property
-    def _overall(self) -> pd.DataFrame:
-        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across, self.subject)
-        if self.subject or not len(tests):
-            return tests
-        return with_winner(tests, self.trials.optimizers, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:

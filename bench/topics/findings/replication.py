@@ -28,16 +28,11 @@ class Replication:
     most: int
     planned: int = 0
 
-    def words(self, noun: str = "trial", at_most: int = 0) -> str:
-        """Return ``"5 trials"``, ``"15 trials (5 on each of 3 instances)"`` or ``"4 to 5 trials (of 5 planned)"``.
-
-        ``at_most`` is the largest number of trials where declared looks may stop a cell before it.
-        """
+    def words(self, noun: str = "trial") -> str:
+        """Return ``"5 trials"``, ``"15 trials (5 on each of 3 instances)"`` or ``"4 to 5 trials (of 5 planned)"``."""
         planned, pooled = self.planned * self.instances, self.instances > 1
         made = count(self.most, noun) if self.fewest == self.most else f"{self.fewest:,} to {count(self.most, noun)}"
         split = f"{self.planned:,} on each of {self.instances:,} instances" if self.planned and pooled else ""
-        if at_most:
-            return f"{made} (at most {at_most:,}, by declared looks)"
         if self.planned and not self.fewest == self.most == planned:
             return f"{made} (of {planned:,} planned{f', {split}' if split else ''})"
         split = split or (f"on {self.instances:,} instances" if pooled else "")
@@ -65,10 +60,10 @@ def replications(
     return sorted(cells, key=lambda replication: -replication.problems)
 
 
-def each_problem(cells: Sequence[Replication], noun: str = "trial", at_most: int = 0) -> str:
+def each_problem(cells: Sequence[Replication], noun: str = "trial") -> str:
     """Return how many trials an optimizer has on a problem: ``"5 trials each"``, or by problem where that differs."""
     if not cells:
         return "no trial yet"
     if len(cells) == 1:
-        return f"{cells[0].words(noun, at_most)} each"
+        return f"{cells[0].words(noun)} each"
     return listing([f"{cell.words(noun)} on each of {count(cell.problems, 'problem')}" for cell in cells])

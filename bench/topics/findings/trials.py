@@ -12,7 +12,6 @@ import pandas as pd
 from bench import analysis
 from bench.analysis.cells import labels as labels_of
 from bench.analysis.cells import reference_values, scores
-from bench.analysis.looks import Decisions, decide
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.analysis.strata import rows
 from bench.report.wording import count
@@ -46,17 +45,12 @@ class Trials(Compared):
         """The trials of the cells, by the number of instances that a problem stands for."""
         return replications(self.coverage, self.pooled.members, self.results.planned)
 
-    @cached_property
-    def decisions(self) -> Decisions:
-        """The outcome of the study's declared looks at its trials; nothing is decided without looks."""
-        return decide(self.whole, self.results.study.looks)
-
     @property
     def extensions(self) -> list[tuple[int, int]]:
         """The trials of each cell that were complete, and those then asked for, of every run that asked for more."""
         keys = [(record.get("extends"), record.get("trials")) for record in self.results.environments]
         asked_for = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
-        return [] if self.results.study.looks else list(dict.fromkeys(asked_for))
+        return list(dict.fromkeys(asked_for))
 
     @property
     def common(self) -> dict[str, int]:
@@ -115,8 +109,8 @@ class Trials(Compared):
     def coverage(self) -> pd.DataFrame:
         """Stored, failed and missing trials of each cell."""
         members, planned = self.pooled.members, self.results.planned_on
-        cells, stopped = product(members, self.optimizers), self.decisions.stopped
-        return analysis.coverage(self.whole, {(p, o): stopped.get((p, o), planned(o, members[p])) for p, o in cells})
+        cells = product(members, self.optimizers)
+        return analysis.coverage(self.whole, {(p, o): planned(o, members[p]) for p, o in cells})
 
     @cached_property
     def known(self) -> dict[str, ProblemFacts]:

@@ -30,9 +30,7 @@ def checks(findings: Findings) -> pd.DataFrame:
         frame.assign(pool=frame["problem"].astype(object).map(pool)),
         study_budget=(study.budget.number if trials.allowed == trials.budgets else None) or budgets,
         planned_trials={
-            (entry.label, label): trials.decisions.stopped.get(
-                (entry.label, label), results.planned_on(label, [entry.label])
-            )
+            (entry.label, label): results.planned_on(label, [entry.label])
             for entry in study.problems
             for label in results.planned
         },

@@ -110,7 +110,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "best2009": anytime.best_times.dropna()["problem"].nunique(),
         "tuning": study.tuning if study.tuning and not study.tuning.doubt else None,
         "sweeps": sum(not parameters.levels.empty for parameters in findings.of(by_sweep).values()),
-        "stopped": len(trials.decisions.stopped),  # cells, by a declared look
         "extensions": undeclared(trials.extensions),
         "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),
         "stability": len(final.stability) > 0,
@@ -151,7 +150,7 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "instances": listing([f"{cells.instances}" for cells in pooled]) if pooled else "",
         "fewest": min((cells.fewest for cells in replications), default=0),
         "most": max((cells.most for cells in replications), default=0),
-        "made": _made(study, replications),
+        "made": _made(replications),
         "constrained": sum(bool(problem.constraints) for problem in problem_facts.values()),
         "noisy": sum(problem.noisy for problem in problem_facts.values()),
         "mixed": sum(bool(problem.integers) for problem in problem_facts.values()),
@@ -171,7 +170,7 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "tied": TIED,
         "solved": SOLVED,
         "fewer": len(study.optimizers) > MANY,
-        "winner_rule": winner_rule(bool(study.looks)),
+        "winner_rule": winner_rule(),
         "fewer_resamples": FEWER,
         "resamples": RESAMPLES,
         "rank_resamples": rank_resamples(len(study.optimizers)),
@@ -185,13 +184,12 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
     }
 
 
-def _made(study: Study, replications: Sequence[Replication]) -> str:
+def _made(replications: Sequence[Replication]) -> str:
     """Return how many independent trials were made of an optimizer on a problem."""
     noun = "independent trial"
     if len(replications) > 1:
         return each_problem(replications, noun)
-    at_most = study.trials if study.looks else 0
-    return "".join(cells.words(noun, at_most) for cells in replications)
+    return "".join(cells.words(noun) for cells in replications)
 
 
 def _handling(study: Study, descriptions: Mapping[str, Description]) -> dict[str, str]:

@@ -68,7 +68,6 @@ class Against:
         parts_level: of all tests in parts together (:meth:`bench.analysis.Levels.in_parts`).
         pairs: the pairs over which the tests are adjusted.
         declared: whether the first run named the subject, so that its pairs alone are tested.
-        looks: whether the study declares looks, which test every pair.
         problems: on which every optimizer has trials.
         trials: of a cell, in words.
         budget: in words.
@@ -86,7 +85,6 @@ class Against:
     parts_level: float
     pairs: int
     declared: bool
-    looks: bool
     problems: int
     trials: str
     budget: str
@@ -175,7 +173,7 @@ def against(findings: Findings) -> Against:
     return Against(
         subject, rivals, _parts(findings, complete), final.levels, 0 if final.levels.problems else final.enough,
         _parts_level(findings), final.tested,
-        declared=findings.declared, looks=bool(findings.results.study.looks), problems=len(complete),
+        declared=findings.declared, problems=len(complete),
         trials=trials.per_cell_words, budget=findings.budget_words,
         target=findings.anytime.target_set.at(findings.anytime.target_set.level),
         unlike=differing(findings, *wins_and_losses), sweep=dependent(findings), selected=bool(findings.selection),

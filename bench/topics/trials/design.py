@@ -25,15 +25,13 @@ def foreseen(study: Study, power: float = POWER) -> list[str]:
     of_function = Counter(function_of(entry.label) for entry in study.problems)
     k, problems, instances = len(study.optimizers), len(of_function), min(of_function.values())
     trials = study.trials * instances
-    alone = bool(study.subject and not study.looks)  # looks test all pairs
+    alone = bool(study.subject)
     pairs = k - 1 if alone else comb(k, 2)
     words = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
     words += f" ({study.trials:,} on each of {instances:,} instances)" if instances > 1 else ""
     of = f", {study.subject} against each other one" if alone else ""
     lines = [f"The design: {words}{of}; no result is known.", f"As it is: {_found(trials, problems, pairs, power)}."]
     each = f" on each instance, {trials + MORE * instances:,} on a problem" if instances > 1 else ""
-    if study.looks:
-        return [*lines, "Declared looks share the level between them; these numbers are those of the last look alone."]
     return [
         *lines,
         f"With {MORE} more trials{each}: {_found(trials + MORE * instances, problems, pairs, power)}.",

@@ -1,4 +1,4 @@
-"""Whether the trials were enough: how many would separate more pairs, what looks decided, and how stable ranks are."""
+"""Whether the trials were enough: how many would separate more pairs, and how stable ranks are."""
 
 from __future__ import annotations
 
@@ -6,24 +6,19 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.integrity import undeclared
-from bench.analysis.sequential import levels
 from bench.analysis.trials_needed import LARGEST
 from bench.report.parts import Part, Section, Table
-from bench.report.wording import count, interval, listing
+from bench.report.wording import count, interval
 from bench.topics.findings import Final, Findings
 from bench.topics.topic import Topic
 from bench.topics.trials.figures import stability_figure
 
 TITLE = "Enough trials"
 SHOWN = 40  # rows of the table on the page
-NOT_ADJUSTED = (
-    "A cell that a look stopped has no A12 and no interval of it, as they would overstate its differences; medians and "
-    "ranks are of all trials made."
-)
 CAUTION = (
     "The estimates take the trials made for the truth, so they are as uncertain as A12 is, and a pair that is equal "
     "looks as if more trials could separate it. To add trials because of them, or of p-values, is optional stopping: a "
-    "new study with declared looks keeps its level."
+    "new study with another seed keeps its level."
 )
 
 
@@ -32,15 +27,12 @@ def section(findings: Findings) -> Section:
     if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
         return Section(TITLE, ("There is nothing to compare, so no number of trials can be judged.",), on_demand=True)
     text = [
-        *looks_text(findings),
         *extension_text(findings),
         *summary(findings.final.needed, len(findings.final.tested_pairs)),
     ]
     if findings.trials.precisions:
         text.append("Where instances are pooled, the trials of all of them count, one of each instance in turn.")
     items: list[Part] = []
-    if findings.results.study.looks:
-        items.append(_looks(findings))
     if len(findings.final.needed):
         items.append(_needed(findings.final))
     if len(findings.final.stability):
@@ -73,61 +65,14 @@ def _of(number: int, pairs: int, it: str) -> str:
     return it if pairs == 1 else f"all {pairs:,}" if number == pairs else f"{number:,} of them"
 
 
-def looks_text(findings: Findings) -> list[str]:
-    """Return the sentences on what the study's looks decided; none without looks."""
-    looks, decisions = findings.results.study.looks, findings.trials.decisions
-    if not looks:
-        return []
-    cells = len(findings.trials.coverage)
-    at = {look: list(decisions.stopped.values()).count(look) for look in looks[:-1]}
-    stopped = [f"{number:,} at {look}" for look, number in at.items() if number]
-    ended = f"Of {count(cells, 'cell')}, {listing(stopped)} trials were stopped early" if stopped else (
-        f"None of the {count(cells, 'cell')} was stopped early"
-    )  # fmt: skip
-    unseen = [label for label in findings.trials.problems if not decisions.reached.get(label)]
-    return [
-        f"The study declares looks at {listing([str(look) for look in looks])} trials: at each, the pairs of a problem "
-        f"are tested, and a cell all of whose pairs are decided gets no more trials. {ended}. The p-value of a pair is "
-        f"that of the look at which it is smallest, adjusted for all looks. {NOT_ADJUSTED}"
-        + (f" Not even the first look is complete on {count(len(unseen), 'problem')}." if unseen else "")
-    ]
-
-
 def extension_text(findings: Findings) -> list[str]:
-    """Return the sentences on an extension without declared looks; none where there was none."""
+    """Return the sentences on trials added to complete ones; none where there were none."""
     return [
         f"Optional stopping: {held:,} trials of each cell were complete, and could be looked at, when {asked:,} were "
-        "asked for, and no looks had been declared. If the results were a reason for that, the p-values are too small "
-        "and the tests err more often than alpha says."
+        "asked for. If the results were a reason for that, the p-values are too small and the tests err more often "
+        "than alpha says."
         for held, asked in undeclared(findings.trials.extensions)
     ]
-
-
-def _looks(findings: Findings) -> Table:
-    looks, stopped = findings.results.study.looks, list(findings.trials.decisions.stopped.values())
-    named: dict[int, list[str]] = {}
-    for (problem, optimizer), look in findings.trials.decisions.stopped.items():
-        named.setdefault(look, []).append(f"{optimizer} on {problem}")
-    frame = pd.DataFrame(
-        {
-            "trials": looks,
-            "nominal level": levels(looks, 0.05),
-            "cells decided": [stopped.count(look) for look in looks],
-            "which": [listing(named[look], at_most=6) if look in named else "" for look in looks],
-        }
-    )
-    data = pd.DataFrame(
-        [(problem, optimizer, look) for (problem, optimizer), look in findings.trials.decisions.stopped.items()],
-        columns=["problem", "optimizer", "look"],
-    )
-    return Table(
-        "looks",
-        "The declared looks: the level at which a single p-value would be significant there, and the cells all of "
-        "whose pairs it decided.",
-        frame.assign(**{"nominal level": [f"{level:.2g}" for level in frame["nominal level"]]}).set_index("trials"),
-        note="With several pairs Holm’s method applies to the p-values, adjusted for the looks.",
-        data=data,
-    )
 
 
 def rows(needed: pd.DataFrame) -> pd.DataFrame:

@@ -22,7 +22,7 @@ from bench.topics.ranks.words import across, dependent
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
 from bench.topics.topic import Topic
 from bench.topics.trials.power import error_text
-from bench.topics.trials.section import NOT_ADJUSTED, extension_text
+from bench.topics.trials.section import extension_text
 from bench.topics.verdict.answer import answer
 from bench.topics.verdict.clock import clock
 from bench.topics.verdict.first_picture import evidence
@@ -220,7 +220,7 @@ def _evidence(findings: Findings) -> str:
 
 def _limits(findings: Findings) -> tuple[str, ...]:
     """Return the sentences on what may not be claimed."""
-    trials, looked = findings.trials, findings.results.looked
+    trials = findings.trials
     left = 1 - findings.of(shares_used)["needed"]
     left = left[left > UNUSED].sort_values(ascending=False, kind="stable")
     unused = [f"{label} {percent(share)}" for label, share in left.items()]
@@ -230,8 +230,6 @@ def _limits(findings: Findings) -> tuple[str, ...]:
         SAY("counts", len(findings.final.medians)),
         across(findings),
         *extension_text(findings),
-        NOT_ADJUSTED if trials.decisions.stopped else "",
-        SAY("looked", looked) if looked else "",
         SAY("unused", unused) if unused else "",
     )
     return tuple(filter(None, texts))
@@ -239,11 +237,11 @@ def _limits(findings: Findings) -> tuple[str, ...]:
 
 def _grounds(findings: Findings) -> str:
     """Return by which tests and levels the verdict is decided."""
-    looks, final = findings.results.study.looks, findings.final
+    final = findings.final
     trials = findings.trials.per_cell[0]
-    rule = subject_rule(findings.of(against)) if findings.subject else winner_rule(bool(looks))
+    rule = subject_rule(findings.of(against)) if findings.subject else winner_rule()
     subject, untested = findings.subject, _untested(final)
-    return SAY("grounds", final.levels, [*looks], final.tests, final.tested, trials, ALPHA, rule, subject, untested)
+    return SAY("grounds", final.levels, final.tests, final.tested, trials, ALPHA, rule, subject, untested)
 
 
 def _untested(final: Final) -> str:

@@ -2,8 +2,7 @@
 
 The evidence is the probability to end lower, in the mean over these problems, against each rival. An optimizer is named
 where the test of each pair with it rejects at the level of tests over all problems: all of them must, so that none
-needs an adjustment (an intersection-union test; Berger 1982, Technometrics 24). With declared looks, which spend all of
-the level on single problems, it must be separably lower than each rival on more than half of them.
+needs an adjustment (an intersection-union test; Berger 1982, Technometrics 24).
 """
 
 from __future__ import annotations
@@ -38,9 +37,9 @@ PARTS = {
 TIED = 1e-9  # mean ranks closer than this are the same
 
 
-def winner_rule(looks: bool) -> str:
-    """Return the rule, as methods sections state it, of a study with or without declared looks."""
-    return speaker(__package__)("rule", looks)
+def winner_rule() -> str:
+    """Return the rule as methods sections state it."""
+    return speaker(__package__)("rule")
 
 
 class Stage(NamedTuple):

@@ -1,49 +1,8 @@
-"""bench plan, and what a run with looks prints."""
+"""bench plan."""
 
 import shutil
 
-import pytest
-
 from bench import Study, run
-
-STUDY = """
-name = "looked"
-budget = 150
-seed = 5
-looks = {trials = [12, 16]}
-problems = [{name = "sphere-2"}]
-optimizers = [{name = "scatter"}, {name = "scatter", label = "other"}, {name = "hill-climber"}]
-"""
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    place = tmp_path_factory.mktemp("plan")
-    (place / "looked.toml").write_text(STUDY)
-    return place
-
-
-@pytest.mark.slow
-def test_a_run_prints_what_each_look_decided_and_the_others_know_it(bench_here, place):
-    done = bench_here("run", "looked.toml", "--output", "out", "--jobs", 1, "--no-report", cwd=place)
-    assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
-    assert lines[0].startswith(
-        "study looked: 1 problem x 3 optimizers x at most 16 trials = 48 runs of 150 evaluations"
-    )
-    assert "looks at 12, 16 trials: 0 of 3 cells are decided" in lines
-    assert "look at 12 trials: decided and stopped hill-climber on sphere-2; 1 of 3 cells is decided" in lines
-    assert "look at 16 trials: 1 of 3 cells is decided" in lines
-    assert "44 of 44 runs done" in lines
-    status = bench_here("status", "out", cwd=place).stdout
-    assert "looks at 12, 16 trials; cells decided: 1 at 12, of 3" in status
-    assert [line.split()[:4] for line in status.splitlines() if line.startswith("hill")] == [
-        ["hill-climber", "12", "0", "12"]
-    ]
-    dry = bench_here("run", "looked.toml", "--output", "out", "--dry-run", cwd=place).stdout
-    assert "hill-climber: 0 to run" in dry
-    packed = bench_here("pack", "out", "--output", "out.zip", cwd=place)
-    assert "trials are missing" not in packed.stdout + packed.stderr
 
 
 def test_plan_prints_open_pairs_and_a_caution(bench_here, tmp_path):

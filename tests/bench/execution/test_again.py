@@ -63,11 +63,6 @@ def test_an_optimizer_that_learns_from_trial_to_trial_is_named_and_an_honest_one
     assert finding["at_ends"]["different"] == [line]
 
 
-def test_a_trial_that_came_after_others_is_made_again_with_looks_too(file, tmp_path):
-    looked = study(file, "learns", "honest", trials=8, looks={"trials": [6, 8]})
-    assert len(run(looked, tmp_path / "out", jobs=1).different) == 1
-
-
 @pytest.mark.slow
 def test_a_run_that_makes_nothing_repeats_nothing_and_none_is_repeated_without_verify(file, tmp_path):
     assert run(study(file, "learns"), tmp_path / "out", jobs=1, verify=False).different == []

@@ -79,14 +79,6 @@ def test_a_selection_has_the_trials_and_traces_of_its_cells_alone(filled):
     assert part.select(problems="*").whole == whole.study
 
 
-def test_a_selection_of_declared_looks_names_the_folder_that_they_stopped(ran):
-    whole = Results(ran("looked", trials=12, looks=[6, 12], budget=20))
-    part = whole.select(optimizers=["scatter", "early"])
-    assert (part.study.looks, part.looked, part.planned) == ((), ["looked"], {"scatter": 6, "early": 6})
-    everything = whole.select(optimizers="*")
-    assert (everything.study.looks, everything.looked) == ((6, 12), [])
-
-
 @pytest.mark.slow
 def test_two_versions_of_an_optimizer_are_distinguished_by_folder(ran):
     old, new = ran("old"), ran("new", optimizers=[{"name": "scatter", "agents": 9}, {"name": "early"}])

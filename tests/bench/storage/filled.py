@@ -73,7 +73,7 @@ def recell(store, changed):
         with writer.transaction():
             for cell, row in rows:
                 writer.put(row, writer.number(cell))
-        writer.select(held.study, held.looks, {labels: changed.get(c, c) for labels, c in held.by_labels.items()})
+        writer.select(held.study, {labels: changed.get(c, c) for labels, c in held.by_labels.items()})
 
 
 def assert_refused(folder):

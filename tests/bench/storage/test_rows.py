@@ -137,7 +137,7 @@ OTHERS = {
     [
         "UPDATE selected SET optimizer = 'gwo' WHERE optimizer = 'scatter'",
         f"DELETE FROM selected WHERE cell = {EARLY}",
-        "UPDATE selected SET cell = -cell", "UPDATE study SET looks = '[6, 30]'", "DELETE FROM study",
+        "UPDATE selected SET cell = -cell", "UPDATE study SET identity = 'other'", "DELETE FROM study",
     ],
 )  # fmt: skip
 def test_a_selection_that_another_program_changed_is_not_read_and_is_made_again(statement, spoilt):

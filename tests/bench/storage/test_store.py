@@ -17,7 +17,6 @@ from bench.storage.rows import COLUMNS, disagreement
 from bench.storage.schema import schema
 from bench.storage.store import Store
 from bench.study.cell import Cell, record
-from bench.study.looks import Looks
 from bench.trial import Trial
 from tests.bench.storage.changes import change, forge
 
@@ -165,7 +164,7 @@ def test_texts_of_any_kind_are_data(store):
     row = finished(metrics={'"]}': 1.0, "NaN": math.nan}, error="\x00\x1b[31m'\"")
     with store.writer() as writer:
         cell = Cell(record(label=label, name="p"), record(label=label, name="o"), 40, 0)
-        writer.select(label, Looks(), {(label, label): cell})
+        writer.select(label, {(label, label): cell})
         writer.add(trial(0, problem=label, optimizer=label), packed(row))
     assert store.find(label, label, 0)["error"] == row["error"]
     (read,) = store.rows()

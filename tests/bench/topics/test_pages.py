@@ -70,14 +70,6 @@ def failed_and_missing(make, folder):
 
 
 @page
-def stopped_by_looks(make, folder):
-    """The looks decide a, which needs no trials beyond 10; b and c are equal."""
-    alike = {"b": {"fun": 6.0}, "c": {"fun": 6.0}}
-    decided = [(problem, "a", number) for problem in "pq" for number in (10, 11)]
-    return Findings(Results(make(folder, trials=12, changes=alike, skip=decided, looks=(6, 10, 12))))
-
-
-@page
 def sweep_and_tuning(make, folder):
     """A sweep over two parameters, beside a default and its tuned version; trials were added to complete ones."""
     swept = {f"o[n={n},h={h}]": {"n": n, "h": h} for n, h in product((1, 2), ("x", "y"))}

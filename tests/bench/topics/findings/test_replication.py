@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from bench.topics.findings.replication import Replication, each_problem, replications
+from bench.topics.findings.replication import each_problem, replications
 
 
 def covered(stored):
@@ -48,7 +48,3 @@ def test_without_a_plan_or_trials_nothing_is_said_of_either():
 
 def test_empty_cells_do_not_count():
     assert words({("p", "a"): 3, ("p", "b"): 0}, {"p": ["p"]}) == "3 trials each"
-
-
-def test_looks_give_the_largest_number():
-    assert Replication(2, 1, 4, 12, 12).words(at_most=12) == "4 to 12 trials (at most 12, by declared looks)"

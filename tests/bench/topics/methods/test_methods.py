@@ -104,7 +104,6 @@ FIT = ProblemFacts(
     optimum_source="a fit",
 )  # fmt: skip
 FUNCTION = ProblemFacts(0.0, box={"x1": (-5, 5), "x2": (-5, 5)}, optimum_source="the definition of the suite")
-LOOKED = {"study": replace(full()["study"], looks=(10, 20, 30))}
 MANY = {"study": study([f"o{place}" for place in range(33)])}
 OTHER = ENVIRONMENT | {"python": "3.12.1", "processor": "C", "git": {"commit": "f" * 40, "dirty": True}}
 UNKNOWN = {"python": None, "packages": {"numpy": None}, "git": None}
@@ -115,7 +114,6 @@ ACCEPTED = {"gwo": {"handling": "box"}, "alo": {"handling": "repair"}, "cma-es":
 TRAINED = replace(TUNING, train=[full()["study"].problems[0].name]).sealed()
 
 CASES = {
-    "looks": LOOKED | {"stopped": 1}, "looks that decide nothing": LOOKED,
     "extended": {"extensions": [(10, 30)], "needed": "simulation", "stability": True},
     "needed by a formula": {"needed": "formula"},
     **{
@@ -195,7 +193,7 @@ class TestMethods:
             place |= {"incollection": "booktitle", "book": "publisher"}
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
-        fields_own = full(**LOOKED, target_set=KINDS["precisions"], aocc=2, best2009=2)
+        fields_own = full(extensions=[(10, 30)], target_set=KINDS["precisions"], aocc=2, best2009=2)
         many, swept = full(**MANY, needed="formula", stability=True), full(sweeps=1, tuning=TUNING)
         known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
         assert library().keys() <= set.union(*known)

@@ -29,7 +29,7 @@ def known(*rivals, **more):
     facts = {
         "subject": "rDE", "rivals": rivals, "parts": PARTS, "levels": Levels(0.01, 0.035, 0.005), "enough": 0,
         "parts_level": 0.005, "pairs": len(rivals),
-        "declared": True, "looks": False, "problems": 24, "trials": "15 trials", "budget": "1,000 d evaluations",
+        "declared": True, "problems": 24, "trials": "15 trials", "budget": "1,000 d evaluations",
         "target": "precision 1e-8", "unlike": Differing(), "sweep": "", "selected": False,
     }  # fmt: skip
     return Against(**(facts | more))
@@ -138,13 +138,6 @@ def test_a_subject_that_the_first_run_did_not_name_is_stated_and_every_pair_coun
     assert "named late, so all 3 pairs count" in str(cards[0].lines)
     assert "No run named b as the subject before the first trial" in cards[1].text[1]
     assert "No run named b" in " ".join(methods.section(found).text)
-
-
-def test_looks_test_every_pair_whatever_the_subject_is(folder):
-    found = findings(folder, looks=(6, 12))
-    assert not found.declared
-    assert found.final.pairs["p_holm"].notna().all()
-    assert "The declared looks test every pair" in verdict.section(found).cards[1].text[1]
 
 
 def test_the_table_has_a_row_for_each_rival(folder):

@@ -1,16 +1,12 @@
-"""What a report says of the number of trials: what looks decided, what would be needed, and undeclared extensions."""
-
-from dataclasses import replace
+"""What a report says of the number of trials: what would be needed, and extensions."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench import Results
-from bench.storage.folder import Folder
 from bench.topics.findings import Findings
 from bench.topics.integrity import section as integrity
-from bench.topics.integrity.checks import checks
 from bench.topics.trials import section as trials
 from bench.topics.verdict import section as verdict
 
@@ -21,9 +17,8 @@ def folder(make, tmp_path_factory):
     return make(tmp_path_factory.mktemp("trials") / "s", trials=12, changes={"c": {"fun": 6.0}, "b": {"fun": 6.0}})
 
 
-def findings_of(folder, looks=(), records=()):
+def findings_of(folder, records=()):
     results = Results(folder)
-    results.study = replace(results.study, looks=looks)
     results.environments[:] = records
     return Findings(results)
 
@@ -45,24 +40,6 @@ def test_no_number_of_trials_is_advised_with_which_the_test_cannot_reject(make, 
     assert final.needed["level"].iloc[0] == pytest.approx(final.level_on_problems / final.tests)
 
 
-def test_a_cell_that_a_look_stopped_is_complete(folder):
-    known = findings_of(folder, looks=(6, 10, 12))
-    missing = known.results.frame[~((known.results.frame["optimizer"] == "a") & (known.results.frame["trial"] >= 10))]
-    for looks, verdicts in (((6, 10, 12), "pass"), ((), "warning")):
-        own = findings_of(folder, looks)
-        own.results.__dict__["_frame_and_origins"] = (missing.reset_index(drop=True), pd.Series([1] * len(missing)))
-        made = own.of(checks).set_index("check")
-        assert made.loc["completeness", "verdict"] == verdicts
-        assert own.trials.coverage["missing"].sum() == (0 if looks else 4)
-
-
-def test_looks_that_are_not_reached(folder):
-    known = findings_of(folder, looks=(20, 30))
-    assert "Not even the first look is complete on 2 problems." in trials.section(known).text[0]
-    assert "None of the 6 cells was stopped early" in trials.section(known).text[0]
-    assert not known.final.pairs["significant"].any()
-
-
 def test_trials_that_were_added_to_complete_ones_are_said_once_in_each_part(folder):
     record = {"trials": 12, "extends": 8, "packages": {}}
     known = findings_of(folder, records=[{"trials": 8, "extends": None}, record, record])
@@ -73,7 +50,6 @@ def test_trials_that_were_added_to_complete_ones_are_said_once_in_each_part(fold
     assert sum(each.startswith("Optional stopping: Trials were added") for each in integrity.warnings(known)) == 1
     early = findings_of(folder, records=[{"trials": 12, "extends": 3}, {"started": "of an older version"}])
     assert trials.extension_text(early) == []
-    assert findings_of(folder, looks=(8, 12), records=[record]).trials.extensions == []
 
 
 def test_how_many_trials_would_separate_pairs_is_said_as_committed(committed):
@@ -82,13 +58,3 @@ def test_how_many_trials_would_separate_pairs_is_said_as_committed(committed):
     said = [trials.summary(table, 9, 0.9) for table in tables]
     said += [trials.summary(pd.DataFrame({"needed": [40.0, 90.0], "method": "formula"}), 9)]  # of very many pairs
     committed("trials-cases", "".join(f"{sentence}\n" for case in said for sentence in [*case, ""]))
-
-
-def test_several_folders_are_not_judged_at_looks(make, tmp_path, folder):
-    other = make(tmp_path / "other", trials=12)
-    Folder(other).claim(Folder(other).study().override(looks=(8, 12)))
-    known = Findings(Results(folder, other))
-    assert known.results.study.looks == ()
-    assert known.results.looked == ["other"]
-    assert known.results.planned["a (other)"] == 8
-    assert any("stopped by declared looks" in each for each in verdict.section(known).cards[2].text)

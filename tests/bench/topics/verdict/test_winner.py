@@ -13,7 +13,7 @@ from bench.topics.verdict.clock import Clock
 from bench.topics.verdict.winner import Across, Stage, Standing, verdict
 
 NAN = float("nan")
-BOTH, LOOKS, ACROSS, NONE = Levels(0.01, 0.035, 0.005), Levels(0.05, 0.0), Levels(0.0, 0.045), Levels(0.0, 0.0)
+BOTH, ACROSS, NONE = Levels(0.01, 0.035, 0.005), Levels(0.0, 0.045), Levels(0.0, 0.0)
 
 
 def standing(ranks, *, beaten=(), lower=(), beyond=(), problems=18, first=15, separable=14, worse=0, **more):
@@ -91,10 +91,6 @@ CASES = {
     "a winner, but not for further problems": standing(THREE, lower=CLEAR, beyond=[("cma-es", "gwo")], blocks=9),
     "a winner, nothing tested on problems": standing(
         THREE, lower=CLEAR, levels=ACROSS, problems=72, blocks=24, separable=0, trials="5 trials"
-    ),
-    "looks": standing(THREE, beaten=CLEAR, levels=LOOKS, worse=2),
-    "looks without effects": with_pairs(
-        standing(THREE, beaten=CLEAR, levels=LOOKS), **BLIND, chance=NAN, further=(NAN, NAN)
     ),
     "unlike conditions": standing(THREE, **UNLIKE, **SHOWN),
     "selected": standing(THREE, **SHOWN, selected=True),
