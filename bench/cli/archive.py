@@ -35,7 +35,7 @@ def fetch(
     names: Annotated[list[str], typer.Argument(metavar="NAME…", help="Data sets, such as bbob/BIPOP-CMA-ES.")],
     source: From = None,
 ) -> None:
-    """Get published data sets, and check the SHA-256 of each; --against of 'bench run' and 'bench report' uses them."""
+    """Get published data sets, and check the SHA-256 of each; --against of 'bench report' uses them."""
     from bench.formats.coco.published import fetch as fetch_set
 
     if source is not None and not source.is_dir():

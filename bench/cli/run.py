@@ -21,19 +21,13 @@ from bench.cli.console import (
     PROTECTION,
     REPORT,
     STUDY,
-    Against,
-    Constraints,
     Jobs,
-    Open,
-    Parallel,
-    Rope,
     Subject,
-    Targets,
     Untrusted,
     run_shown,
     too_early,
 )  # fmt: skip
-from bench.cli.report import published, report_on
+from bench.cli.report import report_on
 from bench.cli.verify import verify_folder
 from bench.errors import BenchError
 from bench.helpers.console import duration, print_error, print_line
@@ -67,10 +61,6 @@ def command(
         str | None, _study(help="Evaluations per trial, instead of the study's budget: a number, or such as '1e4 * d'.")
     ] = None,
     seed: Annotated[int | None, _study(help="Seed that all trials' seeds derive from, instead of the study's.")] = None,
-    constraints: Constraints = None,
-    parallel: Parallel = None,
-    targets: Targets = None,
-    rope: Rope = None,
     optimizer: Annotated[
         list[str] | None,
         _study(
@@ -112,10 +102,6 @@ def command(
         ),
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
-    seconds_per_evaluation: Annotated[
-        float | None,
-        typer.Option(metavar="SECONDS", min=0, help="What an evaluation takes, for the estimate of --dry-run."),
-    ] = None,
     check: Annotated[
         bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
@@ -128,9 +114,7 @@ def command(
             "each optimizer, at the end of the run.",
         ),
     ] = None,
-    report: Annotated[bool, _afterwards(help="Write the report when the run ends.")] = True,
-    against: Against = None,
-    open_: Open = False,
+    no_report: Annotated[bool, _afterwards("--no-report", help="Write no report when the run ends.")] = False,
 ) -> None:
     """Run a study, continue one that was interrupted, or extend one; then write its report.
 
@@ -146,25 +130,16 @@ def command(
         )
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
-    settings = {
-        "trials": trials,
-        "budget": budget,
-        "seed": seed,
-        "constraints": constraints,
-        "targets": targets,
-        "parallel": parallel,
-        "subject": subject,
-    }
-    chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
-    beside, best = published(against)  # before the run, which may take long
-    if best or (chosen.targets and chosen.targets.by_best):
+    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed, subject=subject)
+    chosen = chosen.beside(optimizer or [], problem or [])
+    if chosen.targets and chosen.targets.by_best:
         from bench.formats.coco.best2009 import best2009  # which imports pandas and scipy.stats
 
-        best2009(entry.name for entry in chosen.problems)
+        best2009(entry.name for entry in chosen.problems)  # before the run, which may take long
     if dry_run:
         with _folders(reuse or []) as others:
             planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
-        _show_estimate(planned, jobs, console, untrusted, seconds_per_evaluation)
+        _show_estimate(planned, jobs, console, untrusted)
         return
     with _folders(reuse or []) as others:
         outcome = run_shown(
@@ -179,12 +154,10 @@ def command(
         except BenchError as error:  # as where every trial failed; the report says more
             print_error(f"no trial could be made again: {error}")
             unsound = True
-    if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console, open_, jobs=jobs, beside_best=best)
-        if beside:
-            report_on([outcome.folder, *beside], console, jobs=jobs, beside_best=best)
-    else:
+    if no_report or shard is not None:  # a part of a study supports no claim yet
         print_line(f"results in {outcome.folder}", console=console)
+    else:
+        report_on([outcome.folder], console, jobs=jobs)
     for line in outcome.different:
         print_line(line, "red", console)
     if outcome.spared:
@@ -223,7 +196,7 @@ def _folders(paths: list[Path]) -> Iterator[list[Path]]:
         yield folders
 
 
-def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool, each: float | None) -> None:
+def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> None:
     """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials or few evaluations."""
     from joblib import cpu_count
 
@@ -239,10 +212,10 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool, eac
     workers = cpu_count() if jobs == -1 else jobs
     if beside := at_a_time(plan.study, workers):
         print_line(beside, console=console)
-    seconds, source = plan.seconds() if each is None else None, "the stored trials"
+    seconds, source = plan.seconds(), "the stored trials"
     if seconds is None:
         with console.status("few evaluations"):
-            seconds, source = estimated(plan, jobs, untrusted, each)
+            seconds, source = estimated(plan, jobs, untrusted)
         seconds = seconds and seconds / plan.study.parallel
     if seconds is None:
         estimate = f"no duration can be estimated: {source}"

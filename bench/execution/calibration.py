@@ -35,7 +35,7 @@ class TimeEstimate(NamedTuple):
     source: str
 
 
-def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None = None) -> TimeEstimate:
+def estimated(plan: Plan, jobs: int, untrusted: bool = False) -> TimeEstimate:
     """Return how long a plan's trials will take, one point at a time.
 
     Up to three problems, at equal steps, are evaluated at one point twice. Where an evaluation takes more than a
@@ -48,22 +48,17 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False, each: float | None
         plan: of a study.
         jobs: trials made at a time.
         untrusted: make the evaluations in a sandbox.
-        each: the seconds of an evaluation; nothing is then evaluated.
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
     some = replace(study, problems=study.problems[::step][:PROBLEMS], blocks=None, tuning=None)
-    probed = {} if each is not None else _probed(some, untrusted)
+    probed = _probed(some, untrusted)
     if isinstance(probed, str):
         return TimeEstimate(None, probed)
-    each = each if each is not None or max(probed.values()) <= _CHEAP else sum(probed.values()) / len(probed)
-    if each is None:
+    if max(probed.values()) <= _CHEAP:
         return _from_short_trials(plan, some, jobs, untrusted)
-    source = (
-        f"{each:.3g} s an evaluation, as given"
-        if not probed
-        else (f"{each:.3g} s an evaluation, in {count(2 * len(probed), 'evaluation')} on some of the problems")
-    )
+    each = sum(probed.values()) / len(probed)
+    source = f"{each:.3g} s an evaluation, in {count(2 * len(probed), 'evaluation')} on some of the problems"
     evaluations = _evaluations(plan)
     return TimeEstimate(plan.total(lambda problem, _: probed.get(problem, each) * evaluations[problem]), source)
 
@@ -90,7 +85,7 @@ def _probed(study: Study, untrusted: bool) -> dict[str, float] | str:
             except TimeExceededError:
                 return (
                     f"an evaluation of {entry.label} takes more than {EXPENSIVE:g} s, so it was ended and no other was "
-                    "made; give --seconds-per-evaluation"
+                    "made"
                 )
             except FAILURES as error:
                 return f"an evaluation of {entry.label} failed: {error}"

@@ -175,17 +175,20 @@ def test_wrong_limits_are_one_sentence(bench_here, made, arguments, said):
 
 @pytest.mark.slow
 def test_a_run_with_another_handling_of_constraints(bench_here, tmp_path):
-    (tmp_path / "ring.toml").write_text(
-        'name = "ring"\ntrials = 2\nbudget = 30\n[[problems]]\nname = "ring-2"\n[[optimizers]]\nname = "scatter"\n'
-    )
-    command = ["run", tmp_path / "ring.toml", "--output", tmp_path / "out", "--jobs", 1, "--no-report", "--constraints"]
-    refused = bench_here(*command, "deth")
+    def run(constraints):
+        (tmp_path / "ring.toml").write_text(
+            f'name = "ring"\ntrials = 2\nbudget = 30\nconstraints = "{constraints}"\n'
+            '[[problems]]\nname = "ring-2"\n[[optimizers]]\nname = "scatter"\n'
+        )
+        return bench_here("run", tmp_path / "ring.toml", "--output", tmp_path / "out", "--jobs", 1, "--no-report")
+
+    refused = run("deth")
     assert refused.returncode != 0
     assert "'constraints' must be one of death, penalty, lexicographic, repair, not 'deth'" in refused.stderr
-    refused = bench_here(*command, "repair")
+    refused = run("repair")
     assert "problem 'ring-2' has no rule that repairs violated constraints" in refused.stderr
     assert not (tmp_path / "out" / "trials.sqlite").exists()
-    assert bench_here(*command, "death").returncode == 0
+    assert run("death").returncode == 0
     assert 'constraints = "death"' in (tmp_path / "out" / "study.toml").read_text()
     assert (load_results(tmp_path / "out")["violation"] == 0).all()
 

@@ -128,11 +128,11 @@ def test_a_cocopp_without_the_data_is_named(monkeypatch, tmp_path):
 
 def test_a_run_whose_problems_have_none_is_refused_before_its_first_trial(tmp_path, monkeypatch):
     (tmp_path / "s.toml").write_text(
-        'name = "s"\nbudget = 10\nproblems = [{name = "classical-sphere-d2"}]\n'
+        'name = "s"\nbudget = 10\ntargets = "runlength"\nproblems = [{name = "classical-sphere-d2"}]\n'
         'optimizers = [{name = "random-search"}]\n'
     )
     monkeypatch.chdir(tmp_path)
-    found = CliRunner().invoke(app, ["run", "s.toml", "--against", "best2009"])
+    found = CliRunner().invoke(app, ["run", "s.toml"])
     assert isinstance(found.exception, BenchError)
     assert "the study has no such problem" in str(found.exception)
     assert not (tmp_path / "results").exists()
