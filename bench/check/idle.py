@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from bench.optimizer import CONDITIONS, Optimizer
 
 
-def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[str, list[Any]]:
-    """Return other values of each parameter of an optimizer but the conditions and technical ones, up to four.
+def alternatives(optimizer: Optimizer) -> dict[str, list[Any]]:
+    """Return other values of each parameter of an optimizer but the conditions, up to four.
 
     They are the other choices; of a number, the ends of its range, twice and half of it, and the next whole numbers. A
     parameter that is declared as not worth trying is left out, such as a tolerance that only ends a search.
@@ -18,7 +17,7 @@ def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[st
     hints = get_type_hints(type(optimizer))
     alternatives_of = {}
     for parameter in fields(optimizer):  # type: ignore[arg-type]
-        if parameter.name in (*CONDITIONS, *technical) or not parameter.init or parameter.metadata.get("tune") == []:
+        if parameter.name in CONDITIONS or not parameter.init or parameter.metadata.get("tune") == []:
             continue
         now, hint = getattr(optimizer, parameter.name), hints[parameter.name]
         if isinstance(now, bool):

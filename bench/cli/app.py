@@ -34,7 +34,7 @@ app = typer.Typer(
 PANELS = {
     "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
     "Read": ("status", "report", "plan", "complexity"),
-    "Check": ("check", "reproduce", "audit", "gate", "verify", "atlas", "doctor"),
+    "Check": ("check", "reproduce", "audit", "gate", "verify", "doctor"),
     "Share": ("export", "import_", "pack", "unpack"),
 }
 """The commands by the panel of the help that shows them."""

@@ -1,6 +1,6 @@
 """Find and load plug-ins by entry point; built-ins and third-party packages are treated alike.
 
-Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.studies``, ``bench.atlases``,
+Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.studies`` and
 ``bench.report_sections``.
 """
 

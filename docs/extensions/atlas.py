@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 from sphinx.application import Sphinx
@@ -23,7 +22,6 @@ def _write(source: Path) -> None:
     contents = "\n".join(name for name in names if name != "index")
     pages["index"] += f"\n```{{toctree}}\n:hidden:\n\n{contents}\n```\n"
     write(folder, pages)
-    shutil.copy(atlas / "map.svg", folder)
     suites = (source.parent / "results" / "suites").glob("*.md")
     texts = {each.stem: each.read_text(encoding="utf-8") for each in suites if each.stem != "README"}
     write(source / "explanation" / "suites", texts)
