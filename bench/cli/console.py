@@ -112,13 +112,6 @@ Targets = Annotated[
         "'1e-1,1e-3' (the best value less the optimum) or '5%,1%' (of the optimum).",
     ),
 ]
-Rope = Annotated[
-    str | None,
-    typer.Option(
-        rich_help_panel=STUDY,
-        help="Differences of medians that count as equal: a number in the problem's unit, or a share as '1%'.",
-    ),
-]
 Subject = Annotated[
     str | None,
     typer.Option(

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Against, Jobs, Open, Rope, Subject, Targets
+from bench.cli.console import Against, Jobs, Open, Subject, Targets
 from bench.helpers.console import print_line, steps
 
 
@@ -48,7 +48,6 @@ def command(
         ),
     ] = None,
     targets: Targets = None,
-    rope: Rope = None,
     journal: Annotated[
         str, typer.Option(metavar="NAME", help="Fit tables and figures to a class: plain, ieee, acm, elsevier or lncs.")
     ] = "plain",
@@ -65,7 +64,6 @@ def command(
         "output": output,
         "jobs": jobs,
         "targets": targets,
-        "rope": rope,
         "subject": subject,
         "journal": journal,
     }

@@ -32,7 +32,6 @@ from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
-from bench.study.rope import Rope
 from bench.study.sweep import Sweep, sweeps
 from bench.study.targets import Targets
 from bench.study.tuned import Tuning
@@ -89,8 +88,6 @@ class Study:
             trial's result.
         targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
             problems. They decide no trial's result.
-        rope: the difference of medians below which two optimizers count as equal (:class:`bench.study.rope.Rope`);
-            None: nothing is said of practical equality. It decides no trial's result.
         blocks: which problems resemble each other, and so count once where reports speak of further problems
             (:meth:`bench.study.blocks.Blocks.read`); None: those of which it is known. They decide no trial's result.
         tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.study.tuned`); None: by no
@@ -112,7 +109,6 @@ class Study:
     time: Checked[float | None] = Checked(seconds)
     parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
-    rope: Checked[Rope | None] = Checked(Rope.read)
     blocks: Checked[Blocks | None] = Checked(Blocks.read)
     tuning: Checked[Tuning | None] = Checked(Tuning.read)
     subject: str = ""
@@ -335,7 +331,7 @@ class Study:
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         table["subject"] = self.subject or None
         table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
-        table |= {"targets": self.targets, "rope": self.rope}
+        table["targets"] = self.targets
         for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         table["blocks"] = self.blocks
@@ -358,11 +354,11 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, rope, blocks, tuning, subject and the default handlings of constraints and evaluations are no part of
+        Targets, blocks, tuning, subject and the default handlings of constraints and evaluations are no part of
         it: older studies do not name them. Neither is the number of points evaluated at a time.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "rope", "blocks", "tuning", "subject"}
+        left_out = {*_USUAL, "parallel", "targets", "blocks", "tuning", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 

@@ -20,7 +20,6 @@ from bench.report.parts import Figure, Section
 from bench.report.wording import count
 from bench.report.write import MANIFEST, Chapter, Draft
 from bench.results.results import StoredResults
-from bench.study.rope import Rope
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import Targets
 from bench.topics.explore.explore import look_further
@@ -39,7 +38,6 @@ def write_report(
     output: str | PathLike[str] | None = None,
     jobs: int = -1,
     targets: object = None,
-    rope: object = None,
     beside_best: bool = False,
     subject: str | None = None,
     optimizers: Patterns = None,
@@ -61,7 +59,6 @@ def write_report(
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
         targets: what counts as reached, other than the study's own (:meth:`bench.study.targets.Targets.read`).
-        rope: differences that count as equal, other than the study's own (:class:`bench.study.rope.Rope`).
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
         subject: the label of the optimizer that the report is about, other than the study's own: it alone is tested
@@ -75,18 +72,17 @@ def write_report(
         on_progress: called before every step.
 
     Raises:
-        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
-            are none, the best of 2009 is of other problems, the study has no optimizer ``subject``, nothing has a
+        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` are
+            none, the best of 2009 is of other problems, the study has no optimizer ``subject``, nothing has a
             pattern or a dimension that is selected, ``journal`` is none, a selection has no ``output``, or that
             cannot be written or holds another study.
     """
     chosen = None if targets is None else Targets.read(targets, "the targets of a report")
     document = journal_of(journal)
-    equal = None if rope is None else Rope.read(rope, "the rope of a report")
     results = StoredResults(path, *others, versions=versions)
     if (optimizers, problems, dimensions) != (None, None, None):
         results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
-    findings = Findings(results, chosen, equal, beside_best, subject)
+    findings = Findings(results, chosen, beside_best, subject)
     if subject is not None and subject not in findings.trials.optimizers:
         known = nearest(subject, findings.trials.optimizers)
         raise BenchError(f"the study has no optimizer {subject!r} for a subject{known}")

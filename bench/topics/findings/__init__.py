@@ -16,7 +16,6 @@ from bench.families import function_of
 from bench.results.results import StoredResults
 from bench.study import Study
 from bench.study.descriptions import Descriptions, noted
-from bench.study.rope import Rope
 from bench.study.targets import Targets
 from bench.study.values import Checked
 from bench.topics.findings.anytime import BEST, Anytime
@@ -48,14 +47,12 @@ class Findings:
     Attributes:
         results: the content of the study's folder.
         asked: targets other than the study's own.
-        asked_rope: a region of practical equivalence other than the study's own.
         beside_best: whether the best of 2009 stands beside the optimizers.
         asked_subject: the optimizer that the page is about, other than the study's own.
     """
 
     results: StoredResults
     asked: Checked[Targets | None] = Checked(Targets.read)
-    asked_rope: Checked[Rope | None] = Checked(Rope.read)
     beside_best: bool = False
     asked_subject: str | None = None
     _computed: dict[Callable[[Findings], Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -74,7 +71,7 @@ class Findings:
     @cached_property
     def final(self) -> Final:
         """The values that the trials reached at the end."""
-        return Final(self.trials, self.asked_rope, self.subject if self.declared else "")
+        return Final(self.trials, self.subject if self.declared else "")
 
     @cached_property
     def anytime(self) -> Anytime:

@@ -17,7 +17,6 @@ from bench.analysis.pairwise import adjusted
 from bench.analysis.standings import disagreements as disagreements_of
 from bench.analysis.subject import signs_of
 from bench.analysis.trials_needed import POWER
-from bench.study.rope import Rope
 from bench.topics.findings.trials import Trials
 
 
@@ -26,7 +25,6 @@ class Final:
     """The values that the trials reached at the end of the budget, or of the largest that all had."""
 
     trials: Trials
-    asked_rope: Rope | None = None  # other than the study's own
     subject: str = ""  # whose pairs alone are tested
 
     # problem by problem
@@ -166,11 +164,6 @@ class Final:
     def tested_overall(self) -> pd.DataFrame:
         """The rows of the pairs over all problems that are tested: all, or those of the subject."""
         return self.overall[self.overall["p_holm"].notna()]
-
-    @property
-    def rope(self) -> Rope | None:
-        """The differences of medians that count as equal, where any are given."""
-        return self.asked_rope or self.trials.results.study.rope
 
     @cached_property
     def ranked(self) -> list[str]:

@@ -18,7 +18,6 @@ from bench.analysis import ALPHA
 from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR, scores, stopped_early
 from bench.analysis.certainty import resamples as rank_resamples
-from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
 from bench.analysis.integrity import undeclared
 from bench.analysis.kolmogorov_smirnov import TIED
@@ -31,7 +30,6 @@ from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
 from bench.study.descriptions import Description
 from bench.topics.conditions.conditions import conditions
-from bench.topics.equivalence.section import beside_rope
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import Replication, each_problem
 from bench.topics.findings.trials import sweeps
@@ -102,7 +100,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "checks": results.checks,
         "subject": subject_methods(findings.of(against)) if findings.subject and len(final.medians) else "",
         "subject_tested": final.subject,
-        "rope": final.rope if len(findings.of(beside_rope)) else None,
         "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,
         "budgets": {label: budget.words for label, budget in results.budgets.items()},
         "common": trials.common_words,
@@ -174,7 +171,6 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "fewer_resamples": FEWER,
         "resamples": RESAMPLES,
         "rank_resamples": rank_resamples(len(study.optimizers)),
-        "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
         "early": [f"{count(number, 'trial')} of {label}" for label, number in stated["early"].items() if number],

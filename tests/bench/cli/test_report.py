@@ -181,15 +181,3 @@ def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, benc
     assert biased.returncode == 0
     assert "BIASED: scatter, centre bias: errors grow" in biased.stdout
     assert "scatter keeps the contract; biased: fails the checks of centre bias" in biased.stdout
-
-
-@pytest.mark.slow
-def test_a_report_may_name_what_is_practically_equal(bench_here, folders, tmp_path):
-    refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--rope", "wide")
-    assert refused.returncode == 2
-    assert "the rope of a report must be a positive width" in refused.stderr
-    assert refused.stderr.count("\n") == 1
-    done = bench_here("report", folders / "old", "--output", tmp_path / "out", "--rope", "5%")
-    assert done.returncode == 0, done.stderr
-    assert "Practical equality" in (tmp_path / "out" / "report.html").read_text()
-    assert "differ by at most 5% of the smaller" in (tmp_path / "out" / "methods.md").read_text().replace("\\%", "%")

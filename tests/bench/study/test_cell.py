@@ -46,7 +46,6 @@ def test_code_and_data_make_another_cell(changes):
         {"trials": 9},
         {"title": "Another"},
         {"targets": "tolerance"},
-        {"rope": 0.1},
         {"budget": 40},
         {"name": "t"},
         {"parallel": 8},

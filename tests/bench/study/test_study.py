@@ -62,18 +62,9 @@ def test_targets_are_kept(tmp_path, targets):
     assert given.override(targets="1%").targets == ["1%"]
 
 
-@pytest.mark.parametrize("rope", [0.5, "1%", None])
-def test_a_rope_is_kept(tmp_path, rope):
-    given = study() if rope is None else study(rope=rope)
-    (tmp_path / "s.toml").write_text(given.to_toml())
-    assert Study.load(tmp_path / "s.toml") == given
-    assert ("rope" in given.to_toml()) == (rope is not None)
-    assert given.override(rope="2 %").rope == "2%"
-
-
 def test_identity_is_what_decides_a_result():
     same = [study(), study(trials=9), study(title="other words"), study(targets="quantiles"), study(targets=[0.1])]
-    same += [study(rope=0.5), study(rope="1%"), study(parallel=8), study(evaluation_timeout=None, time=None)]
+    same += [study(parallel=8), study(evaluation_timeout=None, time=None)]
     assert len({each.identity() for each in same}) == 1
     other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
     other += [study(on_error="worst"), study(evaluation_timeout=5), study(time="10 min"), study(time=601)]
@@ -103,7 +94,6 @@ def test_limits_of_time_and_the_points_in_parallel_are_kept(tmp_path):
         ({"time": "soon"}, "'time' must be a number of seconds above 0, or a text such as '10 min', not 'soon'"),
         ({"evaluation_timeout": 0}, "'evaluation_timeout' must be a number of seconds above 0"),
         ({"parallel": 0}, "'parallel' must be a whole number from 1 to 1000, not 0"),
-        ({"rope": "wide"}, "'rope' must be a positive width in the unit of the objective"),
         (
             {"targets": "precision"},
             "'targets' must be 'precisions', 'runlength', 'relative', 'quantiles' or 'tol",
@@ -175,7 +165,7 @@ def test_unknown_and_malformed_files(tmp_path):
         ({"name": "../../x"}, "the name '../../x' must be up to 100 letters"),
         ({"title": "a\nb"}, "the title holds a control character"),
         ({"trials": 0}, "'trials' must be"),
-        ({"rope": "200%"}, "'rope' must be a positive width"),
+        ({"budget": -1}, "'budget' must be"),
     ],
 )
 def test_a_study_built_in_python_is_checked_as_one_from_a_file(changes, message):
@@ -203,8 +193,8 @@ def test_entries_and_values_that_do_not_fit_are_refused_before_a_run(changes, me
 
 
 def test_a_study_built_in_python_holds_its_values_as_one_from_a_file():
-    built = Study("s", (Entry("p", "p"),), (Entry("a", "a"),), budget=" 1e4 * d ", targets="1e-3, 10", rope="1 %")
-    assert (built.budget, built.targets, built.rope) == ("1e4 * d", [10.0, 1e-3], "1%")
+    built = Study("s", (Entry("p", "p"),), (Entry("a", "a"),), budget=" 1e4 * d ", targets="1e-3, 10")
+    assert (built.budget, built.targets) == ("1e4 * d", [10.0, 1e-3])
     assert Study.from_dict(parse_toml(built.to_toml())) == built
 
 

@@ -88,13 +88,6 @@ def sweep_and_tuning(make, folder):
 
 
 @page
-def practically_equal(make, folder):
-    """Within 1, a and b are equal and c is not, on enough problems to choose optimizers for."""
-    ends = {"b": {"fun": 5.0}, "c": {"fun": 9.0}}
-    return Findings(Results(make(folder, tuple("pqrstu"), trials=12, changes=ends)), asked_rope=1.0)
-
-
-@page
 def selected(make, folder):
     return Findings(Results(make(folder)).select(optimizers=["a", "c"], problems="q"))
 

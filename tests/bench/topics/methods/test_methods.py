@@ -19,7 +19,6 @@ from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.descriptions import Description
-from bench.study.rope import Rope
 from bench.study.targets import KINDS, Targets
 from bench.study.tuned import Tuned, Tuning
 from bench.topics.findings.replication import Replication
@@ -63,7 +62,7 @@ NOTHING = {
     "not_compared": Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {}), "environments": [],
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
-    "rope": None, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
+    "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
     "tuning": None, "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
     "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
 }  # fmt: skip
@@ -78,7 +77,7 @@ def full(**changes):
         "levels": Levels(0.01, 0.035, 0.005), "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1,
         "targets": 3, "early": {"cma-es": 3, "gwo": 0},
         "checks": {"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
-        "dominance": 2, "rope": Rope("1%"), "common": "at 400 evaluations", "confined": 2,
+        "dominance": 2, "common": "at 400 evaluations", "confined": 2,
     } | changes  # fmt: skip
 
 
