@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
 """The headings under which the help of a command with many options has them."""
 
-Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
+StudyFolder = Annotated[
+    Path, typer.Argument(metavar="FOLDER", help="The folder that 'bench run' wrote.", autocompletion=completion.folders)
+]
 
 
 @contextmanager

@@ -7,24 +7,24 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.console import Output
+from bench.cli.console import StudyFolder
 from bench.formats import EXPORTABLE, described
 from bench.helpers.console import print_line
 
 
 def command(
-    output: Output,
+    folder: StudyFolder,
     kind: Annotated[str, typer.Option("--format", help=f"{described(EXPORTABLE)}.")],
-    folder: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder to write; default: OUTPUT/export/FORMAT.")
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder to write; default: FOLDER/export/FORMAT.")
     ] = None,
 ) -> None:
     """Write a study's results for other tools: for cocopp or IOHanalyzer, or as plain tables."""
     from bench.formats.exporting import export
     from bench.results.results import StoredResults
 
-    folder, results = folder or output / "export" / kind, StoredResults(output)
+    output, results = output or folder / "export" / kind, StoredResults(folder)
     results.note_stores()
-    for note in export(results, kind, folder):
+    for note in export(results, kind, output):
         print_line(f"note: {note}", "yellow")
-    print_line(f"export: {folder}")
+    print_line(f"export: {output}")

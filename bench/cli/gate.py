@@ -24,12 +24,16 @@ def command(
     old: Annotated[
         Path,
         typer.Argument(
-            help="The folder of the old version's trials, or of both versions.", autocompletion=completion.folders
+            metavar="FOLDER",
+            help="The folder of the old version's trials, or of both versions.",
+            autocompletion=completion.folders,
         ),
     ],
     new: Annotated[
         Path | None,
-        typer.Argument(help="The folder of the new version's trials.", autocompletion=completion.folders),
+        typer.Argument(
+            metavar="NEW_FOLDER", help="The folder of the new version's trials.", autocompletion=completion.folders
+        ),
     ] = None,
     margin: Annotated[
         float,

@@ -15,7 +15,7 @@ def command(
     folders: Annotated[
         list[Path],
         typer.Argument(
-            metavar="OUTPUT…", help="Folders of one study, such as its shards.", autocompletion=completion.folders
+            metavar="FOLDER", help="Folders of one study, such as its shards.", autocompletion=completion.folders
         ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write: a new one, or one to add to.")],

@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.console import Output
+from bench.cli.console import StudyFolder
 from bench.helpers.console import print_line
 
 
 def command(
-    folder: Output,
+    folder: StudyFolder,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Archive to write; default: FOLDER.zip.")
     ] = None,

@@ -20,7 +20,7 @@ def command(
     output: Annotated[
         Path,
         typer.Argument(
-            metavar="OUTPUT|STUDY.toml",
+            metavar="FOLDER|STUDY.toml",
             help="The folder that 'bench run' wrote, or a study that has no trials yet.",
             autocompletion=completion.folders,
         ),

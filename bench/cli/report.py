@@ -17,7 +17,7 @@ def command(
     folders: Annotated[
         list[Path],
         typer.Argument(
-            metavar="OUTPUT…",
+            metavar="FOLDER",
             help="The folder that 'bench run' wrote, or several to compare.",
             autocompletion=completion.folders,
         ),
@@ -25,7 +25,7 @@ def command(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", help="Folder to write; default: OUTPUT, or results/comparisons/NAMES for several."
+            "--output", "-o", help="Folder to write; default: FOLDER, or results/comparisons/NAMES for several."
         ),
     ] = None,
     jobs: Jobs = -1,

@@ -7,13 +7,13 @@ from typing import Annotated
 import typer
 
 from bench.cli import completion
-from bench.cli.console import Output
+from bench.cli.console import StudyFolder
 from bench.errors import BenchError, nearest
 from bench.helpers.console import print_line
 
 
 def command(
-    output: Output,
+    path: StudyFolder,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(help="Remove the trials of this optimizer; repeatable.", autocompletion=completion.optimizers),
@@ -33,7 +33,7 @@ def command(
     """Remove trials from a study's folder; the next run makes them again."""
     from bench.storage.folder import Folder
 
-    folder = Folder(output)
+    folder = Folder(path)
     folder.study()  # refuses one that was changed
     if not (optimizer or problem or failed or old):
         raise BenchError("name what to remove: --optimizer NAME, --problem NAME, both for one cell, --failed or --old")

@@ -14,7 +14,7 @@ from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.text import Text
 
-from bench.cli.console import Output, table, too_early
+from bench.cli.console import StudyFolder, table, too_early
 from bench.helpers.console import duration, print_line
 from bench.helpers.text import count
 from bench.study.cell import read
@@ -26,7 +26,7 @@ SHOWN = 20  # lines of failures
 
 
 def command(
-    output: Output,
+    path: StudyFolder,
     watch: Annotated[bool, typer.Option("--watch", help="Refresh every two seconds until the run ends.")] = False,
     check: Annotated[bool, typer.Option("--check", help="Compare every stored trial with its digest now.")] = False,
 ) -> None:
@@ -38,7 +38,7 @@ def command(
     from bench.cli import answer
     from bench.storage.folder import Folder
 
-    console, folder = Console(), Folder(output)
+    console, folder = Console(), Folder(path)
     if watch:
         with Live(summary(folder), console=console, auto_refresh=False) as live:
             while folder.running():

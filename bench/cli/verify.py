@@ -9,12 +9,12 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Output, Untrusted, checked_jobs
+from bench.cli.console import StudyFolder, Untrusted, checked_jobs
 from bench.helpers.console import print_error, print_line, steps
 
 
 def command(
-    output: Output,
+    folder: StudyFolder,
     trials: Annotated[int, typer.Option(help="Trials of each cell to make again.")] = 2,
     jobs: Annotated[
         int | None,
@@ -31,7 +31,7 @@ def command(
     was stored with it. The outcome is noted in the folder for the report. The exit code is 1 where a trial differs or
     is damaged.
     """
-    if not verify_folder(output, Console(), trials=trials, jobs=jobs, untrusted=untrusted):
+    if not verify_folder(folder, Console(), trials=trials, jobs=jobs, untrusted=untrusted):
         sys.exit(1)
 
 

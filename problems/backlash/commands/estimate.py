@@ -33,7 +33,7 @@ def estimate(
     recordings: Annotated[
         list[str],
         typer.Argument(
-            metavar="RECORDING...",
+            metavar="RECORDING",
             help="Recordings of motor speed at constant reference speed (csv, txt, xlsx, parquet), folders of them, or "
             "patterns such as 'joint4_*.csv'.",
         ),
