@@ -157,7 +157,7 @@ def try_out(place: Path, version: str, artefact: Path, resolution: str) -> str:
     call(*UV, "pip", "install", "--python", home, "--resolution", resolution, *own, artefact, *PROJECT["dependencies"])
     if resolution == "lowest-direct" and version == versions()[0]:
         require_lowest(home)
-    call(python(home).with_name("bench"), "doctor", cwd=home)
+    call(python(home).with_name("bench"), "--version", cwd=home)
     call(python(home).with_name("bench"), "run", "quick", "--output", "out", "--jobs", "2", cwd=home)
     trials = int(call(python(home), "-c", READ, cwd=home))
     return f"passed: {name}: {trials} trials, {', '.join(installed(home, 'numpy', 'numba', 'pandas', 'typer'))}"

@@ -14,6 +14,7 @@ import typer
 
 from bench.cli import archive
 from bench.cli.console import usage
+from bench.cli.versions import versions
 from bench.errors import BenchError
 from bench.helpers.console import print_error
 from bench.plugins import registry
@@ -21,7 +22,8 @@ from bench.plugins import registry
 
 def _print_version(asked: bool) -> None:
     if asked:
-        print(registry.DISTRIBUTION, registry.own().version)
+        for name, version in versions().items():
+            print(f"{name:16} {version}")
         raise typer.Exit
 
 
@@ -33,8 +35,8 @@ app = typer.Typer(
 )
 PANELS = {
     "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
-    "Read": ("status", "report", "plan", "complexity"),
-    "Check": ("check", "reproduce", "audit", "gate", "verify", "doctor"),
+    "Read": ("status", "report", "plan"),
+    "Check": ("check", "reproduce", "audit", "gate", "verify"),
     "Share": ("export", "import_", "pack", "unpack"),
 }
 """The commands by the panel of the help that shows them."""
@@ -48,14 +50,17 @@ app.add_typer(archive.archive, name="archive", rich_help_panel="Share")
 BUILT_IN = {info.name for info in app.registered_commands} | {info.name for info in app.registered_groups}
 """The commands of the harness, whose names no plug-in can take."""
 
-WITHOUT_PLUGINS = (["doctor"], ["--version"])
-"""Beginnings of command lines that work where plug-ins cannot be found, and help to find out why."""
-
 
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print the version and end.")
+        bool,
+        typer.Option(
+            "--version",
+            is_eager=True,
+            callback=_print_version,
+            help="Print the versions that a bug report needs, and end.",
+        ),
     ] = False,
 ) -> None:
     pass
@@ -105,7 +110,7 @@ def add_plugins() -> None:
     try:
         names = list(registry.entries("commands"))
     except BenchError:
-        if sys.argv[1:2] in WITHOUT_PLUGINS:
+        if sys.argv[1:2] == ["--version"]:  # it helps to find out why
             return
         raise
     for name in names:

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 
-from bench.cli import completion
 from bench.cli.console import Jobs, Parameters
 from bench.helpers.console import pairs, print_line
 
@@ -16,7 +15,7 @@ from bench.helpers.console import pairs, print_line
 def command(
     name: Annotated[
         str,
-        typer.Argument(help="An optimizer, such as path/to/file.py:Class.", autocompletion=completion.optimizers),
+        typer.Argument(help="An optimizer, such as path/to/file.py:Class."),
     ],
     option: Parameters = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the record as JSON, for programs.")] = False,
@@ -24,7 +23,6 @@ def command(
         list[str] | None,
         typer.Option(
             help="A problem to compare on, in place of six classical ones that the seed draws; repeatable.",
-            autocompletion=completion.problems,
         ),
     ] = None,
     baseline: Annotated[
@@ -32,7 +30,6 @@ def command(
         typer.Option(
             help="An optimizer to compare with, in place of random-search and cma-es; repeatable. What is worse than "
             "the first one is refused.",
-            autocompletion=completion.optimizers,
         ),
     ] = None,
     trials: Annotated[int, typer.Option(help="Trials of each optimizer on each problem.")] = 10,

@@ -12,7 +12,6 @@ import typer
 from joblib import effective_n_jobs
 from rich.console import Console
 
-from bench.cli import completion
 from bench.cli.console import Jobs, Parameters, Untrusted, table
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error, print_line
@@ -31,7 +30,6 @@ def command(
             help="An optimizer (gwo, mealpy:OriginalGWO), a problem, a family or a pattern of problems (signature-12, "
             "engineering, 'bbob-f*-d5-i1'), a class in a file (path/to/file.py:Class), or a folder that 'bench run' "
             "wrote.",
-            autocompletion=completion.checkable,
         ),
     ],
     option: Parameters = None,

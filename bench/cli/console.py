@@ -14,7 +14,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench.cli import completion
 from bench.helpers.console import print_error
 from bench.helpers.text import listed
 from bench.numbers import require_jobs, span
@@ -26,9 +25,7 @@ if TYPE_CHECKING:
 STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
 """The headings under which the help of a command with many options has them."""
 
-StudyFolder = Annotated[
-    Path, typer.Argument(metavar="FOLDER", help="The folder that 'bench run' wrote.", autocompletion=completion.folders)
-]
+StudyFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder that 'bench run' wrote.")]
 
 
 @contextmanager

@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.panel import Panel
 from rich.text import Text
 
-from bench.cli import completion
 from bench.cli.console import table
 from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
@@ -26,14 +25,11 @@ def command(
         typer.Argument(
             metavar="FOLDER",
             help="The folder of the old version's trials, or of both versions.",
-            autocompletion=completion.folders,
         ),
     ],
     new: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="NEW_FOLDER", help="The folder of the new version's trials.", autocompletion=completion.folders
-        ),
+        typer.Argument(metavar="NEW_FOLDER", help="The folder of the new version's trials."),
     ] = None,
     margin: Annotated[
         float,
@@ -44,7 +40,6 @@ def command(
         typer.Option(
             help="The optimizer to compare, where a folder holds several; in one folder, 'mine@2' compares it with its "
             "version 2, and 'mine' with the version before.",
-            autocompletion=completion.optimizers,
         ),
     ] = None,
     target: Annotated[

@@ -13,7 +13,6 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from bench.cli import completion
 from bench.cli.console import table
 from bench.errors import BenchError, nearest
 from bench.plugins import catalogue, registry
@@ -27,25 +26,11 @@ GROUPED = ("optimizers", "problems")
 """The kinds of which one family, suite or plug-in can be listed."""
 
 
-def _named() -> list[str]:
-    return [name for kind in GROUPED for name in registry.entries(kind)]
-
-
-def _kinds(incomplete: str) -> list[str]:
-    """Complete a kind, or a family."""
-    return completion.starting(["all", *KINDS, *_named()], incomplete)
-
-
-def _families(incomplete: str) -> list[str]:
-    return completion.starting(_named(), incomplete)
-
-
 def command(
     kind: Annotated[
         str,
         typer.Argument(
             help="optimizers, problems, studies, commands, all, or a family's or suite's name, such as mealpy.",
-            autocompletion=_kinds,
         ),
     ] = "all",
     family: Annotated[
@@ -53,7 +38,6 @@ def command(
         typer.Argument(
             help="Of optimizers or problems: one family or suite alone, as in 'problems cec2022'.",
             show_default=False,
-            autocompletion=_families,
         ),
     ] = "",
     search: Annotated[
@@ -124,7 +108,8 @@ def _chosen(kind: str, family: str) -> tuple[str, str]:
     """Return the kind and the family, "" for all, of the words of a command; a family's name alone has a kind."""
     if not family and kind not in (*KINDS, "all"):
         kind, family = next((group for group in GROUPED if kind in registry.entries(group)), kind), kind
-    _require_known("no kind, family, suite or plug-in is called", kind, (*KINDS, "all", *_named()))
+    named = [name for group in GROUPED for name in registry.entries(group)]
+    _require_known("no kind, family, suite or plug-in is called", kind, (*KINDS, "all", *named))
     if family and kind not in GROUPED:
         raise BenchError(f"{kind!r} has no families or suites; leave out {family!r}")
     if family:

@@ -7,16 +7,13 @@ from typing import Annotated
 
 import typer
 
-from bench.cli import completion
 from bench.helpers.console import print_line
 
 
 def command(
     folders: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="FOLDER", help="Folders of one study, such as its shards.", autocompletion=completion.folders
-        ),
+        typer.Argument(metavar="FOLDER", help="Folders of one study, such as its shards."),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write: a new one, or one to add to.")],
 ) -> None:

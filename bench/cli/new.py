@@ -16,7 +16,6 @@ from typing import Annotated
 
 import typer
 
-from bench.cli import completion
 from bench.errors import BenchError, nearest
 from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
@@ -59,12 +58,8 @@ TEMPLATES = {
 }
 
 
-def _kinds(incomplete: str) -> list[str]:
-    return completion.starting(TEMPLATES, incomplete)
-
-
 def command(
-    kind: Annotated[str, typer.Argument(help="optimizer, problem, topic or study.", autocompletion=_kinds)],
+    kind: Annotated[str, typer.Argument(help="optimizer, problem, topic or study.")],
     name: Annotated[str, typer.Argument(help="Its name: lower-case words joined by hyphens, such as hill-climber.")],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder to write, or file of a study; default: NAME.")

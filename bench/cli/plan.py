@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli import completion
 from bench.errors import BenchError
 from bench.helpers.console import print_line
 from bench.numbers import is_finite
@@ -22,7 +21,6 @@ def command(
         typer.Argument(
             metavar="FOLDER|STUDY.toml",
             help="The folder that 'bench run' wrote, or a study that has no trials yet.",
-            autocompletion=completion.folders,
         ),
     ],
     power: Annotated[float, typer.Option(help="The chance to separate a pair, which is to be reached.")] = 0.8,

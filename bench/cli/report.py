@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from bench.cli import completion
 from bench.cli.console import Against, Jobs, Open, Subject, Targets
 from bench.helpers.console import print_line, steps
 
@@ -19,7 +18,6 @@ def command(
         typer.Argument(
             metavar="FOLDER",
             help="The folder that 'bench run' wrote, or several to compare.",
-            autocompletion=completion.folders,
         ),
     ],
     output: Annotated[

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from bench.cli import completion
 from bench.cli.console import StudyFolder
 from bench.errors import BenchError, nearest
 from bench.helpers.console import print_line
@@ -16,11 +15,11 @@ def command(
     path: StudyFolder,
     optimizer: Annotated[
         list[str] | None,
-        typer.Option(help="Remove the trials of this optimizer; repeatable.", autocompletion=completion.optimizers),
+        typer.Option(help="Remove the trials of this optimizer; repeatable."),
     ] = None,
     problem: Annotated[
         list[str] | None,
-        typer.Option(help="Remove the trials on this problem; repeatable.", autocompletion=completion.problems),
+        typer.Option(help="Remove the trials on this problem; repeatable."),
     ] = None,
     failed: Annotated[bool, typer.Option("--failed", help="Remove only trials that failed or timed out.")] = False,
     old: Annotated[

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench.cli import completion
 from bench.cli.check import check_folder
 from bench.cli.console import (
     MACHINES,
@@ -47,7 +46,6 @@ def command(
         str | None,
         typer.Argument(
             help="An installed study's name (see 'bench list studies') or a TOML file.",
-            autocompletion=completion.studies,
         ),
     ] = None,
     output: Annotated[
@@ -65,14 +63,12 @@ def command(
         list[str] | None,
         _study(
             help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable.",
-            autocompletion=completion.optimizers,
         ),
     ] = None,
     problem: Annotated[
         list[str] | None,
         _study(
             help="Add a problem to the study's: a name, or a pattern such as 'bbob-f*-d5-*'; repeatable.",
-            autocompletion=completion.problems,
         ),
     ] = None,
     subject: Subject = None,

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from bench.cli import completion
 from bench.cli.console import Constraints, Parallel, Parameters, ProblemParameters, Untrusted, table
 from bench.columns import Row, named
 from bench.errors import BenchError, ProblemError
@@ -26,13 +25,9 @@ Named = tuple[str, dict[str, Any]]  # a plug-in's name and its options
 def command(
     problem: Annotated[
         str,
-        typer.Argument(
-            help="A problem's name, such as signature-12 or recording:joint2.csv.", autocompletion=completion.problems
-        ),
+        typer.Argument(help="A problem's name, such as signature-12 or recording:joint2.csv."),
     ],
-    optimizer: Annotated[
-        str, typer.Argument(help="An optimizer's name, such as gwo.", autocompletion=completion.optimizers)
-    ],
+    optimizer: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo.")],
     budget: Annotated[str, typer.Option(help="Evaluations to spend: a number, or such as '1e4 * d'.")] = "60000",
     seed: Annotated[
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")

@@ -46,7 +46,7 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
         "processor": _processor(),
         "cores": len(affinity(0)) if affinity else os.cpu_count(),
         "memory_gb": round(memory() / 1e9, 1),
-        "blas": _blas(),
+        "blas": blas(),
         "git": own_state(),
         "checkouts": checkout_states(plugins),
     }
@@ -186,7 +186,9 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def _blas() -> list[dict[str, Any]]:
+def blas() -> list[dict[str, Any]]:
+    """Return library, version and threads of every BLAS that this process has loaded."""
+    """Return library, version and threads of every BLAS that this process has loaded."""
     keys = {"library": "internal_api", "version": "version", "threads": "num_threads"}
     loaded = [library for library in threadpool_info() if library["user_api"] == "blas"]
     distinct = {tuple(library[key] for key in keys.values()) for library in loaded}

@@ -1,0 +1,60 @@
+"""What ``bench --version`` prints, and what the Tab key completes."""
+
+import os
+import subprocess
+import sys
+from importlib.metadata import PackageNotFoundError, version
+
+import pytest
+
+import bench as package
+from bench.cli import versions
+
+
+@pytest.fixture
+def printed(bench_here):
+    """Return a function that gives the printed versions by name."""
+    return lambda: dict(line.split("  ", 1) for line in bench_here("--version").stdout.splitlines())
+
+
+def test_the_first_line_is_the_version_of_the_package(bench_here):
+    done = bench_here("--version")
+    assert (done.returncode, done.stdout.splitlines()[0].split()) == (0, ["backlash-bench", package.__version__])
+    assert package.__version__ == version("backlash-bench")
+
+
+def test_libraries_platform_and_extras_are_printed(printed):
+    found = {name: value.strip() for name, value in printed().items()}
+    assert found["numpy"] == version("numpy")
+    assert found["extra xlsx"] == f"openpyxl {version('openpyxl')}"
+    assert "threads" in found["BLAS"]
+    assert {"Python", "scipy", "numba", "cma", "pandas", "platform", "extra mealpy"} <= set(found)
+
+
+def test_a_missing_package_is_named(printed, monkeypatch):
+    def found(name):
+        if name == "cmaes":
+            raise PackageNotFoundError(name)
+        return version(name)
+
+    monkeypatch.setattr(versions, "version", found)
+    assert "cmaes not installed" in printed()["extra optuna"]
+
+
+def test_it_works_where_a_foreign_module_stops_every_other_command(tmp_path):
+    (tmp_path / "optimizers.py").write_text("")
+    there = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(tmp_path)}, "capture_output": True, "text": True}
+    assert subprocess.run([sys.executable, "-m", "bench", "--version"], **there).returncode == 0
+    done = subprocess.run([sys.executable, "-m", "bench", "list"], **there)
+    assert done.returncode == 2
+    assert "the module 'optimizers' found at" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_shell_completes_commands_and_options(bench_here, monkeypatch):
+    for typed, offered in (("gat", "gate"), ("verify --jo", "--jobs")):
+        words = ["bench", *typed.split(" ")]
+        monkeypatch.setenv("_BENCH_COMPLETE", "complete_bash")
+        monkeypatch.setenv("COMP_WORDS", "\n".join(words))
+        monkeypatch.setenv("COMP_CWORD", str(len(words) - 1))
+        assert bench_here().stdout.split() == [offered]
