@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import types
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -30,27 +30,16 @@ The population size; what becomes of a point outside the box or the constraints;
 """
 
 
-def parameter(
-    default: T,
-    *,
-    minimum: float | None = None,
-    maximum: float | None = None,
-    tune: tuple[float, float] | Sequence[object] | None = None,
-    log: bool = False,
-) -> T:
-    """Return a dataclass field with a default, the range that its value must lie in, and what ``bench tune`` tries.
+def parameter(default: T, *, minimum: float | None = None, maximum: float | None = None) -> T:
+    """Return a dataclass field with a default, and the range that its value must lie in.
 
     Args:
         default: the value where none is given.
         minimum: the least value that is accepted; None for no limit.
         maximum: the greatest one, likewise.
-        tune: what is worth trying, which limits nothing else: the ends of a closed range, or a list of values; an empty
-            list leaves the parameter at its default. None: the choices of its type (``bool``, ``Literal``), or else
-            minimum to maximum where it has both.
-        log: whether that range is searched on a logarithmic scale.
     """
-    about = {"minimum": minimum, "maximum": maximum, "tune": tune, "log": log}
-    return dataclasses.field(default=default, metadata=about)  # which stands for its value
+    limits = {"minimum": minimum, "maximum": maximum}
+    return dataclasses.field(default=default, metadata=limits)  # which stands for its value
 
 
 class Optimizer(ABC):

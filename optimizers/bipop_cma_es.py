@@ -55,7 +55,7 @@ class BIPOPCMAES(BoxedCMA):
     fewest: ClassVar[int] = 6
 
     agents: int | None = parameter(None, minimum=fewest)
-    sigma: float = parameter(0.2, minimum=1e-9, maximum=10.0, tune=(0.05, 1.0), log=True)
+    sigma: float = parameter(0.2, minimum=1e-9, maximum=10.0)
     variant: Literal["paper", "pycma"] = "paper"
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:

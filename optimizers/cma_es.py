@@ -37,8 +37,7 @@ class BoxedCMA(Optimizer):
     agents: int | None = parameter(None, minimum=fewest)
     handling: Literal["repair", "box"] = "repair"
     start: Literal["random", "midpoint"] = "random"
-    # Tuning: steps wider than the box only wrap around in it, and steps of a twentieth of it already search locally.
-    sigma: float = parameter(0.25, minimum=1e-9, maximum=10.0, tune=(0.05, 1.0), log=True)
+    sigma: float = parameter(0.25, minimum=1e-9, maximum=10.0)
 
     def population(self, dimension: int) -> int:
         """Return lambda for ``dimension`` variables: ``agents``, or Hansen, arXiv:1604.00772, eq. 48."""

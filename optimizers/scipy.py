@@ -93,9 +93,8 @@ class DifferentialEvolution(ScipyOptimizer):
         "best1bin", "best1exp", "best2bin", "best2exp", "rand1bin", "rand1exp", "rand2bin", "rand2exp",
         "randtobest1bin", "randtobest1exp", "currenttobest1bin", "currenttobest1exp",
     ] = "best1bin"  # fmt: skip
-    # Tuning: weights below 0.2 or above 1.2 are not in use, and the tolerances only end the search.
-    mutation: float = parameter(0.5, minimum=0, maximum=1.999, tune=(0.2, 1.0))
-    mutation_to: float | None = parameter(1.0, minimum=0, maximum=1.999, tune=(0.4, 1.2))
+    mutation: float = parameter(0.5, minimum=0, maximum=1.999)
+    mutation_to: float | None = parameter(1.0, minimum=0, maximum=1.999)
     recombination: float = parameter(0.7, minimum=0, maximum=1)
     updating: Literal["immediate", "deferred"] = "immediate"
     polish: bool = True
@@ -140,12 +139,11 @@ class DualAnnealing(ScipyOptimizer):
     ceiling: ClassVar[float] = CEILING
     unmapped: ClassVar[tuple[str, ...]] = (CEILED,)
 
-    # The ranges that scipy accepts; a temperature and its ratio count by their factors. Below an acceptance of -100
-    # hardly any worse point is accepted.
-    initial_temp: float = parameter(5230.0, minimum=0.01, maximum=5e4, tune=(1.0, 5e4), log=True)
-    restart_temp_ratio: float = parameter(2e-5, minimum=1e-15, maximum=0.999, tune=(1e-8, 0.5), log=True)
+    # The ranges that scipy accepts.
+    initial_temp: float = parameter(5230.0, minimum=0.01, maximum=5e4)
+    restart_temp_ratio: float = parameter(2e-5, minimum=1e-15, maximum=0.999)
     visit: float = parameter(2.62, minimum=1.001, maximum=2.999)
-    accept: float = parameter(-5.0, minimum=-1e4, maximum=-5, tune=(-100.0, -5.0))
+    accept: float = parameter(-5.0, minimum=-1e4, maximum=-5)
     no_local_search: bool = False
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
@@ -208,11 +206,10 @@ class Direct(ScipyOptimizer):
     bibtex: ClassVar[str] = works("jones1993", "gablonsky2001", "virtanen2020")
     unmapped: ClassVar[tuple[str, ...]] = (DETERMINISTIC,)
 
-    # From nearly local to nearly a grid; the tolerances only end the search.
-    eps: float = parameter(1e-4, minimum=0, tune=(1e-7, 1e-2), log=True)
+    eps: float = parameter(1e-4, minimum=0)
     locally_biased: bool = True
-    vol_tol: float = parameter(1e-16, minimum=0, maximum=1, tune=[])
-    len_tol: float = parameter(1e-6, minimum=0, maximum=1, tune=[])
+    vol_tol: float = parameter(1e-16, minimum=0, maximum=1)
+    len_tol: float = parameter(1e-6, minimum=0, maximum=1)
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
@@ -247,13 +244,12 @@ class BasinHopping(ScipyOptimizer):
         "its local search is L-BFGS-B within the box, not scipy's unbounded BFGS, and starts from hops clipped to it",
     )
 
-    # A temperature is in units of the objective, which differ by powers of ten. Hops go from a hundredth of the box's
-    # width to half of it.
-    T: float = parameter(1.0, minimum=0, tune=(1e-3, 1e3), log=True)
-    stepsize: float = parameter(0.05, minimum=1e-12, maximum=1, tune=(0.01, 0.5), log=True)
-    interval: int = parameter(50, minimum=1, tune=(5, 200), log=True)
-    target_accept_rate: float = parameter(0.5, minimum=0.001, maximum=0.999, tune=(0.1, 0.9))
-    stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999, tune=(0.5, 0.99))
+    # The temperature is in units of the objective; the step is a share of the box's width.
+    T: float = parameter(1.0, minimum=0)
+    stepsize: float = parameter(0.05, minimum=1e-12, maximum=1)
+    interval: int = parameter(50, minimum=1)
+    target_accept_rate: float = parameter(0.5, minimum=0.001, maximum=0.999)
+    stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999)
     niter_success: int | None = parameter(None, minimum=1)
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:

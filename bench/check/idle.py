@@ -11,13 +11,12 @@ from bench.optimizer import CONDITIONS, Optimizer
 def alternatives(optimizer: Optimizer) -> dict[str, list[Any]]:
     """Return other values of each parameter of an optimizer but the conditions, up to four.
 
-    They are the other choices; of a number, the ends of its range, twice and half of it, and the next whole numbers. A
-    parameter that is declared as not worth trying is left out, such as a tolerance that only ends a search.
+    They are the other choices; of a number, the ends of its range, twice and half of it, and the next whole numbers.
     """
     hints = get_type_hints(type(optimizer))
     alternatives_of = {}
     for parameter in fields(optimizer):  # type: ignore[arg-type]
-        if parameter.name in CONDITIONS or not parameter.init or parameter.metadata.get("tune") == []:
+        if parameter.name in CONDITIONS or not parameter.init:
             continue
         now, hint = getattr(optimizer, parameter.name), hints[parameter.name]
         if isinstance(now, bool):

@@ -34,7 +34,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 PANELS = {
-    "Run": ("list", "new", "run", "solve", "tune", "merge", "rm"),
+    "Run": ("list", "new", "run", "solve", "merge", "rm"),
     "Read": ("status", "report", "plan"),
     "Check": ("check", "reproduce", "audit", "gate", "verify"),
     "Share": ("export", "import_", "pack", "unpack"),

@@ -29,15 +29,15 @@ StudyFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder 
 
 
 @contextmanager
-def interruptible(what: str) -> Iterator[None]:
-    """End the command with a sentence and exit code 130 where Ctrl-C or SIGTERM interrupts it; ``what`` is kept."""
+def interruptible() -> Iterator[None]:
+    """End the command with a sentence and exit code 130 where Ctrl-C or SIGTERM interrupts it."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that its processes end
     try:
         yield
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)  # once is enough
-        print_error(f"interrupted; every finished {what} is kept: run the same command again to continue")
+        print_error("interrupted; every finished trial is kept: run the same command again to continue")
         sys.exit(130)
 
 
@@ -51,7 +51,7 @@ def run_shown(study: Study, output: Path | None, console: Console, **settings: A
     from bench.execution.supervisor import WorkerDiedError
 
     try:
-        with interruptible("trial"), Display(console) as display:
+        with interruptible(), Display(console) as display:
             return run(study, output, on_plan=display.plan, on_trial=display.trial, **settings)
     except WorkerDiedError as error:
         print_error(str(error))

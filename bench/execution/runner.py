@@ -217,7 +217,7 @@ def _plan(
     study: Study, folder: Folder, shard: Shard | None, selection: Selection, found: Iterable[str], verify: bool
 ) -> Plan:
     """Return the plan of a study in its folder; its notes are what was found, and what changed since the last run."""
-    notes = [note for note in (*found, *selection.notes, study.tuning.doubt if study.tuning else "") if note]
+    notes = [note for note in (*found, *selection.notes) if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "

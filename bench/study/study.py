@@ -34,7 +34,6 @@ from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
 from bench.study.sweep import Sweep, sweeps
 from bench.study.targets import Targets
-from bench.study.tuned import Tuning
 from bench.study.values import Checked, Value
 from bench.trial import Trial
 
@@ -90,8 +89,6 @@ class Study:
             problems. They decide no trial's result.
         blocks: which problems resemble each other, and so count once where reports speak of further problems
             (:meth:`bench.study.blocks.Blocks.read`); None: those of which it is known. They decide no trial's result.
-        tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.study.tuned`); None: by no
-            tuning of this harness. It decides no trial's result.
         subject: the label of the optimizer that the study is about: reports test it against each rival, and no other
             pair. It decides no trial's result; "" where there is none.
     """
@@ -110,7 +107,6 @@ class Study:
     parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
     blocks: Checked[Blocks | None] = Checked(Blocks.read)
-    tuning: Checked[Tuning | None] = Checked(Tuning.read)
     subject: str = ""
 
     def __post_init__(self) -> None:
@@ -209,8 +205,6 @@ class Study:
         labels = [entry.label for entry in self.problems]
         if self.blocks is not None:
             self.blocks.require_known({*labels, *map(function_of, labels)}, f"study {where}: ")
-        if self.tuning is not None:
-            self.tuning.require_apart((entry.name for entry in self.problems), f"study {where}")
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
@@ -335,7 +329,6 @@ class Study:
         for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         table["blocks"] = self.blocks
-        table["tuning"] = None if self.tuning is None else self.tuning.as_dict()
         plain = {key: value.plain if isinstance(value, Value) else value for key, value in table.items()}
         return tomli_w.dumps({key: value for key, value in plain.items() if value is not None})
 
@@ -354,11 +347,11 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, blocks, tuning, subject and the default handlings of constraints and evaluations are no part of
+        Targets, blocks, subject and the default handlings of constraints and evaluations are no part of
         it: older studies do not name them. Neither is the number of points evaluated at a time.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "blocks", "tuning", "subject"}
+        left_out = {*_USUAL, "parallel", "targets", "blocks", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 

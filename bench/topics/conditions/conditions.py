@@ -55,16 +55,15 @@ class Conditions(NamedTuple):
 def sentences(study: Study, descriptions: Mapping[str, Description], leader: str) -> Conditions:
     """Return the differences besides the algorithm, and the options that are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
-    apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
     clause = differing(study, descriptions, leader)
     described = table["changed"].dropna()
     unknown = [*map(str, table.index.difference(described.index, sort=False))]
     pairs = _changed(described, len(table))
     if len(pairs) > MOST_OPTIONS:
         owners = sum(bool(changed) for changed in described)
-        changed = SAY("many_changed", len(pairs), owners, len(table), apart)
+        changed = SAY("many_changed", len(pairs), owners, len(table))
     else:
-        changed = SAY("changed", pairs, apart) if pairs else ""
+        changed = SAY("changed", pairs) if pairs else ""
     not_known = SAY("unknown", unknown) if unknown else ""
     limits = (SAY("limits", clause) if clause else "", f"{changed} {not_known}".strip())
     others = ("" if clause else _alike(table), SAY("usual", bool(unknown)) if len(described) and not pairs else "")

@@ -72,7 +72,7 @@ def methods(findings: Findings) -> Methods:
 
 def facts(findings: Findings) -> dict[str, Any]:
     """Return the facts about a run that its methods state, by the name that the template gives them."""
-    study, results = findings.study, findings.results
+    results = findings.results
     trials, final, anytime = findings.trials, findings.final, findings.anytime
     early = stopped_early(trials.frame)
     return {
@@ -105,7 +105,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "common": trials.common_words,
         "confined": len({problem for (problem, _), by in trials.shifts.items() if by}),  # optimum out of reach
         "best2009": anytime.best_times.dropna()["problem"].nunique(),
-        "tuning": study.tuning if study.tuning and not study.tuning.doubt else None,
         "sweeps": sum(not parameters.levels.empty for parameters in findings.of(by_sweep).values()),
         "extensions": undeclared(trials.extensions),
         "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),

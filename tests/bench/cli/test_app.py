@@ -220,5 +220,5 @@ def test_another_budget_is_named_and_the_trials_before_are_kept(bench_here, tiny
 def test_every_command_with_an_output_takes_o_for_it():
     options = {name: [*each.params] for name, each in typer.main.get_command(app).commands.items()}
     outputs = {name: each.opts for name, given in options.items() for each in given if "--output" in each.opts}
-    assert {"run", "report", "tune"} <= set(outputs)
+    assert {"run", "report"} <= set(outputs)
     assert [name for name, opts in outputs.items() if "-o" not in opts] == []

@@ -14,7 +14,6 @@ from bench import Results, Study, Trace, load_problem
 from bench.storage.folder import Folder
 from bench.study import Entry
 from bench.study.budget import Budget
-from bench.study.tuned import Tuned, Tuning
 from bench.topics.findings import Findings
 from bench.topics.findings import anytime as findings_module
 from tests.bench.reports import finished, store
@@ -70,18 +69,10 @@ def failed_and_missing(make, folder):
 
 
 @page
-def sweep_and_tuning(make, folder):
-    """A sweep over two parameters, beside a default and its tuned version; trials were added to complete ones."""
+def swept_and_extended(make, folder):
+    """A sweep over two parameters, beside two other optimizers; trials were added to complete ones."""
     swept = {f"o[n={n},h={h}]": {"n": n, "h": h} for n, h in product((1, 2), ("x", "y"))}
-    own = Tuned(
-        name="any", default="a", tuned="b", failed=1, evaluations=4_000, seconds=12.5,
-        parameters={"agents": {"low": 5, "high": 300, "log": True}, "kind": {"choices": ["x", "y"]}},
-        values={"agents": ["null", 9, 7, 20], "kind": ["x", "y", "x", "y"]}, scores=[0.5, 0.4, 0.3, 0.45],
-        problems=[6, 6, 2, 6], importance={"agents": 0.9, "kind": 0.1},
-    )  # fmt: skip
-    method = "optuna 5, TPESampler and WilcoxonPruner"
-    tuning = Tuning("aocc", 4, 2, Budget.read(100), 1, ["f-i1", "g-i1"], "", method, (own,)).sealed()
-    make(folder, ("p", "q", "r", "s", "t", "u", "v"), ("b", "a", *swept), options=swept, tuning=tuning)
+    make(folder, ("p", "q", "r", "s", "t", "u", "v"), ("b", "a", *swept), options=swept)
     results = Results(folder)
     results.environments[:] = [RECORD | {"trials": 4, "extends": None}, RECORD | {"trials": 8, "extends": 4}]
     return Findings(results)

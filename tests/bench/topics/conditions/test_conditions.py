@@ -1,14 +1,10 @@
 """What differs between optimizers besides their algorithms: read from plug-ins and study, for any of them."""
 
-from dataclasses import replace
-
 import pytest
 
 from bench import Study
 from bench.execution.supervisor import Task, check
-from bench.study.budget import Budget
 from bench.study.descriptions import Description, noted
-from bench.study.tuned import Tuning
 from bench.topics.conditions import conditions
 from bench.topics.conditions.conditions import conditions_table
 
@@ -25,8 +21,6 @@ def sentences(own, descriptions=None):
 
 THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint"}
 GWO, CMAES = {"name": "gwo"}, {"name": "cma-es"}
-RECORD = Tuning("aocc", 1, 1, Budget.read(100), 0, ["sphere"], "", "optuna", ()).sealed()
-TUNED = study(GWO | {"label": "gwo-tuned", "agents": 9})
 
 CASES = {
     "the thesis": Study.load("thesis"),
@@ -38,9 +32,6 @@ CASES = {
     "not installed": study(THESIS, {"name": "gone", "agents": 5}),
     "imported": study({"name": "imported:A"}, {"name": "imported:B"}),
     "many ways": study(*(GWO | {"label": f"g{agents}", "agents": agents} for agents in range(3, 12))),
-    "tuned on other problems": replace(TUNED, tuning=RECORD),
-    "tuned on these problems": replace(TUNED, tuning=replace(RECORD, train=[TUNED.problems[0].name]).sealed()),
-    "an edited record of the tuning": replace(TUNED, tuning=replace(RECORD, seed=1)),
     "a library's": study(GWO, {"name": "scipy:dual_annealing"}),
 }
 

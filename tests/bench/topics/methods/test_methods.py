@@ -17,10 +17,8 @@ from bench.helpers.bibtex import parse
 from bench.plugins import registry
 from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
-from bench.study.budget import Budget
 from bench.study.descriptions import Description
 from bench.study.targets import KINDS, Targets
-from bench.study.tuned import Tuned, Tuning
 from bench.topics.findings.replication import Replication
 from bench.topics.methods import section
 from bench.topics.methods.methods import (
@@ -63,7 +61,7 @@ NOTHING = {
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
     "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
-    "tuning": None, "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
+    "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
     "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
 }  # fmt: skip
 
@@ -83,11 +81,6 @@ def full(**changes):
 
 def methods(given):
     return write(given["study"], given["descriptions"], given)
-
-
-TUNING = Tuning("aocc", 20, 3, Budget.read("100 * d"), 0, ["s", "t"], "", "optuna 5, TPESampler and WilcoxonPruner", (
-    Tuned("gwo", "gwo", "gwo-tuned", {}, {}, [0.5], [2], 0, 9_000, 1.0, {"agents": 1.0}),
-)).sealed()  # fmt: skip
 
 
 def said(facts):
@@ -110,7 +103,6 @@ MINE = ENVIRONMENT | {
     "git": None, "checkouts": {"mine": {"commit": "c" * 40, "dirty": True, "diff": "d" * 64}}
 }  # fmt: skip
 ACCEPTED = {"gwo": {"handling": "box"}, "alo": {"handling": "repair"}, "cma-es": {}}
-TRAINED = replace(TUNING, train=[full()["study"].problems[0].name]).sealed()
 
 CASES = {
     "extended": {"extensions": [(10, 30)], "needed": "simulation", "stability": True},
@@ -119,8 +111,7 @@ CASES = {
         f"targets {chosen}": {"target_set": Targets.read(chosen), "aocc": 2}
         for chosen in ("relative", "precisions", [1.0, 0.1], ["5%", "1%"], "quantiles", "tolerance")
     },
-    "sweeps and tuning": {"sweeps": 2, "tuning": TUNING}, "tuned on a problem of the study": {"tuning": TRAINED},
-    "tuned for regret": {"tuning": replace(TUNING, objective="regret")},
+    "sweeps": {"sweeps": 2},
     "no trial failed": {"failed": 0}, "no permutation test": {"permutation_tests": 0}, "no target": {"targets": 0},
     "no check for centre bias": {"checks": {"gwo": [STRUCTURE]}},
     "no check for structural bias": {"checks": {"gwo": [CENTRE]}},
@@ -193,7 +184,7 @@ class TestMethods:
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
         fields_own = full(extensions=[(10, 30)], target_set=KINDS["precisions"], aocc=2, best2009=2)
-        many, swept = full(**MANY, needed="formula", stability=True), full(sweeps=1, tuning=TUNING)
+        many, swept = full(**MANY, needed="formula", stability=True), full(sweeps=1)
         known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
         assert library().keys() <= set.union(*known)
 

@@ -1,1 +1,0 @@
-"""A topic of reports: how optimizers were tuned."""
