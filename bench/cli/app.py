@@ -12,7 +12,6 @@ from typing import Annotated, Any
 
 import typer
 
-from bench.cli import archive
 from bench.cli.console import usage
 from bench.cli.versions import versions
 from bench.errors import BenchError
@@ -45,7 +44,6 @@ for _panel, _names in PANELS.items():
     for _name in _names:
         _command = import_module(f"bench.cli.{_name}").command
         app.command(_name.rstrip("_"), rich_help_panel=_panel)(_command)
-app.add_typer(archive.archive, name="archive", rich_help_panel="Share")
 
 BUILT_IN = {info.name for info in app.registered_commands} | {info.name for info in app.registered_groups}
 """The commands of the harness, whose names no plug-in can take."""

@@ -11,14 +11,18 @@ from bench.formats import IMPORTABLE, described
 from bench.helpers.console import print_line
 from bench.helpers.text import count
 
+COCO = "coco:"
+"""Before the name of a data set of COCO's archive."""
+
 
 def command(
     source: Annotated[
-        Path,
+        str,
         typer.Argument(
-            metavar="FOLDER|TAR",
-            help=f"A folder, a tar or zip archive, or a CSV file. {described(IMPORTABLE)}. Or a table of a paper "
-            "(see 'bench reproduce').",
+            metavar="FOLDER|FILE|coco:NAME",
+            help=f"A folder, a tar or zip archive, or a CSV file. {described(IMPORTABLE)}. Or a published data set of "
+            "COCO's archive, such as coco:bbob/DIRECT ('bench list archives'), or a table of a paper (see 'bench "
+            "reproduce').",
         ),
     ],
     output: Annotated[
@@ -30,6 +34,10 @@ def command(
     licence: Annotated[
         str | None, typer.Option(help="The licence under which the results were published, where you know it.")
     ] = None,
+    files: Annotated[
+        Path | None,
+        typer.Option("--from", help="Of coco:NAME: a folder with the archive's files; nothing is downloaded."),
+    ] = None,
     partial: Annotated[
         bool, typer.Option("--partial", help="Leave out the files that cannot be read, and list them.")
     ] = False,
@@ -37,17 +45,19 @@ def command(
     """Import results of COCO, of IOHprofiler or a table (CSV) as a study's folder.
 
     COCO and IOHprofiler write folders with an index (.info, or .json of IOHprofiler) and logs (.dat, .tdat). A table
-    has the columns problem, optimizer, trial, evaluations and value. The folder is read like any other: 'bench report
-    MINE IMPORTED' compares both. Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends
-    the import; --partial imports the others, and reports list what is missing.
+    has the columns problem, optimizer, trial, evaluations and value. Data sets of COCO's archive are checked against
+    its list of hashes and kept. The folder is read like any other: 'bench report MINE IMPORTED' compares both. Imported
+    trials cannot be repeated. A file that is damaged, or of maximisation, ends the import; --partial imports the
+    others, and reports list what is missing.
 
     A table of a paper has means and no trials: it is imported into the folder of a run, whose report then shows it
     beside the trials and judges each cell as 'bench reproduce' does.
     """
-    if source.suffix == ".toml" or (output / "study.toml").is_file():
+    path = Path(source)
+    if path.suffix == ".toml" or (output / "study.toml").is_file():
         from bench.reproduce.section import attach
 
-        table = attach(source, output)
+        table = attach(path, output)
         for sentence in table.notes:
             print_line(f"note: {sentence}", "yellow")
         print_line(
@@ -56,7 +66,13 @@ def command(
         return
     from bench.formats.importing import import_results
 
-    imported = import_results(source, output, licence=licence, partial=partial)
+    name = None
+    if source.startswith(COCO):
+        from bench.formats.coco.published import fetch, find
+
+        name = find(source.removeprefix(COCO), files).name
+        path = fetch(name, files)
+    imported = import_results(path, output, name=name, licence=licence, partial=partial)
     for note in imported.notes:
         print_line(f"note: {note}", "yellow")
     for sentence in imported.left_out:

@@ -25,18 +25,22 @@ KINDS = ("optimizers", "problems", "studies", "commands")
 GROUPED = ("optimizers", "problems")
 """The kinds of which one family, suite or plug-in can be listed."""
 
+ARCHIVES = "archives"
+"""The published data sets of a suite, which are no plug-ins."""
+
 
 def command(
     kind: Annotated[
         str,
         typer.Argument(
-            help="optimizers, problems, studies, commands, all, or a family's or suite's name, such as mealpy.",
+            help="optimizers, problems, studies, commands, archives, all, or the name of a family or suite, such as "
+            "mealpy.",
         ),
     ] = "all",
     family: Annotated[
         str,
         typer.Argument(
-            help="Of optimizers or problems: one family or suite alone, as in 'problems cec2022'.",
+            help="Of optimizers, problems or archives: one family or suite alone, as in 'problems cec2022'.",
             show_default=False,
         ),
     ] = "",
@@ -56,7 +60,8 @@ def command(
     """List the installed plug-ins: optimizers, problems, studies, commands.
 
     Of one kind, each has a line; of one suite, all functions are listed with their dimensions and instances, of one
-    family all members, and of one optimizer its papers, code and parameters.
+    family all members, and of one optimizer its papers, code and parameters. 'archives' are the data sets of COCO's
+    archive that 'bench import' gets, those of bbob or of another suite.
     """
     kind, family = _chosen(kind, family)
     console = Console()
@@ -66,6 +71,8 @@ def command(
             print(json.dumps(listed, indent=1, default=str))
         else:
             _print(f"with {search!r}", listed, True, console)
+    elif kind == ARCHIVES:
+        _print(f"{kind} of {family}", records(kind, family), False, console)
     elif kind == "all":
         for group in KINDS:
             console.print(Text(f"{group}: {', '.join(sorted(registry.entries(group)))}"), "")
@@ -106,10 +113,12 @@ def _words(entry: Entry) -> str:
 
 def _chosen(kind: str, family: str) -> tuple[str, str]:
     """Return the kind and the family, "" for all, of the words of a command; a family's name alone has a kind."""
+    if kind == ARCHIVES:
+        return kind, family or "bbob"
     if not family and kind not in (*KINDS, "all"):
         kind, family = next((group for group in GROUPED if kind in registry.entries(group)), kind), kind
     named = [name for group in GROUPED for name in registry.entries(group)]
-    _require_known("no kind, family, suite or plug-in is called", kind, (*KINDS, "all", *named))
+    _require_known("no kind, family, suite or plug-in is called", kind, (*KINDS, ARCHIVES, "all", *named))
     if family and kind not in GROUPED:
         raise BenchError(f"{kind!r} has no families or suites; leave out {family!r}")
     if family:
@@ -158,10 +167,12 @@ def records(kind: str, family: str = "") -> list[Entry]:
     An optimizer's record is a :class:`bench.plugins.catalogue.Record`, and a family has one record a member; any other
     plug-in has a name, the package that offers it, and a line on what it is. One that fails to load has its error. Of
     one suite there is a record a function, with its dimensions and the first of its names; of another family of
-    problems, a record with each name that can be listed.
+    problems, a record with each name that can be listed. Of the archives of a suite, a record has a data set.
     """
     if family and kind == "problems":
         return _problem_records(family)
+    if kind == ARCHIVES:
+        return _archive_records(family)
     if kind in KINDS and kind != "optimizers":
         return [
             {"name": name, "package": registry.package(kind, name)} | _tried(_about, kind, name, False)
@@ -198,6 +209,19 @@ def _problem_records(family: str) -> list[Entry]:
             "name": next(grid.names([function])), "title": grid.titles.get(function, ""),
         }
         for function, dimensions in grid.functions.items()
+    ]  # fmt: skip
+
+
+def _archive_records(suite: str) -> list[Entry]:
+    from bench.formats.coco.published import data_folder, data_sets
+
+    kept = data_folder()
+    return [
+        {
+            "name": f"coco:{data.name}", "megabytes": data.kilobytes / 1000,
+            "about": f"{data.kilobytes / 1000:.1f} MB" + ", kept" * (kept / data.suite / data.path).is_file(),
+        }
+        for data in data_sets(suite)
     ]  # fmt: skip
 
 

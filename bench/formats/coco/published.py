@@ -183,6 +183,6 @@ def _keep(path: str, sha256: str | None, file: Path | None) -> Path:
             raise BenchError(f"{kept} cannot be written: {error.strerror or error}") from error
         why = "the connection failed" if error.response is None else f"the server answers {error.response.status_code}"
         raise BenchError(
-            f"{BASE_URL}{path} cannot be downloaded: {why}; give a folder that has it with --from"
+            f"{BASE_URL}{path} cannot be downloaded: {why}; 'bench import --from FOLDER' takes it from a folder"
         ) from error
     return kept

@@ -158,9 +158,8 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(bench_here, arguments, sa
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("arguments", [[], ["archive"]])
-def test_a_command_without_arguments_prints_its_help_alone(bench_here, arguments):
-    done = bench_here(*arguments)
+def test_without_arguments_the_help_alone_is_printed(bench_here):
+    done = bench_here()
     assert "Usage: bench" in done.stdout
     assert done.stderr == ""
 
@@ -175,7 +174,7 @@ def test_the_help_has_panels_and_plug_ins_name_theirs(bench_here):
             rows.append(line.split()[1])
     assert list(panels) == ["Options", "Run", "Read", "Check", "Share", "Backlash"]
     assert set(panels["Backlash"]) == {"calibrate", "data", "estimate", "simulate"}
-    assert "archive" in panels["Share"]
+    assert "pack" in panels["Share"]
 
 
 def test_a_budget_of_solve_may_follow_the_dimension(bench_here):

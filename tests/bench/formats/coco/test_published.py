@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import json
 import tarfile
 import threading
 from functools import partial
@@ -104,7 +105,7 @@ def test_a_data_set_is_downloaded_once_and_checked(served, kept):
 
 
 def test_without_a_network_the_sentence_names_the_way_out(kept):
-    with pytest.raises(BenchError, match=r"cannot be downloaded: the connection failed; give a folder .* with --from"):
+    with pytest.raises(BenchError, match=r"cannot be downloaded: the connection failed; 'bench import --from FOLDER'"):
         archive.fetch("bbob/DIRECT")
 
 
@@ -156,8 +157,8 @@ def test_a_run_is_compared_with_a_published_set(published, tmp_path, monkeypatch
     assert done.exit_code == 0, done.output
     report = ("report", "results/runs/mine", "--against", "bbob/DIRECT")
     refused = call(*report)  # before it is fetched: there is no network
-    assert "give a folder that has it with --from" in str(refused.exception)
-    assert call("archive", "fetch", "bbob/DIRECT", "--from", str(published)).exit_code == 0
+    assert "'bench import --from FOLDER' takes it from a folder" in str(refused.exception)
+    assert call("import", "coco:bbob/DIRECT", "--from", str(published), "-o", "direct").exit_code == 0
     done = call(*report, "--jobs", "1")
     assert done.exit_code == 0, done.output
     (second,) = (Path(line.removeprefix("report: ")) for line in done.output.splitlines() if "report: " in line)
@@ -168,10 +169,20 @@ def test_a_run_is_compared_with_a_published_set(published, tmp_path, monkeypatch
     assert "The results of DIRECT were made elsewhere and imported." in page
 
 
-def test_the_commands_list_and_fetch(published, kept):
-    found = CliRunner().invoke(app, ["archive", "fetch", "bbob/DIRECT", "--from", str(published)])
+def test_a_data_set_is_imported_by_its_name_and_listed_as_kept(published, kept, tmp_path):
+    given = ["import", "coco:bbob/direct", "-o", str(tmp_path / "out")]
+    found = CliRunner().invoke(app, [*given, "--from", str(published)])
     assert found.exit_code == 0, found.output
-    assert str(kept / "bbob" / SETS[0]) in found.output.replace("\n", "")
-    listed = CliRunner().invoke(app, ["archive", "list"]).output.splitlines()
-    assert listed[0] == "bbob/2009/DIRECT_posik_noiseless  0.0 MB, kept"
-    assert len(listed) == 3
+    assert Results(tmp_path / "out").environments[0]["imported"] == "bbob/2009/DIRECT_posik_noiseless"
+    listed = CliRunner().invoke(app, ["list", "archives"]).output.splitlines()
+    assert listed[0].rstrip() == "archives of bbob"
+    assert listed[2].split() == ["coco:bbob/2009/DIRECT_posik_noiseless", "0.0", "MB,", "kept"]
+    assert len([line for line in listed if "coco:" in line]) == 3
+    records = json.loads(CliRunner().invoke(app, ["list", "archives", "bbob", "--json"]).output)
+    assert [record["megabytes"] for record in records] == [0.017] * 3
+
+
+def test_a_data_set_that_is_not_there_is_one_sentence(published, tmp_path):
+    given = ["import", "coco:bbob/DIRCT", "-o", str(tmp_path / "out"), "--from", str(published)]
+    assert "did you mean 'bbob/DIRECT'" in str(CliRunner().invoke(app, given).exception)
+    assert "has no list" in str(CliRunner().invoke(app, [*given[:4], "--from", str(tmp_path / "none")]).exception)
