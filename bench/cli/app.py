@@ -7,11 +7,31 @@ from __future__ import annotations
 
 import os
 import sys
-from importlib import import_module
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
 
+from bench.cli import (
+    audit,
+    check,
+    export,
+    gate,
+    import_,
+    merge,
+    new,
+    pack,
+    plan,
+    report,
+    reproduce,
+    rm,
+    run,
+    solve,
+    status,
+    unpack,
+    verify,
+)
+from bench.cli import list as listing
 from bench.cli.console import usage
 from bench.cli.versions import versions
 from bench.errors import BenchError
@@ -32,20 +52,41 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-PANELS = {
-    "Run": ("list", "new", "run", "solve", "merge", "rm"),
-    "Read": ("status", "report", "plan"),
-    "Check": ("check", "reproduce", "audit", "gate", "verify"),
-    "Share": ("export", "import_", "pack", "unpack"),
+PANELS: dict[str, dict[str, Callable[..., None]]] = {
+    "Run": {
+        "list": listing.command,
+        "new": new.command,
+        "run": run.command,
+        "solve": solve.command,
+        "merge": merge.command,
+        "rm": rm.command,
+    },
+    "Read": {
+        "status": status.command,
+        "report": report.command,
+        "plan": plan.command,
+    },
+    "Check": {
+        "check": check.command,
+        "reproduce": reproduce.command,
+        "audit": audit.command,
+        "gate": gate.command,
+        "verify": verify.command,
+    },
+    "Share": {
+        "export": export.command,
+        "import": import_.command,
+        "pack": pack.command,
+        "unpack": unpack.command,
+    },
 }
 """The commands by the panel of the help that shows them."""
 
-for _panel, _names in PANELS.items():
-    for _name in _names:
-        _command = import_module(f"bench.cli.{_name}").command
-        app.command(_name.rstrip("_"), rich_help_panel=_panel)(_command)
+for _panel, _commands in PANELS.items():
+    for _name, _command in _commands.items():
+        app.command(_name, rich_help_panel=_panel)(_command)
 
-BUILT_IN = {info.name for info in app.registered_commands} | {info.name for info in app.registered_groups}
+BUILT_IN = {name for commands in PANELS.values() for name in commands}
 """The commands of the harness, whose names no plug-in can take."""
 
 
