@@ -52,7 +52,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", "-.", ":", (0, (5, 1)))
 HATCHES = ("", "///")
 REFERENCE = "#D55E00"  # expected values and limits
-DARK, BRIGHT = "#111111", "#FEFEFE"  # of text on colours, which a dark page leaves as it is, unlike black and white
+DARK = "#111111"  # of text on colours, which a dark page leaves as it is, unlike black
 BAND = "#EAAE80"  # bands about them: a paler shade, as SVG and PDF render transparent hatches differently
 
 MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the page would not load

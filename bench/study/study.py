@@ -32,7 +32,6 @@ from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
-from bench.study.sweep import Sweep, sweeps
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
 from bench.trial import Trial
@@ -226,11 +225,6 @@ class Study:
             if not loading.is_imported(entry.name):
                 labels.setdefault(loading.package(entry.name), []).append(entry.label)
         return labels
-
-    @property
-    def sweeps(self) -> list[Sweep]:
-        """The sweeps among the optimizers, which the labels show."""
-        return sweeps((entry.label, entry.options) for entry in self.optimizers)
 
     @property
     def imported(self) -> list[str]:

@@ -7,7 +7,6 @@ of a sweep: a frozen study, and results that were exported and read again, need 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from itertools import product
 from math import prod
 from typing import Any
@@ -17,30 +16,6 @@ from bench.helpers.text import option
 
 MOST = 1_000
 """The largest number of combinations of one sweep: each is an optimizer of the study."""
-
-Levels = tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """The combinations of one sweep.
-
-    Attributes:
-        name: the label without the values.
-        factors: the values of each parameter that was swept, as texts, in their order.
-        labels: the optimizer's label of each combination of values.
-    """
-
-    name: str
-    factors: dict[str, Levels]
-    labels: dict[Levels, str]
-
-    @property
-    def missing(self) -> list[str]:
-        """The labels of the combinations that the study does not hold."""
-        names = tuple(self.factors)
-        every = product(*self.factors.values())
-        return [_label(self.name, zip(names, levels, strict=True)) for levels in every if levels not in self.labels]
 
 
 def expanded(label: str, fixed: Mapping[str, Any], options: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -68,33 +43,18 @@ def expanded(label: str, fixed: Mapping[str, Any], options: Mapping[str, Any]) -
     return combinations
 
 
-def sweeps(optimizers: Iterable[tuple[str, Mapping[str, Any]]]) -> list[Sweep]:
-    """Return the sweeps among the optimizers of a study, given as (label, options), in the order of their first ones.
+def swept(label: str, options: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
+    """Return the name before the bracket of a combination's label, and the parameters in it; none of other labels.
 
-    Labels of a sweep share the name before the bracket and the parameters in it. One combination alone is no sweep.
+    The bracket holds the last of the optimizer's own options. Combinations of one sweep have both in common.
     """
-    labels_by_sweep: dict[tuple[str, Levels], dict[Levels, str]] = {}
-    for label, options in optimizers:
-        for name, factors, levels in _read(label, options):
-            labels_by_sweep.setdefault((name, factors), {})[levels] = label
-    every = []
-    for (name, factors), labels in labels_by_sweep.items():
-        values = {factor: tuple(dict.fromkeys(levels[i] for levels in labels)) for i, factor in enumerate(factors)}
-        if len(labels) > 1:
-            every.append(Sweep(name, values, labels))
-    return every
-
-
-def _label(name: str, pairs: Iterable[tuple[str, str]]) -> str:
-    return f"{name}[{','.join(f'{factor}={level}' for factor, level in pairs)}]"
-
-
-def _read(label: str, options: Mapping[str, Any]) -> Iterable[tuple[str, Levels, Levels]]:
-    """Yield name, parameters and values of a label whose bracket holds the last of the optimizer's own options."""
     pairs = [(name, option(value)) for name, value in options.items()]
     for first in range(len(pairs)):
         bracket = _label("", pairs[first:])
         if label.endswith(bracket) and label != bracket:
-            factors, levels = zip(*pairs[first:], strict=True)
-            yield label.removesuffix(bracket), factors, levels
-            return
+            return label.removesuffix(bracket), tuple(name for name, _ in pairs[first:])
+    return label, ()
+
+
+def _label(name: str, pairs: Iterable[tuple[str, str]]) -> str:
+    return f"{name}[{','.join(f'{parameter}={value}' for parameter, value in pairs)}]"

@@ -14,6 +14,7 @@ from bench.report.prose import speaker
 from bench.report.wording import MISSING, listing
 from bench.study import Study
 from bench.study.descriptions import Description
+from bench.study.sweep import swept
 
 UNKNOWN, NONE = "not known", "null"
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
@@ -89,17 +90,14 @@ def _differing(
     """Return the labels by their values, of each set of conditions that the same optimizers share."""
     table = conditions(study, descriptions)
     set_here = {name for entry in study.optimizers for name in entry.options}
+    sweeps = {entry.label: swept(entry.label, entry.options) for entry in study.optimizers}
+    others = [label for label, sweep in sweeps.items() if label != leader and sweep == sweeps[leader]]
     together: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
     for name in CONDITIONS:
         if table.at[leader, name] is None or (name == "agents" and name not in set_here):
             continue
-        varied = {
-            label
-            for sweep in study.sweeps
-            if name in sweep.factors and leader in sweep.labels.values()
-            for label in sweep.labels.values()
-        }
-        groups = by_value(table[name].dropna().drop(list(varied - {leader})))
+        varied = others if name in sweeps[leader][1] else []
+        groups = by_value(table[name].dropna().drop(varied))
         if len(groups) > 1:
             together.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
     return {

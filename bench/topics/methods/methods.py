@@ -35,7 +35,6 @@ from bench.topics.findings.replication import Replication, each_problem
 from bench.topics.findings.trials import sweeps
 from bench.topics.methods import problem_words
 from bench.topics.subject.against import against, subject_methods
-from bench.topics.sweeps.section import by_sweep
 from bench.topics.verdict.winner import winner_rule
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
@@ -105,7 +104,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "common": trials.common_words,
         "confined": len({problem for (problem, _), by in trials.shifts.items() if by}),  # optimum out of reach
         "best2009": anytime.best_times.dropna()["problem"].nunique(),
-        "sweeps": sum(not parameters.levels.empty for parameters in findings.of(by_sweep).values()),
         "extensions": undeclared(trials.extensions),
         "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),
         "stability": len(final.stability) > 0,

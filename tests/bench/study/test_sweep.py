@@ -6,7 +6,7 @@ import pytest
 
 from bench import BenchError, Study
 from bench.study import Entry
-from bench.study.sweep import expanded, sweeps
+from bench.study.sweep import expanded, swept
 
 MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}]}
 
@@ -29,9 +29,7 @@ def test_every_combination_is_an_optimizer_whose_label_names_its_values():
     ]
     assert found.optimizers[1].options == {"handling": "box", "agents": 30, "variant": "cascade"}
     assert found.optimizer("gwo[agents=100,variant=code]").agents == 100
-    (sweep,) = found.sweeps
-    assert sweep.factors == {"agents": ("30", "100"), "variant": ("code", "cascade")}
-    assert not sweep.missing
+    assert {swept(entry.label, entry.options) for entry in found.optimizers} == {("gwo", ("agents", "variant"))}
 
 
 def test_names_labels_and_single_values():
@@ -41,15 +39,14 @@ def test_names_labels_and_single_values():
     ]
     assert labels({"names": ["gwo", "alo"], "options": {"agents": [10, 20]}})[2] == "alo[agents=10]"
     assert labels({"name": "gwo", "options": {"agents": 10}}) == ["gwo"]
-    assert study({"name": "gwo", "options": {"agents": [10]}}).sweeps == []
+    assert labels({"name": "gwo", "options": {"agents": [10]}}) == ["gwo[agents=10]"]
 
 
-def test_a_frozen_study_is_the_same_study_with_the_same_sweeps(tmp_path):
+def test_a_frozen_study_is_the_same_study():
     given = study({"name": "cma-es", "options": {"active": [True, False], "sigma": [0.1, 0.3], "handling": "box"}})
     frozen = Study.from_dict(tomllib.loads(given.to_toml()))
     assert frozen == given
     assert frozen.identity() == given.identity()
-    assert frozen.sweeps == given.sweeps
     assert "options" not in given.to_toml()
 
 
@@ -82,11 +79,8 @@ def test_what_cannot_be_swept_costs_one_sentence(entry, said):
 
 
 def test_only_labels_that_name_the_last_options_belong_to_a_sweep():
-    assert sweeps([("a[x=1]", {"x": 1}), ("a[x=2]", {"x": 3}), ("[x=4]", {"x": 4}), ("b", {})]) == []
-    (found,) = sweeps([("a[x=1]", {"k": 0, "x": 1}), ("a[x=2]", {"k": 0, "x": 2}), ("b[x=1]", {"x": 1})])
-    assert found.labels == {("1",): "a[x=1]", ("2",): "a[x=2]"}
-
-
-def test_a_sweep_that_lacks_a_combination_names_it():
-    own = [("a[x=1,y=1]", {"x": 1, "y": 1}), ("a[x=2,y=2]", {"x": 2, "y": 2}), ("a[x=1,y=2]", {"x": 1, "y": 2})]
-    assert sweeps(own)[0].missing == ["a[x=2,y=1]"]
+    assert swept("a[x=1]", {"k": 0, "x": 1}) == swept("a[x=2]", {"k": 0, "x": 2}) == ("a", ("x",))
+    assert swept("a[x=1,y=b]", {"x": 1, "y": "b"}) == ("a", ("x", "y"))
+    assert swept("b[x=1]", {"x": 1}) == ("b", ("x",))
+    for label, options in [("a[x=2]", {"x": 3}), ("a[x=1]", {"x": 1, "k": 0}), ("[x=4]", {"x": 4}), ("b", {})]:
+        assert swept(label, options) == (label, ())

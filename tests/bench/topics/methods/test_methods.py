@@ -61,7 +61,7 @@ NOTHING = {
     "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
     "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
-    "suites": "", "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
+    "suites": "", "stopped": 0, "extensions": [], "needed": "", "stability": False,
     "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
 }  # fmt: skip
 
@@ -111,7 +111,6 @@ CASES = {
         f"targets {chosen}": {"target_set": Targets.read(chosen), "aocc": 2}
         for chosen in ("relative", "precisions", [1.0, 0.1], ["5%", "1%"], "quantiles", "tolerance")
     },
-    "sweeps": {"sweeps": 2},
     "no trial failed": {"failed": 0}, "no permutation test": {"permutation_tests": 0}, "no target": {"targets": 0},
     "no check for centre bias": {"checks": {"gwo": [STRUCTURE]}},
     "no check for structural bias": {"checks": {"gwo": [CENTRE]}},
@@ -184,8 +183,8 @@ class TestMethods:
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
         fields_own = full(extensions=[(10, 30)], target_set=KINDS["precisions"], aocc=2, best2009=2)
-        many, swept = full(**MANY, needed="formula", stability=True), full(sweeps=1)
-        known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
+        many = full(**MANY, needed="formula", stability=True)
+        known = [cited(methods(facts)) for facts in (full(), fields_own, many)]
         assert library().keys() <= set.union(*known)
 
     @pytest.mark.parametrize("changes", CASES.values(), ids=CASES)

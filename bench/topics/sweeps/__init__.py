@@ -1,1 +1,0 @@
-"""A topic of reports: what the parameters of a sweep contribute."""
