@@ -1,7 +1,7 @@
 """Time ``bench estimate`` on a folder of xlsx recordings, with confidence intervals, as one command.
 
 Each recording is a simulated joint of another level (section 7.2.1) with the low noise of section 7.3. The seconds are
-of the whole command, start-up included, with one job and with one on every core.
+of the whole command, which uses every core, start-up included.
 """
 
 import json
@@ -12,7 +12,7 @@ from pathlib import Path
 from time import perf_counter
 
 import pandas as pd
-from _rows import Rows, main, short, times
+from _rows import Rows, main, short
 from joblib import cpu_count
 
 from problems.backlash.signature.datasets import noisy
@@ -25,17 +25,14 @@ def measure(quick: bool) -> Rows:
             made = noisy(2 + number % 19, "low", number)
             frame = pd.DataFrame({"time": made.time, "speed": made.speed})
             frame.to_excel(Path(place) / f"joint-{number:03}.xlsx", index=False)
-        all_cores, one = (seconds(place, recordings, jobs) for jobs in (-1, 1))
-    value = (
-        f"{short(one)} s with one job, {short(one / recordings)} s each; {short(all_cores)} s with {cpu_count()}, "
-        f"{times(one / all_cores)} as fast"
-    )
+        took = seconds(place, recordings)
+    value = f"{short(took)} s on {cpu_count()} cores, {short(took / recordings)} s each"
     return [(f"`bench estimate` on {recordings} xlsx recordings, with intervals", value)]
 
 
-def seconds(place: str, recordings: int, jobs: int) -> float:
+def seconds(place: str, recordings: int) -> float:
     """Return the wall seconds of the command."""
-    command = [sys.executable, "-m", "bench", "estimate", place, "--json", "--jobs", str(jobs)]
+    command = [sys.executable, "-m", "bench", "estimate", place, "--json"]
     began = perf_counter()
     found = subprocess.run(command, stdout=subprocess.PIPE, check=True)
     took = perf_counter() - began

@@ -1,10 +1,11 @@
 """bench estimate: from recordings of motor speed to the backlash of joints."""
 
 import json
+from dataclasses import replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -38,19 +39,10 @@ def estimate(
             "patterns such as 'joint4_*.csv'.",
         ),
     ],
-    time: Annotated[str | None, _recording(help="The column of time, by heading or number from 1.")] = None,
-    speed: Annotated[str | None, _recording(help="The column of motor speed.")] = None,
-    position: Annotated[str | None, _recording(help="The column of motor position, instead of speed.")] = None,
-    unit: Annotated[
-        str | None, _recording(help="rps, rpm, rad/s or deg/s; of a position rev, rad, deg or counts.")
+    speed: Annotated[
+        str | None, _recording(metavar="COLUMN", help="The column of motor speed, or of its position in a unit of one.")
     ] = None,
-    counts_per_rev: Annotated[
-        float | None, _recording(metavar="N", help="Counts of the encoder a motor turn, of a position in counts.")
-    ] = None,
-    time_unit: Annotated[str | None, _recording(help="s, ms, us or ns.")] = None,
-    rate: Annotated[
-        float | None, _recording(metavar="HZ", help="The sampling rate, instead of a column of time.")
-    ] = None,
+    unit: Annotated[str | None, _recording(help="rps, rpm, rad/s or deg/s; of a position rev, rad or deg.")] = None,
     joint_column: Annotated[
         str | None,
         _recording(
@@ -62,14 +54,12 @@ def estimate(
     window: Annotated[
         str | None, _recording(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
     ] = None,
-    nominal: Annotated[
-        float | None, _recording(metavar="RPS", help="The motor's nominal speed; a wrong unit is reported.")
-    ] = None,
-    period: Annotated[
-        float | None, _fit(metavar="S", help="The time of a load turn.", show_default="found in the signal")
-    ] = None,
     gear_ratio: Annotated[
-        float | None, _fit(help="Motor turns a load turn, which with the mean speed give its time.")
+        float | None,
+        _fit(
+            help="Motor turns a load turn, which with the mean speed give its time.",
+            show_default="the time found in the signal",
+        ),
     ] = None,
     single: Annotated[
         bool, _fit("--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
@@ -90,16 +80,13 @@ def estimate(
         FailOn | None,
         _verdict(help="Exit with 3 where a joint's latest verdict is that bad; early includes the undecided."),
     ] = None,
-    confidence: Annotated[float, _verdict(help="The level of the intervals.")] = 0.95,
     resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
-    seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap.")] = 0,
     plot: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE|FOLDER", help="Draw the fit, and the trend of many recordings: svg, png or pdf, or a folder."
         ),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Worker processes, for many recordings; -1 takes every core.")] = -1,
     page: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Write a page with verdicts, trends and the fits.")
     ] = None,
@@ -126,13 +113,9 @@ def estimate(
 
     stderr = Console(stderr=True)
     paths, remarks = recording_files.find(recordings)
-    chosen = {}
+    settings = Settings(gear_ratio, single, limit_rad=limit, resamples=resamples)
     if calibration is not None:
-        chosen["calibration"] = None if calibration == "none" else load_calibration(calibration)
-    settings = Settings(
-        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, single=single,
-        limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **chosen,
-    )  # fmt: skip
+        settings = replace(settings, calibration=None if calibration == "none" else load_calibration(calibration))
     part = parse_window(window) if window is not None else None
     if plot is not None:
         from problems.backlash.sensor import plots
@@ -141,13 +124,10 @@ def estimate(
     for output in filter(None, (csv, page)):
         check_folder(output)
 
-    columns: dict[str, Any] = {
-        "time": time, "speed": speed, "position": position, "unit": unit, "time_unit": time_unit, "rate": rate,
-        "counts_per_rev": counts_per_rev, "window": part, "joint_column": joint_column,
-    }  # fmt: skip
     for remark in remarks:
         print_line(remark, console=stderr)
-    made = estimate_files(paths, partial(read_joints, **columns), settings, jobs=jobs)
+    read = partial(read_joints, speed=speed, unit=unit, window=part, joint_column=joint_column)
+    made = estimate_files(paths, read, settings, jobs=-1)
     bar = track(made, "estimating", len(paths), console=stderr, transient=True, disable=not stderr.is_terminal)
     outcomes = [outcome for outcomes in bar for outcome in outcomes]
     stray = [one for one in outcomes if isinstance(one, Failed) and one.stray and str(one.path) not in recordings]

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
+SAMPLE = 0.002  # s, the sampling period of a simulated recording
 NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the defaults of a wear curve
 
-_joint, _recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Joint", "Recording", "Wear"))
+_recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Wear"))
 
 
 @about_backlash
@@ -38,21 +39,11 @@ def simulate(
     half_gap: Annotated[
         float | None, typer.Option(min=0.0, help="The half-gap delta in rad, instead of a level.")
     ] = None,
-    joint: Annotated[Path | None, _joint(help="A TOML file with parameters of the joint.")] = None,
-    payload: Annotated[
-        float | None, _joint(help="A point mass in kg on the joint's lever; motor and gains stay.")
+    joint: Annotated[
+        Path | None,
+        typer.Option(help="A TOML file with parameters of the joint; 'bench simulate joint.toml' writes one."),
     ] = None,
-    speed: Annotated[float | None, _joint(help="The motor's reference speed in rps.")] = None,
-    gravity_angle: Annotated[
-        float | None, _joint(help="The angle in degrees between the axis and the vertical; at 0 gravity has no effect.")
-    ] = None,
-    friction: Annotated[float | None, _joint(help="Coulomb friction at the load, N m.")] = None,
-    viscous: Annotated[float | None, _joint(help="Viscous friction at the load, N m s/rad.")] = None,
     duration: Annotated[float | None, _recording(help="Seconds to record.", show_default="12 load turns")] = None,
-    rate: Annotated[float, _recording(help="Samples a second.")] = 500.0,
-    settle: Annotated[
-        float | None, _recording(help="Seconds before the recording.", show_default="1.2; 0 with --sweep")
-    ] = None,
     sweep: Annotated[
         float | None,
         _recording(
@@ -60,7 +51,6 @@ def simulate(
             show_default="it turns on in one direction",
         ),
     ] = None,
-    ramp: Annotated[float, _recording(help="With --sweep: the seconds to reach the speed, or to stop.")] = 0.2,
     start_angle: Annotated[
         float | None,
         _recording(help="The load's angle in rad when the recording starts.", show_default="0.141; random with --wear"),
@@ -102,14 +92,11 @@ def simulate(
     gap = joints.half_gap(level) if level is not None else half_gap
     if worn is not None and wear is None:
         raise BenchError("--worn is the gap of the last month of --wear MONTHS; give that too")
-    made = joints.load_joint(
-        joint, payload_kg=payload, speed_rps=speed, gravity_angle_deg=gravity_angle, coulomb_friction=friction,
-        viscous_friction=viscous,
-    )  # fmt: skip
+    made = joints.load_joint(joint)
+    at_rest = 0.0 if encoder_bits is None else SAMPLE  # an encoder's first speed needs the sample before
     options: dict[str, Any] = {
         "duration": duration if duration is not None else 12 * made.turn,
-        "rate": rate, "settle": (1.2 if sweep is None else 0.0) if settle is None else settle,
-        "encoder_bits": encoder_bits, "sweep": sweep, "ramp": ramp,
+        "settle": 1.2 if sweep is None else at_rest, "encoder_bits": encoder_bits, "sweep": sweep,
     }  # fmt: skip
     if start_angle is not None:
         options["start_angle"] = start_angle

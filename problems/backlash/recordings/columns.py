@@ -21,39 +21,27 @@ class Columns:
         """Whether a heading speaks of a time, a speed or a position."""
         return any(heading.role for heading in self._headings)
 
-    def role(self, column: int) -> str:
-        """Return the role of a column according to its heading, "" for none."""
-        return self._headings[column].role
-
-    def chosen(
-        self, time: Column | None, speed: Column | None, position: Column | None, *, has_rate: bool, counts: bool
-    ) -> tuple[int | None, int, str]:
-        """Return the columns of time, None with a rate, and of the speed or position, and which of the two it is.
+    def chosen(self, speed: Column | None, unit: str | None) -> tuple[int, int, str]:
+        """Return the columns of time and of the speed or position, and which of the two the latter is.
 
         Args:
-            time: the column asked for, as those of ``speed`` and ``position``; None to recognise it.
-            speed: likewise.
-            position: likewise.
-            has_rate: whether a sampling rate stands for the time.
-            counts: whether a position in counts is asked for.
+            speed: the column asked for; None to recognise it.
+            unit: its unit; None for that of its heading.
         """
-        if not has_rate and len(self._names) < 2:
-            raise BenchError(
-                f"recording {self._path} has no two columns, of time and of speed; where its one column is the speed, "
-                "give the sampling rate (--rate)"
-            )
-        at = None if has_rate else self.find("time", time)
-        role = "position" if position is not None or (counts and speed is None) else "speed"
-        of = self.find(role, position if position is not None else speed)
+        if len(self._names) < 2:
+            raise BenchError(f"recording {self._path} has no two columns, of time and of speed or position")
+        at, of, role = self.find("time", None), self.find("speed", speed), "speed"
         if of is None and (other := self.find("position", None)) is not None:
             role, of = "position", other
-        if at is None and not has_rate:
+        if at is None:
             at = 0 if of != 0 else 1
         if of is None:
-            clock = at if at is not None else self.find("time", None)
-            of = next((i for i in range(len(self._names)) if i != clock), None)
-        if of is None or of == at:
-            raise BenchError(f"recording {self._path}: column {self._names[at or 0]!r} cannot be both time and {role}")
+            of = next(i for i in range(len(self._names)) if i != at)
+        if of == at:
+            raise BenchError(f"recording {self._path}: column {self._names[at]!r} cannot be both time and {role}")
+        heading = self._headings[of].role
+        if heading == "position" or (heading != "speed" and unit in UNITS["position"]):
+            role = "position"
         return at, of, role
 
     def find(self, role: str, wanted: Column | None) -> int | None:
@@ -64,7 +52,8 @@ class Columns:
         columns.sort(key=lambda i: self._headings[i].rank)
         if len(columns) > 1 and self._headings[columns[0]].rank == self._headings[columns[1]].rank:
             names = " or ".join(repr(self._names[i]) for i in columns[:2])
-            raise BenchError(f"recording {self._path}: the {role} may be {names}; say which column it is")
+            remedy = "name it (--speed)" if role == "speed" else "rename one of them"
+            raise BenchError(f"recording {self._path}: the {role} may be {names}; {remedy}")
         return columns[0] if columns else None
 
     def named(self, wanted: str) -> int:
@@ -97,16 +86,16 @@ class Columns:
             )
         return next(iter(units))
 
-    def assumed(self, used: Mapping[str, tuple[int | None, str | None]]) -> str:
+    def assumed(self, used: Mapping[str, tuple[int, str | None]]) -> str:
         """Return a sentence on the columns whose role or unit no heading says, by role their index and given unit."""
         assumptions = []
         for role, (column, asked) in used.items():
-            if column is None or asked is not None or self._headings[column].unit in UNITS[role]:
+            if asked is not None or self._headings[column].unit in UNITS[role]:
                 continue
             assumptions.append(f"column {self._names[column]!r} for the {role} in {self.unit(column, role, asked)}")
-        options = "--time, --speed, --time-unit and --unit"
         return (
-            f"without a heading with a unit, the reader took {' and '.join(assumptions)}; {options} change it"
+            f"without a heading with a unit, the reader took {' and '.join(assumptions)}; headings such as time_ms and "
+            "speed_rpm, or --speed and --unit, change it"
             if assumptions
             else ""
         )

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import re
 import tomllib
-from math import nan, pi
+from math import pi
 from pathlib import Path
 from typing import NamedTuple
 
 UNITS = {
     "time": {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9},
     "speed": {"rps": 1.0, "rpm": 60.0, "rad/s": 2 * pi, "deg/s": 360.0},
-    "position": {"rev": 1.0, "rad": 2 * pi, "deg": 360.0, "counts": nan},
+    "position": {"rev": 1.0, "rad": 2 * pi, "deg": 360.0},
 }
-"""By the role of a column, the number of each unit in one second, one turn per second, and one turn.
-
-How many counts an encoder has a turn is known to its user alone.
-"""
+"""By the role of a column, the number of each unit in one second, one turn per second, and one turn."""
 
 WORDS = tomllib.loads(Path(__file__).with_name("headings.toml").read_text(encoding="utf-8"))
 _UNITS = {spelling: unit for unit, spellings in WORDS["units"].items() for spelling in (unit, *spellings)}

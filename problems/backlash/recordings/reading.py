@@ -1,9 +1,7 @@
 """Read a recording of motor speed or position from csv, text, xlsx or parquet, or those of several joints in one file.
 
 >>> read("joint2.csv")                                    # time and speed by their headings, or the first two columns
->>> read("log.csv", time="Time_ms", position="enc_deg")   # a motor position, which is differentiated
->>> read("enc.csv", counts_per_rev=4096)                  # likewise, in counts of the motor's encoder
->>> read("speed.txt", speed=1, unit="rpm", rate=500)      # no column of time
+>>> read("log.csv", speed="enc", unit="deg")              # a motor position, which is differentiated
 >>> read_joints("cell.csv", joint_column="axis")          # the joint of each line stands in a column
 >>> read_joints("cell.csv", joint_column="speed_*")       # each joint has a column of its own
 """
@@ -19,15 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.numbers import require_positive
 from bench.typing import Floats
 from problems.backlash.recordings.columns import Column, Columns
 from problems.backlash.recordings.headings import UNITS
 from problems.backlash.recordings.recording import Recording, Window, too_few
 from problems.backlash.recordings.sampling import MOST_MISSING, merged, uniform, unwrapped
 from problems.backlash.recordings.tables import Table, load
-
-RATE_ADVICE = "give the sampling rate (--rate) where only the time stamps are wrong"
 
 
 class NoRecordingError(BenchError):
@@ -39,32 +34,14 @@ class _Layout:
     """The place of the samples in a file: the arguments of :func:`read`."""
 
     path: Path
-    time: Column | None = None
     speed: Column | None = None
-    position: Column | None = None
     unit: str | None = None
-    time_unit: str | None = None
-    rate: float | None = None
-    counts_per_rev: float | None = None
     window: Window = (None, None)
 
     def __post_init__(self) -> None:
-        either = UNITS["speed"] | UNITS["position"]
-        for option, value, units in (("unit", self.unit, either), ("time_unit", self.time_unit, UNITS["time"])):
-            if value is not None and value not in units:
-                raise BenchError(f"recording {self.path}: {option} {value!r} is not known; give {', '.join(units)}")
-        if self.rate is not None:
-            require_positive(f"recording {self.path}: rate", self.rate, unit="Hz")
-            if self.time is not None or self.time_unit is not None:
-                raise BenchError(f"recording {self.path}: give either a column of time or a rate, not both")
-        if self.counts_per_rev is not None:
-            require_positive(f"recording {self.path}: counts_per_rev", self.counts_per_rev)
-            if self.unit not in (None, "counts"):
-                raise BenchError(
-                    f"recording {self.path}: counts_per_rev is for a position in counts, not in {self.unit}"
-                )
-        if self.speed is not None and self.position is not None:
-            raise BenchError(f"recording {self.path}: give either a column of speed or one of position, not both")
+        units = UNITS["speed"] | UNITS["position"]
+        if self.unit is not None and self.unit not in units:
+            raise BenchError(f"recording {self.path}: unit {self.unit!r} is not known; give {', '.join(units)}")
 
 
 def read(path: str | Path, **layout: Any) -> Recording:
@@ -72,12 +49,12 @@ def read(path: str | Path, **layout: Any) -> Recording:
 
     A column is given by its heading, without regard to case and with or without its unit, or by its number from 1.
     Columns that are not given are recognised by their headings, in several languages; where that fails, the first
-    column is the time and the next one the speed. Units are those given, else those of the headings (``speed_rpm``,
-    ``speed [rpm]``, ``v (rad/s)``), else s and rps; a position's unit must be given in one of the two ways. A time may
-    be a date and time; it then counts from the first sample.
+    column is the time and the next one the speed. Units are those of the headings (``speed_rpm``, ``speed [rpm]``,
+    ``v (rad/s)``), or for a speed or position the one given, else s and rps; a position's unit must be given in one of
+    the two ways. A time may be a date and time; it then counts from the first sample.
 
     A position is the angle of the motor, not that of the load. A position that jumps by a turn within a single turn's
-    range, or a counter that wraps at a power of two, is continued; this needs more than two samples a jump. The speed
+    range is continued; this needs more than two samples a jump. The speed
     is the difference of successive samples over the sampling period, as in a drive, at the middle of the two (section
     8.2): the recording has one sample less and begins half a sampling period later.
 
@@ -87,20 +64,14 @@ def read(path: str | Path, **layout: Any) -> Recording:
     Args:
         path: a .csv, .txt, .xlsx or .parquet file.
         layout: options, all of which default to None:
-            ``time``: the column of time.
-            ``speed``: the column of motor speed.
-            ``position``: the column of motor position, instead of speed.
-            ``unit``: "rps", "rpm", "rad/s", "deg/s" of a speed; "rev", "rad", "deg", "counts" of a position.
-            ``time_unit``: "s", "ms", "us", "ns".
-            ``rate``: the sampling rate in Hz, instead of a column of time; the recording then starts at 0 s.
-            ``counts_per_rev``: the counts of the motor's encoder a turn, of a position in counts, which continue beyond
-            a turn: of an encoder with quadrature, four times its lines.
+            ``speed``: the column of motor speed, or of its position where heading or unit say so.
+            ``unit``: "rps", "rpm", "rad/s", "deg/s" of a speed; "rev", "rad", "deg" of a position.
             ``window``: the ends (s) of the part to read, each a number or None; what is outside may be damaged.
 
     Raises:
         BenchError: for a file that cannot be read, columns that are missing or ambiguous, values that are not numbers,
-            a position in counts without their number a turn, or a time that runs backwards or has gaps; with the line
-            and column. It is a :class:`NoRecordingError` where the file is something else altogether.
+            or a time that runs backwards or has gaps; with the line and column. It is a :class:`NoRecordingError` where
+            the file is something else altogether.
     """
     options = {key: value for key, value in layout.items() if value is not None}
     place = _Layout(Path(path), **options)
@@ -135,12 +106,8 @@ def read_joints(
     found = [(match, i) for i, name in enumerate(table.names) if (match := pattern.fullmatch(name))]
     if not found:
         raise BenchError(f"recording {path} has no column {joint_column!r}; its columns are {', '.join(table.names)}")
-    role = "position" if columns.role(found[0][1]) == "position" or place.counts_per_rev is not None else "speed"
-    asked: list[dict[str, Any]] = [{"speed": None, "position": None, role: table.names[i]} for _, i in found]
-    return [
-        (_joint(" ".join(filter(None, match.groups()))), partial(_recording, table, replace(place, **each)))
-        for (match, _), each in zip(found, asked, strict=True)
-    ]
+    joints = [(_joint(" ".join(filter(None, match.groups()))), table.names[i]) for match, i in found]
+    return [(joint, partial(_recording, table, replace(place, speed=name))) for joint, name in joints]
 
 
 def _joint(name: str) -> str:
@@ -157,45 +124,30 @@ def _recording(table: Table, place: _Layout) -> Recording:
             f"recording {path} has no line of numbers; it needs one for each sample, with the time and the motor's "
             "speed or position"
         )
-    at, of, role = columns.chosen(
-        place.time,
-        place.speed,
-        place.position,
-        has_rate=place.rate is not None,
-        counts=place.counts_per_rev is not None,
-    )
+    at, of, role = columns.chosen(place.speed, place.unit)
     if len(table.frame) < 3:
         raise kind(f"recording {path} has too few samples for a load turn: {len(table.frame)}")
-    stamps = table.stamps(at) if at is not None else None
-    asked = {role: (of, place.unit if place.counts_per_rev is None else "counts")}
-    if at is not None and stamps is None:
-        asked = {"time": (at, place.time_unit)} | asked
-    unit = columns.unit(of, role, asked[role][1])
-    turn = place.counts_per_rev if unit == "counts" else UNITS[role][unit]
-    if turn is None:
-        raise BenchError(
-            f"recording {path}: column {table.names[of]!r} is in counts of an encoder; give the counts of a motor turn "
-            "(--counts-per-rev)"
-        )
+    stamps = table.stamps(at)
+    asked: dict[str, tuple[int, str | None]] = {} if stamps is not None else {"time": (at, None)}
+    asked |= {role: (of, place.unit)}
+    unit = columns.unit(of, role, place.unit)
+    turn = UNITS[role][unit]
     lines, values = table.frame.index.to_numpy(), table.numbers(of)
     if not np.isfinite(values).any() and not columns.known:
         raise kind(
             f"recording {path} has no number in column {table.names[of]!r}, nor a heading that speaks of a speed"
         )
-    if at is None:
-        steps = np.diff(lines)  # an empty line is a missing sample
-        seconds = (lines - lines[0]) / np.median(steps) / (place.rate or 1.0)
-    elif stamps is not None:
+    if stamps is not None:
         seconds = stamps[0]
     else:
-        seconds = table.numbers(at) / UNITS["time"][columns.unit(at, "time", place.time_unit)]
+        seconds = table.numbers(at) / UNITS["time"][columns.unit(at, "time", None)]
 
     used = _inside(seconds, place.window, middle=role == "position")
     seconds, values, lines = seconds[used], values[used], lines[used]
     bad = ~(np.isfinite(values) & np.isfinite(seconds))
     if bad.sum() > MOST_MISSING * len(bad):
         line = int(lines[np.argmax(bad)])
-        column = of if at is None or np.isfinite(seconds[np.argmax(bad)]) else at
+        column = of if np.isfinite(seconds[np.argmax(bad)]) else at
         cell = table.frame.loc[line].iloc[column]
         found = f" but {str(cell)!r}" if isinstance(cell, str) else ""
         raise BenchError(
@@ -203,15 +155,14 @@ def _recording(table: Table, place: _Layout) -> Recording:
             "take a part without such lines (--window)"
         )
     seconds, values, lines = seconds[~bad], values[~bad], lines[~bad]
-    wraps = ""
     if role == "position" and len(values):
-        values, wraps = unwrapped(values, turn, is_counter=unit == "counts")
+        values = unwrapped(values, turn)
     first, values, repeated = merged(seconds, values / turn)
     seconds, lines = seconds[first], lines[first]
     if (back := np.diff(seconds) <= 0).any():
         raise BenchError(
             f"recording {path}: line {lines[np.argmax(back) + 1]}: time stands still or runs backwards"
-            f"{_in(table, at)}; sort or fix it, or {RATE_ADVICE}"
+            f" in column {table.names[at]!r}; sort or fix it"
         )
     try:
         dt, values, gaps = uniform(seconds, values)
@@ -219,20 +170,16 @@ def _recording(table: Table, place: _Layout) -> Recording:
         steps = np.diff(seconds)
         line = lines[np.argmax(steps > 1.5 * np.median(steps)) + 1]
         raise BenchError(
-            f"recording {path}: line {line}: time is not uniform{_in(table, at)}: {error}; resample it to equal "
-            f"steps, take a part without a gap (--window), or {RATE_ADVICE}"
+            f"recording {path}: line {line}: time is not uniform in column {table.names[at]!r}: {error}; resample it "
+            "to equal steps, or take a part without a gap (--window)"
         ) from error
     lost = f"{bad.sum()} {'lines have' if bad.sum() > 1 else 'line has'} no number" if bad.any() else ""
     clock = f"time counts from {stamps[1]}" if stamps is not None else ""
-    assumed = "; ".join(filter(None, (columns.assumed(asked), clock, wraps, lost, repeated, gaps)))
+    assumed = "; ".join(filter(None, (columns.assumed(asked), clock, lost, repeated, gaps)))
     start = float(seconds[0])
     if role == "speed":
         return Recording(start, dt, values, unit, assumed=assumed)
     return Recording(start + dt / 2, dt, np.diff(values) / dt, unit, assumed=assumed)
-
-
-def _in(table: Table, at: int | None) -> str:
-    return "" if at is None else f" in column {table.names[at]!r}"
 
 
 def _inside(time: Floats, window: Window, *, middle: bool) -> NDArray[np.bool_]:

@@ -1,7 +1,6 @@
-"""Bring samples to equal steps of time: counters that wrap, repeated stamps, missing samples, jitter, high rates."""
+"""Bring samples to equal steps of time: positions that wrap, repeated stamps, missing samples, jitter, high rates."""
 
 from dataclasses import replace
-from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,28 +15,16 @@ LONGEST_GAP = 0.01  # s, or two samples and a half; an oscillation of 25 Hz turn
 RATE = 500.0  # Hz, to which faster recordings are averaged down: the signature rings at up to 40 Hz (Table 7.1)
 
 
-def unwrapped(position: Floats, turn: float, *, is_counter: bool) -> tuple[Floats, str]:
-    """Return a position (N,) without jumps, and a sentence on a counter that wraps.
+def unwrapped(position: Floats, turn: float) -> Floats:
+    """Return a position (N,) in any unit, of which one turn is ``turn``, without the jumps of one that wraps at a turn.
 
-    A position within one turn wraps at the turn, a counter at the power of two that holds its range. Successive samples
-    must differ by less than half of that.
-
-    Args:
-        position: the position, in any unit.
-        turn: one turn in that unit.
-        is_counter: whether the unit is counts.
+    Successive samples must differ by less than half a turn.
     """
-    steps, span = np.diff(position), np.ptp(position)
-    within, note = turn, ""
-    if span > turn * (1.0 + 1e-6):
-        if not is_counter:
-            return position, ""
-        bits = ceil(log2(span + 1.0))
-        within, note = 2.0**bits, f"the counter of {bits} bits wraps, and was continued"
-    laps = np.rint(steps / within)
-    if not laps.any():
-        return position, ""
-    return position[0] + np.concatenate(([0.0], np.cumsum(steps - within * laps))), note
+    if np.ptp(position) > turn * (1.0 + 1e-6):
+        return position
+    steps = np.diff(position, prepend=position[0])
+    laps = np.cumsum(np.rint(steps / turn))
+    return position - turn * laps
 
 
 def merged(time: Floats, values: Floats) -> tuple[NDArray[np.intp], Floats, str]:

@@ -1,6 +1,6 @@
 """Check whether a recording is fit for the signature fit, and warn of what may spoil an estimate.
 
->>> screen(recording, nominal_rps=100, period=0.4)  # raises BenchError where the recording cannot be used
+>>> screen(recording, period=0.4)  # raises BenchError where the recording cannot be used
 >>> warnings(recording, period=0.4)  # sentences on a recording that can be used
 """
 
@@ -17,7 +17,6 @@ from problems.backlash.recordings.recording import Recording, spell
 
 FASTEST = 1000.0  # rps; no joint's motor turns at 60,000 rpm
 STEADY = 0.2  # the largest deviation of a steady speed, as a part of the mean; the disturbance is a few percent of it
-FAR = 1.25  # the factor by which the mean speed may differ from the nominal one
 GUARD = 0.05  # s; a ramp takes about as long to pass through the range of the disturbance
 SAMPLES_A_TURN = 20  # the fewest samples in one load turn: the disturbance rings several times a turn
 RUN = 3  # the fewest successive samples at the extreme that may be a clipped peak
@@ -26,7 +25,7 @@ RUN = 3  # the fewest successive samples at the extreme that may be a clipped pe
 DROP = 6.0
 
 
-def screen(recording: Recording, *, nominal_rps: float | None = None, period: float | None = None) -> None:
+def screen(recording: Recording, *, period: float | None = None) -> None:
     """Raise BenchError, in one sentence, for the first thing that makes a recording unfit.
 
     In this order: values that are not numbers, a constant speed, a speed in another unit, a speed that is not steady (a
@@ -35,11 +34,10 @@ def screen(recording: Recording, *, nominal_rps: float | None = None, period: fl
 
     Args:
         recording: the recording.
-        nominal_rps: the motor's nominal speed, where it is known; its sign does not matter.
         period: T_f, the time of one load turn, s; None where it is not known, or a single oscillation is to be fitted.
     """
     screen_values(recording)
-    _screen_unit(recording, nominal_rps)
+    _screen_unit(recording)
     _screen_steadiness(recording)
     screen_clipping(recording)
     if period is not None:
@@ -109,28 +107,14 @@ def screen_values(recording: Recording) -> None:
         )
 
 
-def _screen_unit(recording: Recording, nominal_rps: float | None) -> None:
+def _screen_unit(recording: Recording) -> None:
     speed = float(np.median(np.abs(recording.speed)))
-    units = next(units for units in (UNITS["speed"], UNITS["position"]) if recording.unit in units)
-    if nominal_rps is None:
-        if speed > FASTEST:
-            raise BenchError(
-                f"a speed of {speed:.6g} rps is more than a motor has; say in which unit the recording is "
-                f"(--unit {', '.join(units)}), which was read as {recording.unit}"
-            )
-        return
-    nominal = abs(nominal_rps)
-    if not 0.0 < nominal < np.inf:
-        raise BenchError(f"the nominal speed must be a finite number of rps other than 0, not {nominal_rps!r}")
-    if nominal / FAR <= speed <= nominal * FAR:
-        return
-    fits = {unit: speed * units[recording.unit] / factor for unit, factor in units.items()}
-    likely = min(fits, key=lambda unit: abs(np.log(max(fits[unit], 1e-300) / nominal)))
-    if likely != recording.unit and nominal / FAR <= fits[likely] <= nominal * FAR:
-        advice = f"its values look like {likely}, not {recording.unit}: give that unit"
-    else:
-        advice = f"no unit makes up for that; give the nominal speed of this recording, or a part at {nominal:g} rps"
-    raise BenchError(f"the recording's speed of {speed:.6g} rps is far from the nominal {nominal:g} rps; {advice}")
+    if speed > FASTEST:
+        units = next(units for units in (UNITS["speed"], UNITS["position"]) if recording.unit in units)
+        raise BenchError(
+            f"a speed of {speed:.6g} rps is more than a motor has; say in which unit the recording is "
+            f"(--unit {', '.join(units)}), which was read as {recording.unit}"
+        )
 
 
 def _screen_steadiness(recording: Recording) -> None:

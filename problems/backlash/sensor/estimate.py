@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.errors import BenchError
-from bench.numbers import require_positive, require_seed, require_whole
+from bench.numbers import require_positive, require_whole
 from bench.typing import Floats
 from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
@@ -31,6 +31,7 @@ Interval = tuple[float, float]
 
 USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where neither signal nor calibration gives one
 MOST_RESAMPLES = 1_000_000
+CONFIDENCE = 0.95  # the level of all intervals
 COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
 HIDDEN_RAD = 3e-4  # rad; the largest half-gap that noise may hide behind the verdict "no backlash"
 WEAK_RAD = 2 * TOLERANCE_RAD  # rad; below it the best fit is more of the load's ripple than of impacts
@@ -44,39 +45,28 @@ class Settings:
     """The settings of an estimate.
 
     Attributes:
-        period: T_f, the time of one load turn, in s; None to infer it from the gear ratio or the signal.
-        gear_ratio: motor turns a load turn, which with the mean speed give the period.
-        nominal_rps: the motor's nominal speed, to detect a wrong unit.
+        gear_ratio: motor turns a load turn, which with the mean speed give its time T_f; None to find it in the signal.
         single: fit one oscillation (section 8.3).
         calibration: maps amplitudes to half-gaps; None to estimate amplitudes alone.
         limit_rad: the half-gap above which backlash has progressed.
         resamples: bootstrap resamples of an interval; 0 for no interval.
-        confidence: the level of the intervals.
-        seed: the seed of the bootstrap.
 
     Raises:
         BenchError: for a value out of its range.
     """
 
-    period: float | None = None
     gear_ratio: float | None = None
-    nominal_rps: float | None = None
     single: bool = False
     calibration: Calibration | None = field(default_factory=sensor_calibration)
     limit_rad: float = EARLY_RAD
     resamples: int = 200
-    confidence: float = 0.95
-    seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("period", "gear_ratio", "nominal_rps", "limit_rad"):
+        for name in ("gear_ratio", "limit_rad"):
             value = getattr(self, name)
             if value is not None:
                 require_positive(name.replace("_", " "), value)
-        if not 0.0 < self.confidence < 1.0:
-            raise BenchError(f"confidence must lie between 0 and 1, such as 0.95, not {self.confidence!r}")
         require_whole("resamples", self.resamples, 0, MOST_RESAMPLES)
-        require_seed("seed", self.seed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +107,7 @@ class Estimate(Inference):
         explained: the share of the signal's variance that the fit explains, 0 to 1.
         variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
         period_s: T_f.
-        period_source: "given", "gear ratio", "calibration", "signal" or "assumed".
+        period_source: "gear ratio", "calibration", "signal" or "assumed".
         delay_s: T_d, the time from the fit's first oscillation to its second one: half of T_f unless friction delays
             one of them.
         mean_rps: the mean speed.
@@ -151,7 +141,7 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     screen_values(recording)
     screen_clipping(recording)  # an average would hide it
     recording, averaged = averaged_down(recording)
-    screen(recording, nominal_rps=settings.nominal_rps)
+    screen(recording)
     period, source, remarks = period_of(recording, settings)
     turn = None if settings.single else period
     screen(recording, period=turn)
@@ -163,7 +153,7 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     fitted += problem.mean_rps
     residual = recording.speed - fitted
     calibration = settings.calibration
-    ratio = settings.gear_ratio or (abs(problem.mean_rps) * period if source in ("given", "signal") else None)
+    ratio = settings.gear_ratio or (abs(problem.mean_rps) * period if source == "signal" else None)
     if calibration and (differences := calibration.differences(problem.mean_rps, ratio)):
         notes.append(
             f"the recording has {' and '.join(differences)} as the calibration, so no half-gap is inferred; calibrate "
@@ -205,8 +195,6 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str, lis
 
     A calibration's gear ratio gives it at the calibration's speed, unless the signal has impacts of another period.
     """
-    if settings.period is not None:
-        return settings.period, "given", []
     if settings.gear_ratio is not None:
         return period_from_gear(recording, settings.gear_ratio), "gear ratio", []
     if settings.single:  # one oscillation shows no period
@@ -216,7 +204,7 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str, lis
         usual = period_from_gear(recording, calibration.gear_ratio)
     if found is None:
         period, source = (USUAL_PERIOD, "assumed") if usual is None else (usual, "calibration")
-        remark = f"no period was found in the signal; {period:g} s is {_ASSUMED[source]} (--period gives another)"
+        remark = f"no period was found in the signal; {period:g} s is {_ASSUMED[source]} (--gear-ratio gives another)"
         return period, source, [remark]
     if usual is None or abs(found / usual - 1) <= WHOLE:
         return found, "signal", []
@@ -316,7 +304,7 @@ def _detected(
     problem: SignatureFit, x: Floats, p: float, settings: Settings, folded: LoadTurn | None = None
 ) -> Inference:
     """Return the inference from a detected disturbance."""
-    calibration, rng = settings.calibration, np.random.default_rng(settings.seed)
+    calibration, rng = settings.calibration, np.random.default_rng(0)
     notes = []
     amplitude = infer_peak(x, calibration)
     low, high = math.nan, math.nan
@@ -325,7 +313,7 @@ def _detected(
         peaks = np.array([infer_peak(fit, calibration) for fit in fits])
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))
-        outside = (1 - settings.confidence) / 2
+        outside = (1 - CONFIDENCE) / 2
         low, high = (float(end) for end in np.quantile(peaks, [outside, 1 - outside]))
         # Refits of a signal that the signature fits badly are larger than the fit. An interval that is widened to
         # where it lies without this bias, and to its estimate, covers the truth no less often.

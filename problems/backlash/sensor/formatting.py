@@ -11,7 +11,7 @@ from rich.text import Text
 
 from bench.helpers import print_line
 from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.estimate import Estimate, Settings
+from problems.backlash.sensor.estimate import CONFIDENCE, Estimate, Settings
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import HORIZON, Trend
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration, sensor_calibration
@@ -156,7 +156,7 @@ def trend_lines(trend: Trend, settings: Settings) -> list[str]:
     if trend.significant:
         lines.append(
             f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {per} "
-            f"({100 * settings.confidence:g}% interval {min(abs(low), abs(high)):.3g} to "
+            f"({CONFIDENCE:.0%} interval {min(abs(low), abs(high)):.3g} to "
             f"{max(abs(low), abs(high)):.3g}, {chance})"
         )
     else:
@@ -185,7 +185,7 @@ def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
 
 def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on the size of a disturbance and of the gap that causes it."""
-    percent = f"{100 * settings.confidence:g}%"
+    percent = f"{CONFIDENCE:.0%}"
     span = _span(estimate.amplitude_interval_rps, ".4f", percent)
     rows = [("amplitude", f"{estimate.amplitude_rps:.4f} rps of the motor{span}")]
     if math.isnan(estimate.backlash_rad):

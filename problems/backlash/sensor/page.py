@@ -8,7 +8,7 @@ import pandas as pd
 
 from bench.report import Figure, Section, Table, count, write_page
 from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.estimate import Settings
+from problems.backlash.sensor.estimate import CONFIDENCE, Settings
 from problems.backlash.sensor.formatting import PER, calibration_of, notes, trend_lines
 from problems.backlash.sensor.plots import fit_figure, trend_figure
 from problems.backlash.sensor.records import csv_rows
@@ -79,7 +79,7 @@ def _joints(joints: Sequence[JointHistory], settings: Settings) -> Table:
         index=pd.Index(name, name="joint"),
     )
     tones = pd.DataFrame({"latest verdict": [TONES.get(verdict, "warn") for verdict in frame["latest verdict"]]})
-    caption = f"Each joint at its latest recording, with {100 * settings.confidence:g}% intervals."
+    caption = f"Each joint at its latest recording, with {CONFIDENCE:.0%} intervals."
     note = (
         f"The limit is a half-gap of {1e3 * settings.limit_rad:g} mrad. Its date assumes that the growth of the later "
         "half of the recordings continues."

@@ -17,7 +17,7 @@ import numpy as np
 
 from bench.typing import Floats
 from problems.backlash.sensor.batch import Estimated
-from problems.backlash.sensor.estimate import Estimate, Interval, Settings
+from problems.backlash.sensor.estimate import CONFIDENCE, Estimate, Interval, Settings
 from problems.backlash.sensor.recording_files import Series, series
 
 FEWEST = 3  # recordings that a slope needs
@@ -89,14 +89,13 @@ class Trend:
         return months and self.reached is not None and self.reached[0] > self.series.at[-1] + HORIZON
 
 
-def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, confidence: float = 0.95) -> Trend:
+def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float) -> Trend:
     """Return the trend of a series.
 
     Args:
         joint: two recordings or more.
         estimates: of these recordings, in the order of the series.
         limit_rad: the half-gap delta in rad whose crossing is predicted.
-        confidence: the level of the intervals; a trend is significant at one minus that.
     """
     backlash = np.array([estimate.backlash_rad for estimate in estimates])
     has_gaps = bool(np.isfinite(backlash).all())
@@ -104,7 +103,7 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
     intervals = np.array(
         [estimate.interval_rad if has_gaps else estimate.amplitude_interval_rps for estimate in estimates]
     )
-    line = fit_line(joint.at, values, confidence)
+    line = fit_line(joint.at, values)
     latest = max(-(-len(values) // 2), LATEST)
     return Trend(
         series=joint,
@@ -114,10 +113,10 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
         change=float(values[-1] - values[0]),
         change_interval=_difference(values[-1], intervals[-1], values[0], intervals[0]),
         line=line,
-        significant=line is not None and line.p_value < 1 - confidence,
+        significant=line is not None and line.p_value < 1 - CONFIDENCE,
         latest=min(latest, len(values)),
         since=_since(joint.at, values, limit_rad) if has_gaps else None,
-        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad, confidence) if has_gaps else None,
+        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad) if has_gaps else None,
     )
 
 
@@ -158,12 +157,12 @@ class JointHistory:
 
 def joints_of(estimated: Sequence[Estimated], settings: Settings) -> list[JointHistory]:
     """Return every joint, the one whose gap grows fastest first, those with one recording last."""
-    options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
     made = []
     for each in series([one.path for one in estimated], [one.joint for one in estimated]):
         outcomes = tuple(estimated[i] for i in each.members)
         estimates = [outcome.estimate for outcome in outcomes]
-        made.append(JointHistory(each, outcomes, trend(each, estimates, **options) if len(outcomes) > 1 else None))
+        course = trend(each, estimates, limit_rad=settings.limit_rad) if len(outcomes) > 1 else None
+        made.append(JointHistory(each, outcomes, course))
     return sorted(made, key=lambda each: growth(each.trend))
 
 
@@ -174,13 +173,13 @@ def growth(one: Trend | None) -> tuple[bool, str, bool, float]:
     return False, one.quantity, not one.significant, -one.line.slope if one.line else 0.0
 
 
-def fit_line(time: Floats, values: Floats, confidence: float) -> StraightLine | None:
+def fit_line(time: Floats, values: Floats) -> StraightLine | None:
     """Return the line through (n,) values at (n,) times, None for fewer than three times or recordings."""
     if len(values) < FEWEST or len(np.unique(time)) < FEWEST:
         return None
     from scipy.stats import kendalltau, theilslopes  # 0.5 s, which a single estimate need not wait for
 
-    slope, _, low, high = map(float, theilslopes(values, time, confidence))
+    slope, _, low, high = map(float, theilslopes(values, time, CONFIDENCE))
     middle = float(np.median(time)), float(np.median(values))
     return StraightLine(slope, (low, high), middle, float(kendalltau(time, values).pvalue))
 
@@ -199,10 +198,10 @@ def _since(time: Floats, values: Floats, limit: float) -> float | None:
     return float(time[first]) if first < len(values) else None
 
 
-def _reached(time: Floats, values: Floats, limit: float, confidence: float) -> tuple[float, Interval] | None:
+def _reached(time: Floats, values: Floats, limit: float) -> tuple[float, Interval] | None:
     """Return when a line through (n,) values reaches the limit, and its range; None where they do not grow to it."""
-    line = fit_line(time, values, confidence)
-    if line is None or not line.p_value < 1 - confidence or line.slope <= 0 or values[-1] > limit:
+    line = fit_line(time, values)
+    if line is None or not line.p_value < 1 - CONFIDENCE or line.slope <= 0 or values[-1] > limit:
         return None
     slopes = (line.slope, *reversed(line.interval))
     when, early, late = (max(line.reaches(limit, slope), float(time[-1])) for slope in slopes)

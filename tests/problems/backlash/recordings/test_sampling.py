@@ -27,7 +27,7 @@ def test_a_fast_recording_keeps_its_time_and_what_is_slow_in_it():
 def test_the_estimate_at_10_khz_is_that_at_500_hz():
     """Agreement to 1%: without noise, the place of the samples alone changes an estimate by so much."""
     run = simulate(Joint(), half_gap=0.002, duration=2.4, rate=10_000.0)
-    settings = Settings(period=0.4, resamples=0)
+    settings = Settings(gear_ratio=40.0, resamples=0)
     fast = estimate(Recording(0.0, 1e-4, run.speed), settings)
     usual = estimate(Recording(0.0, 0.002, run.speed[::20]), settings)
     assert len(fast.recording.speed) == len(usual.recording.speed)

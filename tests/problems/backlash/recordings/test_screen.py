@@ -35,32 +35,32 @@ def test_a_good_recording_passes_however_it_is_noisy_rounded_or_cut(level):
     for span, decimals in product((0.0, 0.1, 0.75), (None, 1, 2, 3)):
         noisy = speed + span * rng.uniform(-0.5, 0.5, len(speed))
         made = recording(noisy if decimals is None else np.round(noisy, decimals))
-        screen(made, nominal_rps=100, period=0.4)
-        screen(cut(made, 0.3, 0.7), nominal_rps=-100, period=0.4)
+        screen(made, period=0.4)
+        screen(cut(made, 0.3, 0.7), period=0.4)
     screen(recording(digits(speed, 5)), period=0.4)  # as the published ones: 99.987 and 100.12
-    screen(recording(-speed), nominal_rps=100, period=0.4)
+    screen(recording(-speed), period=0.4)
     assert warnings(recording(speed), period=0.4) == []
 
 
 @pytest.mark.parametrize("level", [0, 1, 2, 7, 20])
 def test_a_recording_through_an_encoder_or_of_five_digits_passes(level):
     gap = half_gap(level) if level else 0.0
-    screen(recording(digits(simulate(half_gap=gap).speed, 5)), nominal_rps=100, period=0.4)
+    screen(recording(digits(simulate(half_gap=gap).speed, 5)), period=0.4)
     for bits in range(12, 21, 2):
-        screen(recording(simulate(half_gap=gap, encoder_bits=bits).speed), nominal_rps=100, period=0.4)
+        screen(recording(simulate(half_gap=gap, encoder_bits=bits).speed), period=0.4)
 
 
 def test_recordings_at_the_start_and_at_low_speed_pass():
-    screen(recording(simulate(half_gap=half_gap(13), settle=0.2).speed), nominal_rps=100, period=0.4)
+    screen(recording(simulate(half_gap=half_gap(13), settle=0.2).speed), period=0.4)
     slow = Joint(omega_ref=2 * pi * 10)
     made = simulate(slow, half_gap=half_gap(20), duration=8.0, rate=200)
-    screen(recording(made.speed, dt=0.005), nominal_rps=10, period=slow.turn)
+    screen(recording(made.speed, dt=0.005), period=slow.turn)
 
 
 def test_the_published_recordings_pass(published):
     for level in (3, 5, 8, 11, 12):
         made = read(published / f"Speeddata{level}.xlsx")
-        screen(made, nominal_rps=100, period=0.4)
+        screen(made, period=0.4)
         assert warnings(made, period=0.4) == [made.assumed]  # the files have no headings
 
 
@@ -88,25 +88,7 @@ def test_rounded_noise_is_not_taken_for_clipping():
             screen(recording(np.round((100 + rng.uniform(-0.25, 0.25, 2401)) / step) * step))
 
 
-@pytest.mark.parametrize(
-    ("speed", "unit", "looks"),
-    [
-        (60 * S, "rps", "rpm"),
-        (2 * pi * S, "rps", "rad/s"),
-        (S / 60, "rpm", "rps"),
-        (2 * pi / 60 * S, "rpm", "rad/s"),
-        (360 / 60 * S, "rpm", "deg/s"),
-        (360 / (2 * pi) * S, "rad", "deg"),
-    ],
-)
-def test_a_wrong_unit_is_named_where_the_nominal_speed_is_known(speed, unit, looks):
-    with pytest.raises(BenchError, match=f"its values look like {looks}, not {unit}: give that unit"):
-        screen(recording(speed, unit=unit), nominal_rps=100)
-
-
-def test_a_speed_that_no_unit_explains_is_refused():
-    with pytest.raises(BenchError, match=r"50\.0\d* rps is far from the nominal 100 rps; no unit makes up for that"):
-        screen(recording(S / 2), nominal_rps=100)
+def test_a_speed_that_no_motor_has_is_refused():
     with pytest.raises(BenchError, match=r"6000\.\d+ rps is more than a motor has; say in which unit"):
         screen(recording(60 * S))
     screen(recording(S / 2))
@@ -143,7 +125,6 @@ def test_a_motion_that_is_not_steady_is_refused_with_the_part_that_is(speed, wha
         (recording(np.full(500, 100.0)), {}, "the speed is constant at 100 rps"),
         (recording(np.full(500, 600.0) / 60 + 1e-15 * RNG.uniform(size=500)), {}, "the speed is constant at 10 rps"),
         (recording(np.where(T == 1.0, np.nan, S)), {}, "the speed at 1 s is not a number"),
-        (recording(S), {"nominal_rps": 0.0}, "the nominal speed must be a finite number of rps other than 0"),
         (recording(NOISE), {}, "the motor reverses (its speed is -0.1"),
         (recording(S[:150]), {"period": 0.4}, "lasts 0.298 s, less than one load turn of 0.4 s"),
         (
@@ -168,7 +149,7 @@ def test_one_load_turn_of_twenty_samples_is_enough():
 def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
     speed = S.copy()
     speed[1000] = 0.0
-    screen(recording(speed), nominal_rps=100, period=0.4)
+    screen(recording(speed), period=0.4)
     assert warnings(recording(speed)) == ["1 lone sample sticks far out, the first at 2 s"]
 
 

@@ -27,7 +27,7 @@ def trend_of(make_estimate):
 def test_the_slope_is_the_median_of_all_pairs_slopes_and_the_p_value_is_kendalls_exact_one():
     time = np.arange(5.0)
     values = np.array([1.0, 3.0, 2.0, 4.0, 9.0])
-    line = fit_line(time, values, 0.95)
+    line = fit_line(time, values)
     slopes = [(values[j] - values[i]) / (j - i) for i, j in combinations(range(5), 2)]
     assert line.slope == pytest.approx(median(slopes))
     assert line.p_value == pytest.approx(10 / 120)  # nine of ten pairs rise: 1 + 4 orders of 120 so, either way
@@ -38,8 +38,8 @@ def test_the_slope_is_the_median_of_all_pairs_slopes_and_the_p_value_is_kendalls
 
 
 def test_a_slope_takes_three_recordings_of_different_times(trend_of):
-    assert fit_line(np.arange(2.0), np.arange(2.0), 0.95) is None
-    assert fit_line(np.zeros(5), np.arange(5.0), 0.95) is None
+    assert fit_line(np.arange(2.0), np.arange(2.0)) is None
+    assert fit_line(np.zeros(5), np.arange(5.0)) is None
     two = trend_of(GAPS[:2])
     assert (two.line, two.significant, two.reached) == (None, False, None)
     assert two.change == pytest.approx(0.0001)
