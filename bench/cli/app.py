@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import typer
 
 from bench.cli import (
-    audit,
     check,
     export,
     gate,
@@ -69,7 +68,6 @@ PANELS: dict[str, dict[str, Callable[..., None]]] = {
     "Check": {
         "check": check.command,
         "reproduce": reproduce.command,
-        "audit": audit.command,
         "gate": gate.command,
         "verify": verify.command,
     },
