@@ -241,7 +241,7 @@ def found_gaps(draws):
 
 def calibrated(joint):
     gaps = np.linspace(0.3e-3, 3.8e-3, 8)
-    fitted, scatter = response(joint, gaps, jobs=1)
+    fitted, scatter = response(joint, gaps)
     return replace(calibrate(joint, gaps), fitted=fitted, scatter=scatter)
 
 

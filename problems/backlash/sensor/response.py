@@ -32,20 +32,20 @@ TURNS = 12  # load turns of a recording, as the published ones have
 FITS = 8  # recordings of a half-gap, each with another start in a load turn and another place of the samples
 
 
-def response(joint: Joint, half_gaps: Sequence[float], *, jobs: int = 1, shown: bool = False) -> tuple[Floats, Floats]:
+def response(joint: Joint, half_gaps: Sequence[float], *, n_jobs: int = 1, shown: bool = False) -> tuple[Floats, Floats]:
     """Return the mean strength of the fits of each half-gap's recordings and its standard deviation, (m,) rpm each.
 
     Args:
         joint: the joint and its controller.
         half_gaps: (m,) rad; each takes some seconds.
-        jobs: worker processes; -1 takes every core.
+        n_jobs: worker processes; -1 takes every core.
         shown: show a progress bar on stderr.
 
     Raises:
         BenchError: where a half-gap cannot be simulated or fitted, and for a number of jobs that cannot be.
     """
-    require_jobs("the number of jobs", jobs)
-    fits = Parallel(jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
+    require_jobs("the number of jobs", n_jobs)
+    fits = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
     bar = track(fits, "fits", len(half_gaps), console=Console(stderr=True), transient=True, disable=not shown)
     strengths = 60 * np.array(list(bar))
     return strengths.mean(axis=1), strengths.std(axis=1)

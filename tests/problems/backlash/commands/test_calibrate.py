@@ -1,11 +1,10 @@
 """bench calibrate: what it prints and writes, and what it refuses."""
 
-import numpy as np
+import psutil
 import pytest
 
 from problems.backlash.commands.calibrate import calibrate
-from problems.backlash.joint import Joint, half_gap
-from problems.backlash.sensor import response
+from problems.backlash.joint import half_gap
 from problems.backlash.signature.calibration import load_calibration
 
 
@@ -41,28 +40,20 @@ def test_levels_are_those_of_the_thesis(command, tmp_path):
     assert load_calibration(tmp_path / "a.toml").half_gap.tolist() == [half_gap(level) for level in range(3, 7)]
 
 
-def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_make_it_again(
-    command, tmp_path, monkeypatch
-):
-    asked = []
-
-    def known(joint, half_gaps, *, jobs, shown):
-        asked.append((joint, half_gaps, jobs))
-        return np.array([22.75, 41.5]), np.array([0.5, 1.25])
-
-    monkeypatch.setattr(response, "response", known)
+def test_two_processes_make_the_fits_that_one_makes_and_the_file_says_how_to_make_it_again(command, tmp_path):
     given = ["--gaps", "0.0005:0.0011:2"]
-    said = command(calibrate, *given, "--jobs", 1, "--output", tmp_path / "a.toml")
-    assert asked == [(Joint(), [0.0005, 0.0011], 1)]
-    assert "amplitude in rps   half-gap in rad   fit in rps   its scatter\n" in said
-    assert "        0.405912          0.000500     0.379167      0.008333\n" in said
-    assert (tmp_path / "a.toml").read_text().startswith(f"# bench calibrate {' '.join(given)}\n")
-    made = load_calibration(tmp_path / "a.toml")
-    assert made.expected(22.75) == pytest.approx(24.3547, abs=1e-4)
-    assert made.relative_scatter(22.75) == 0.5 / 22.75
-
+    said = {jobs: command(calibrate, *given, "--jobs", jobs, "--output", tmp_path / f"{jobs}.toml") for jobs in (1, 2)}
+    commands = [" ".join(child.cmdline()) for child in psutil.Process().children()]
+    assert sum("popen_loky" in line for line in commands) == 2  # joblib keeps its idle workers for a while
+    assert said[2].replace("2.toml", "1.toml") == said[1]
+    text = (tmp_path / "1.toml").read_text()
+    assert text.startswith(f"# bench calibrate {' '.join(given)}\n")
+    assert (tmp_path / "2.toml").read_text() == text
+    assert "amplitude in rps   half-gap in rad   fit in rps   its scatter\n" in said[1]
+    assert "        0.405912          0.000500     0.390541      0.002112\n" in said[1]
+    made = load_calibration(tmp_path / "1.toml")
+    assert made.expected(made.fitted[0]) == pytest.approx(24.3547, abs=1e-4)
     command(calibrate, *given, "--no-fits", "--output", tmp_path / "b.toml")
-    assert len(asked) == 1
     assert load_calibration(tmp_path / "b.toml").fitted is None
 
 
