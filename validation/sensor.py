@@ -4,6 +4,8 @@
     python validation/sensor.py --elsewhere
     python validation/sensor.py --healthy [--draws 10]
     python validation/sensor.py --worn [--draws 10]
+    python validation/sensor.py --lost [--draws 60]
+    python validation/sensor.py --changed [--draws 5]
 
 The recordings are those of levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many
 signals of noise alone: white, coloured, and with the load's ripple of a joint without backlash. Print the relative
@@ -15,6 +17,11 @@ With --healthy, print how often a joint without a gap gets a verdict of backlash
 column a source of the time of a load turn. With --worn, print the same of joints with a gap: how often it is found,
 missed or left open, the errors of the half-gap, and how often its interval holds it; of joints with friction by a
 calibration of that joint and by the default one. A rate has its standard error.
+
+With --lost, print the verdicts on joints with and without a gap, of whose recordings one to five blocks of 8 to 80 ms
+are lost without a gap in time, and on the same recordings with nothing lost: "said" counts the recordings of which the
+sensor says where samples are lost. With --changed, print of joints whose load, stiffness or controller is not that of
+the default calibration how often the sensor says so, and the error of the half-gap that it gives otherwise.
 """
 
 import argparse
@@ -43,11 +50,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--draws", type=int, default=10)
     parser.add_argument("--resamples", type=int, default=200)
-    for name in ("--elsewhere", "--healthy", "--worn"):
+    for name in ("--elsewhere", "--healthy", "--worn", "--lost", "--changed"):
         parser.add_argument(name, action="store_true")
     options = parser.parse_args()
-    if options.healthy or options.worn:
-        for line in (false_alarms if options.healthy else found_gaps)(options.draws):
+    asked = {
+        false_alarms: options.healthy,
+        found_gaps: options.worn,
+        lost_blocks: options.lost,
+        other_joints: options.changed,
+    }
+    for function in (function for function, is_asked in asked.items() if is_asked):
+        for line in function(options.draws):
             print(line, flush=True)
         return
     if options.elsewhere:
@@ -239,10 +252,98 @@ def found_gaps(draws):
     yield gap_line("viscous friction of 14%", Joint(viscous_friction=0.129), (0.7, 1.5), 0.2, draws, settings)
 
 
+def without_blocks(rng, speed, blocks):
+    """Return a speed without so many random blocks of 8 to 80 ms."""
+    kept = np.ones(len(speed), dtype=bool)
+    for _ in range(blocks):
+        first = int(rng.integers(100, len(speed) - 100))
+        kept[first : first + int(rng.uniform(0.008, 0.08) / 0.002)] = False
+    return speed[kept]
+
+
+def worn(rng):
+    """Return a half-gap of 0.5 to 3.5 mrad, and the speed of a joint with it, with noise, of 9 to 15 load turns."""
+    gap, friction = rng.uniform(0.5e-3, 3.5e-3), rng.choice([0.0, 0.05])
+    joint = Joint(coulomb_friction=friction * Joint().gravity_torque)
+    speed = simulate(joint, half_gap=gap, duration=16 * joint.turn).speed
+    first = int(rng.integers(200))
+    speed = speed[first : first + int(rng.integers(9 * 200, 15 * 200))]
+    return gap, speed + rng.uniform(0.05, 0.4) * rng.uniform(-0.5, 0.5, len(speed))
+
+
+def lost_blocks(draws):
+    """Yield a line a number of lost blocks: the verdicts on worn joints, and on joints without a gap."""
+    yield f"{'joints and blocks lost':36}  no backlash, wrong side of the limit, half-gap >20 % off; undecided; said"
+    for blocks in range(6):
+        found = []
+        for draw in range(draws):
+            rng = np.random.default_rng([draw, 60, blocks])
+            gap, speed = worn(rng)
+            settings = Settings(gear_ratio=rng.choice([40.0, None]), resamples=40)
+            found.append((gap, estimate(Recording(0.0, 0.002, without_blocks(rng, speed, blocks)), settings)))
+        flags = (
+            [made.verdict == "no backlash" for _, made in found],
+            [made.verdict == ("early" if gap > EARLY_RAD else "progressed") for gap, made in found],
+            [abs(made.backlash_rad / gap - 1) > 0.2 and made.verdict in ALARMS for gap, made in found],
+            [made.verdict == "undecided" for _, made in found],
+            [any("lost" in note for note in made.notes) for _, made in found],
+        )
+        yield f"{f'worn, {blocks}':36}  {'; '.join(map(rate, flags))}"
+    yield f"{'no gap, blocks lost, disturbance':36}  alarm; undecided; said lost; of {draws // 4} recordings"
+    ripple = simulate(half_gap=0.0).speed
+    for family, make in HEALTHY.items():
+        for blocks in (0, 3):
+            found = []
+            for draw in range(draws // 4):
+                rng = np.random.default_rng([draw, 61, blocks])
+                speed = ripple + make(rng) + rng.uniform(0.1, 0.5) * rng.uniform(-0.5, 0.5, len(ripple))
+                settings = Settings(gear_ratio=rng.choice([40.0, None]), resamples=0)
+                found.append(estimate(Recording(0.0, 0.002, without_blocks(rng, speed, blocks)), settings))
+            flags = (
+                [made.verdict in ALARMS for made in found],
+                [made.verdict == "undecided" for made in found],
+                [any("lost" in note for note in made.notes) for made in found],
+            )
+            yield f"{f'{family}, {blocks}':36}  {'; '.join(map(rate, flags))}"
+
+
+CHANGED = {
+    "as calibrated": {},
+    "payload +30 %": {"load_inertia": 1.3, "gravity_torque": 1.3},
+    "payload -30 %": {"load_inertia": 0.7, "gravity_torque": 0.7},
+    "payload +10 %": {"load_inertia": 1.1, "gravity_torque": 1.1},
+    "stiffness -30 %": {"stiffness": 0.7},
+    "stiffness +30 %": {"stiffness": 1.3},
+    "damping -50 %": {"damping": 0.5},
+    "gain of the speed loop -20 %": {"speed_gain": 0.8},
+    "gain of the speed loop +20 %": {"speed_gain": 1.2},
+}
+
+
+def other_joints(draws):
+    """Yield a line a change of the joint and noise: how often it is said, and the error where it is not."""
+    yield f"{'joint, noise in rps':36}  said; no backlash; error of the half-gap, median, most, where it is given"
+    for name, factors in CHANGED.items():
+        joint = replace(Joint(), **{key: factor * getattr(Joint(), key) for key, factor in factors.items()})
+        for noise in (0.1, 0.3, 0.75):
+            found = []
+            for gap in (0.3e-3, 0.5e-3, 1.1e-3, 2.1e-3, 3.1e-3):
+                motion = simulate(joint, half_gap=gap, duration=13 * joint.turn)
+                for draw in range(draws):
+                    rng = np.random.default_rng([draw, 62, round(1e6 * gap), round(100 * noise)])
+                    speed = motion.speed[int(rng.integers(200)) :][: len(TIME)]
+                    speed = speed + noise * rng.uniform(-0.5, 0.5, len(speed))
+                    found.append((gap, estimate(Recording(0.0, 0.002, speed), Settings(resamples=0))))
+            errors = [abs(made.backlash_rad / gap - 1) for gap, made in found if made.backlash_rad > 0]
+            said = rate([any("calibrate this joint" in note for note in made.notes) for _, made in found])
+            missed = rate([made.verdict == "no backlash" for _, made in found])
+            of = f"{np.median(errors):.1%}, {np.max(errors):.1%}, {len(errors)} of {len(found)}" if errors else "none"
+            yield f"{f'{name}, {noise}':36}  {said}; {missed}; {of}"
+
+
 def calibrated(joint):
     gaps = np.linspace(0.3e-3, 3.8e-3, 8)
-    fitted, scatter = response(joint, gaps)
-    return replace(calibrate(joint, gaps), fitted=fitted, scatter=scatter)
+    return replace(calibrate(joint, gaps), **response(joint, gaps))
 
 
 def gap_line(name, joint, gaps, noise, draws, settings, beside=0.0):

@@ -58,8 +58,7 @@ def calibrate(
     if fits:
         from problems.backlash.sensor.response import response
 
-        fitted, scatter = response(chosen, half_gaps, n_jobs=jobs, shown=True)
-        made = dataclasses.replace(made, fitted=fitted, scatter=scatter)
+        made = dataclasses.replace(made, **response(chosen, half_gaps, n_jobs=jobs, shown=True))
     print_line("\n".join(calibration_lines(made, is_default=chosen == Joint())))
     if plot is not None:
         from problems.backlash.signature.figures import save_figures

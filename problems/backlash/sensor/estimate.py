@@ -23,6 +23,7 @@ from problems.backlash.recordings.sampling import averaged_down
 from problems.backlash.recordings.screen import drift, screen, screen_clipping, screen_values, warnings
 from problems.backlash.sensor.evidence import SIGNIFICANT, detectable, p_value, resampled
 from problems.backlash.sensor.load_turn import Halves, LoadTurn, fold, halves
+from problems.backlash.sensor.lost import lost_samples
 from problems.backlash.signature.calibration import Calibration, sensor_calibration
 from problems.backlash.signature.model import OMEGA, T0, TAU, A, strength
 from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
@@ -36,6 +37,7 @@ COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fas
 HIDDEN_RAD = 3e-4  # rad; the largest half-gap that noise may hide behind the verdict "no backlash"
 WEAK_RAD = 2 * TOLERANCE_RAD  # rad; below it the best fit is more of the load's ripple than of impacts
 WEAK = 0.7, 1.5  # the interval of such an amplitude, in units of it
+NOISY = 10.0  # standard errors of an amplitude; a recording that is as weak as that shows its joint half as well
 WHOLE = 0.01  # the largest distance of a ratio of two periods from a whole number
 PARTS = {2: "half", 3: "a third of", 5: "a fifth of", 7: "a seventh of", 9: "a ninth of"}
 
@@ -160,12 +162,15 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
             "this joint at this speed (bench calibrate --joint), and give --calibration"
         )
         calibration = None
-    friction = calibration.other_friction(folded.friction) if calibration and folded and parts else ""
-    if friction:
+    lost = lost_samples(recording, period) if folded else None
+    if lost or (other := _other_joint(problem, calibration, folded)):
         calibration = None
-    inferred = infer_backlash(problem, replace(settings, calibration=calibration), folded)
-    if friction:
-        inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, friction))
+    if folded and lost:
+        inferred = _undecided(problem, folded, str(lost))
+    else:
+        inferred = infer_backlash(problem, replace(settings, calibration=calibration), folded)
+        if other:
+            inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, other))
     if source == "assumed" and not settings.single and inferred.verdict == "no backlash":
         inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, *remarks))
         remarks = []
@@ -188,6 +193,21 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
         recording=recording,
         fitted=fitted,
     )
+
+
+def _other_joint(problem: SignatureFit, calibration: Calibration | None, folded: LoadTurn | None) -> str:
+    """Return in a sentence what a recording shows of another joint than the calibration's; "" for nothing.
+
+    The ringing of weak impacts is that of the load's ripple, and shows no joint.
+    """
+    if calibration is None or folded is None or not folded.impacting:
+        return ""
+    x = problem.reference().x
+    shown = {"ringing": x[OMEGA] / (2 * math.pi), "decay": x[TAU], "ripple": 60 * folded.ripple}
+    if infer_gap(infer_peak(x, calibration), calibration) < WEAK_RAD:
+        shown = dict.fromkeys(shown, math.nan)
+    wider = 1 + NOISY / math.sqrt(folded.impacts.gain)
+    return calibration.other_joint(60 * strength(x), folded.friction, shown, wider)
 
 
 def period_of(recording: Recording, settings: Settings) -> tuple[float, str, list[str]]:
@@ -279,8 +299,14 @@ def infer_backlash(problem: SignatureFit, settings: Settings, folded: LoadTurn |
         if folded.steady
         else f"the disturbance is asymmetric: impacts explain only {folded.share:.0%} of what repeats every load turn"
     )
+    return _undecided(problem, folded, note)
+
+
+def _undecided(problem: SignatureFit, folded: LoadTurn, note: str) -> Inference:
+    """Return the inference from what repeats but is no unbroken train of impacts."""
     unknown = (math.nan, math.nan)
-    return Inference(folded.p_value, abs(float(x[A])), unknown, math.nan, unknown, "undecided", (note,))
+    size = abs(float(problem.reference().x[A]))
+    return Inference(folded.p_value, size, unknown, math.nan, unknown, "undecided", (note,))
 
 
 def _undetected(p: float, most: float, settings: Settings, *notes: str) -> Inference:

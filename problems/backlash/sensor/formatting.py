@@ -196,9 +196,10 @@ def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
             why = "the calibration is of another joint or speed"
         return [*rows, ("half-gap", f"not estimated: {why}")]
     gap, ends = estimate.backlash_rad, estimate.interval_rad
+    held = f"{spelled} if the joint is as calibrated" if (spelled := _span(ends, ".3f", percent, 1e3)) else ""
     return [
         *rows,
-        ("half-gap", f"{1e3 * gap:.3f} mrad at the joint{_span(ends, '.3f', percent, 1e3)}"),
+        ("half-gap", f"{1e3 * gap:.3f} mrad at the joint{held}"),
         ("", f"{gap * ARC_MINUTES:.2f} arc minutes{_span(ends, '.2f', percent, ARC_MINUTES)}"),
         ("total gap", f"twice the half-gap: {2e3 * gap:.3f} mrad, {2 * gap * ARC_MINUTES:.2f} arc minutes"),
     ]

@@ -60,6 +60,7 @@ class LoadTurn:
         order: (m,) the harmonics' numbers, from 2 on.
         value: (m,) their complex amplitudes, rps.
         noise: (m,) the mean squared magnitude of their noise.
+        ripple: the amplitude of the first harmonic, the load's ripple, rps.
     """
 
     period: float
@@ -67,6 +68,7 @@ class LoadTurn:
     order: Floats
     value: np.ndarray
     noise: Floats
+    ripple: float
 
     @cached_property
     def weight(self) -> Floats:
@@ -230,7 +232,8 @@ def fold(recording: Recording, period: float) -> LoadTurn:
     order = np.arange(2, min(int(BAND * period), samples // 2 - 1) + 1)
     reach = min(BESIDE, turns - 1)
     beside = np.abs(spectrum[np.add.outer(turns * order, [*range(-reach, 0), *range(1, reach + 1)])]) ** 2
-    return LoadTurn(period, turns, order.astype(float), spectrum[turns * order], beside.mean(axis=1))
+    ripple = 2 * float(np.abs(spectrum[turns]))
+    return LoadTurn(period, turns, order.astype(float), spectrum[turns * order], beside.mean(axis=1), ripple)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Simulate how strong the best fits to a joint's recordings are, where the true peak is known (section 7.3).
 
-    >>> fitted, scatter = response(Joint(), made.half_gap)    # rpm, for a Calibration "made" of the same joint
-    >>> dataclasses.replace(made, fitted=fitted, scatter=scatter).expected(42.0)    # strength of a fit -> peak, rpm
+    >>> fits = response(Joint(), made.half_gap)    # for a Calibration "made" of the same joint
+    >>> dataclasses.replace(made, **fits).expected(42.0)    # strength of a fit -> peak, rpm
 
 The peak of a disturbance is that of an impact's first swing; a fit is a damped sine through all that follows. On the
 default joint the peak is 7% above the mean |A| at the small gaps and 2% below it at 0.0037 rad, and the place of the
@@ -14,6 +14,7 @@ free of noise: the noise of section 7.3, low or high, changes the mean fit of le
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -25,15 +26,17 @@ from bench.typing import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, to_fit
-from problems.backlash.signature.model import strength
+from problems.backlash.signature.model import OMEGA, TAU, strength
 
 RATE = 500.0  # Hz; the sampling rate of the recordings
 TURNS = 12  # load turns of a recording, as the published ones have
 FITS = 8  # recordings of a half-gap, each with another start in a load turn and another place of the samples
 
 
-def response(joint: Joint, half_gaps: Sequence[float], *, n_jobs: int = 1, shown: bool = False) -> tuple[Floats, Floats]:
-    """Return the mean strength of the fits of each half-gap's recordings and its standard deviation, (m,) rpm each.
+def response(joint: Joint, half_gaps: Sequence[float], *, n_jobs: int = 1, shown: bool = False) -> dict[str, Any]:
+    """Return what a calibration has of the fits to each half-gap's recordings, (m,) each.
+
+    These are the mean strength and its standard deviation, ringing, decay and ripple, by their names there.
 
     Args:
         joint: the joint and its controller.
@@ -47,20 +50,26 @@ def response(joint: Joint, half_gaps: Sequence[float], *, n_jobs: int = 1, shown
     require_jobs("the number of jobs", n_jobs)
     fits = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
     bar = track(fits, "fits", len(half_gaps), console=Console(stderr=True), transient=True, disable=not shown)
-    strengths = 60 * np.array(list(bar))
-    return strengths.mean(axis=1), strengths.std(axis=1)
+    found = np.array(list(bar))
+    fitted, ringing, decay, ripple = found.mean(axis=1).T
+    scatter = found[:, :, 0].std(axis=1)
+    return {"fitted": fitted, "scatter": scatter, "ringing": ringing, "decay": decay, "ripple": ripple}
 
 
 def _fits(joint: Joint, gap: float) -> Floats:
-    """Return the strengths in rps, (FITS,), of fits to a half-gap's recordings, sampled at evenly spaced places."""
+    """Return the fits, (FITS, 4), to a half-gap's recordings, sampled at evenly spaced places.
+
+    Of each: the strength in rpm, the ringing in Hz, the decay in 1/s and the load's ripple in rpm.
+    """
     turn = joint.turn * RATE  # in samples
     made = simulate(joint, half_gap=gap, duration=((TURNS + 1) * turn + 1) / RATE, rate=RATE)
     stride = (len(made.fine.speed) - 1) // (len(made.speed) - 1)
     count = int(TURNS * turn + 1e-6) + 1
-    strengths = np.empty(FITS)
+    fits = np.empty((FITS, 4))
     for i in range(FITS):
         first = int(turn * i / FITS) * stride + stride * i // FITS
         speed = made.fine.speed[first::stride][:count]
-        problem, *_ = to_fit(Recording(0.0, 1 / RATE, speed), Settings(calibration=None), joint.turn)
-        strengths[i] = strength(problem.reference().x)
-    return strengths
+        problem, folded, _ = to_fit(Recording(0.0, 1 / RATE, speed), Settings(calibration=None), joint.turn)
+        x = problem.reference().x
+        fits[i] = 60 * strength(x), x[OMEGA] / (2 * np.pi), x[TAU], 60 * folded.ripple if folded else np.nan
+    return fits

@@ -11,7 +11,7 @@ own disturbances, which can be simulated as well: see :mod:`problems.backlash.se
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -38,14 +38,22 @@ FEWEST = 2  # pairs
 # that differs by 1% in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
 # 7.2.1; one that differs by 2%, by up to 3.5e-4 rad ('python validation/sensor.py --elsewhere').
 NEAR = 0.01
-LISTS = ("amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm")
+LISTS = ("amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm", "ringing_hz", "decay_per_s", "ripple_rpm")
 ENTRIES = {
     "name": "name", "amplitude_rpm": "amplitude", "half_gap_rad": "half_gap", "gear_ratio": "gear_ratio",
     "speed_rps": "speed_rps", "friction": "friction", "fitted_rpm": "fitted", "scatter_rpm": "scatter",
+    "ringing_hz": "ringing", "decay_per_s": "decay", "ripple_rpm": "ripple",
 }  # fmt: skip
 """The entries of a calibration's file, and the attributes that hold them; those of ``LISTS`` are lists of numbers."""
 
 ALIKE = 0.08  # the largest difference of two frictions, as parts of gravity's torque, that counts as none
+# What a recording shows of its joint's load, stiffness and controller, in words, and the largest relative difference
+# that counts as none: noise changes the ringing by up to 1%, and 5% in it go with 17% in the half-gap.
+SHOWN = {
+    "ringing": ("the impacts ring at {:.3g} Hz, the calibration's at {:.3g}", 0.05),
+    "decay": ("they decay by {:.3g} a second, the calibration's by {:.3g}", 0.3),
+    "ripple": ("the load's ripple is {:.3g} rpm, the calibration's {:.3g}", 0.2),
+}
 FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 
 
@@ -65,6 +73,9 @@ class Calibration:
         gear_ratio: motor turns a load turn of its joint; None if unknown.
         speed_rps: the motor speed at which it holds, rps; None if unknown.
         friction: the friction at the load as a part of gravity's torque; None if unknown.
+        ringing: (m,) Hz: the mean frequency of those fits; None if unknown.
+        decay: (m,) 1/s: their mean damping; None likewise.
+        ripple: (m,) rpm: the mean first harmonic of the load turn in those recordings; None likewise.
 
     Raises:
         BenchError: for too few pairs, pairs that do not increase, and fitted amplitudes that do not grow with the
@@ -79,6 +90,9 @@ class Calibration:
     gear_ratio: float | None = None
     speed_rps: float | None = None
     friction: float | None = None
+    ringing: Floats | None = None
+    decay: Floats | None = None
+    ripple: Floats | None = None
 
     def __post_init__(self) -> None:
         if self.amplitude.shape != self.half_gap.shape or self.amplitude.ndim != 1:
@@ -136,14 +150,31 @@ class Calibration:
             differing.append(f"a motor speed of {abs(speed_rps):.4g} rps, not {self.speed_rps:g}")
         return differing
 
-    def other_friction(self, friction: float) -> str:
-        """Return in a sentence that a friction, as a part of gravity's torque, is not its own; "" where it may be."""
-        if self.friction is None or abs(friction - self.friction) <= ALIKE:
+    def other_joint(self, fitted: float, friction: float, shown: Mapping[str, float], wider: float = 1.0) -> str:
+        """Return in a sentence what a recording shows of another joint than this one; "" for nothing.
+
+        Args:
+            fitted: the strength of the fit in rpm, at which the values of ``SHOWN`` are compared.
+            friction: of the recording, as a part of gravity's torque.
+            shown: the values of ``SHOWN`` in the recording, NaN for an unknown one.
+            wider: a factor of their largest differences, for a noisy recording.
+        """
+        differences = []
+        if self.friction is not None and abs(friction - self.friction) > ALIKE:
+            differences.append(
+                f"the impacts are as unevenly apart as with friction of {friction:.0%} of gravity's torque, and the "
+                f"calibration has {self.friction:.0%}"
+            )
+        for name, (words, alike) in SHOWN.items():
+            if self.fitted is None or (own := getattr(self, name)) is None:
+                continue
+            usual = float(np.interp(fitted, self.fitted, own))
+            if abs(shown[name] / usual - 1) > wider * alike:
+                differences.append(words.format(shown[name], usual))
+        if not differences:
             return ""
         return (
-            f"the impacts are as unevenly apart as with friction of {friction:.0%} of gravity's torque, and the "
-            f"calibration has {self.friction:.0%}; calibrate this joint with its friction (bench calibrate --joint), "
-            "and give --calibration"
+            f"{'; '.join(differences)}; calibrate this joint as it is (bench calibrate --joint), and give --calibration"
         )
 
     @property
@@ -208,7 +239,12 @@ class Calibration:
         )
 
     def _check_fits(self) -> None:
-        """Raise BenchError for fitted amplitudes of the wrong shape or without a scatter."""
+        """Raise BenchError for fits of the wrong shape, or without a scatter."""
+        for name in SHOWN:
+            if (values := getattr(self, name)) is not None and not (
+                values.shape == self.half_gap.shape and np.isfinite(values).all() and values.min() > 0
+            ):
+                raise BenchError(f"a calibration has a finite and positive {name} of each half-gap")
         if self.fitted is None and self.scatter is None:
             return
         shapes = {None if values is None else values.shape for values in (self.fitted, self.scatter, self.half_gap)}
@@ -291,8 +327,7 @@ def sensor_calibration() -> Calibration:
 def load_calibration(path: str | Path) -> Calibration:
     """Return the calibration of a TOML file: its name, amplitudes in rpm and half-gaps in rad.
 
-    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate' writes, may be left out; so may ``gear_ratio``,
-    ``speed_rps`` and ``friction``, which recordings are not compared with then.
+    What else 'bench calibrate' writes may be left out; recordings are not compared with what is.
 
     Raises:
         BenchError: for a file that cannot be read or is not a calibration.

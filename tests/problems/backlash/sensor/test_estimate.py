@@ -129,11 +129,30 @@ def test_without_a_calibration_there_is_an_amplitude_alone():
 
 def test_an_amplitude_beyond_the_calibration_gets_no_backlash():
     made = noisy(20)
-    louder = Recording(made.start, made.dt, 100 + 3 * (made.speed - 100))
+    turn = np.exp(2j * np.pi * made.time / 0.4)
+    ripple = (
+        2 * (np.mean((made.speed - 100) * turn.conj()) * turn).real
+    )  # as large as it is: a louder joint has it, too
+    louder = Recording(made.start, made.dt, 100 + 3 * (made.speed - 100) - 2 * ripple)
     found = estimate(louder, PLAIN)
     assert np.isnan(found.backlash_rad)
     assert found.verdict == "progressed"
     assert "outside the calibrated range" in " ".join(found.notes)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"load_inertia": 1.3, "gravity_torque": 1.3}, "the load's ripple is"),
+        ({"stiffness": 0.7}, "the impacts ring at"),
+    ],
+)
+def test_a_joint_with_another_load_or_stiffness_than_the_calibration_s_gets_no_half_gap(change, said):
+    joint = replace(Joint(), **{name: factor * getattr(Joint(), name) for name, factor in change.items()})
+    found = estimate(Recording(0.0, 0.002, simulate(joint, half_gap=0.0011, duration=4.8).speed), PLAIN)
+    assert (found.verdict, found.calibration) == ("undecided", "")
+    assert np.isnan(found.backlash_rad)
+    assert said in found.notes[-1]
 
 
 def test_a_drift_of_the_mean_speed_hides_no_backlash():

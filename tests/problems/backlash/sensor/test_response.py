@@ -26,11 +26,12 @@ def test_peaks_and_fits_of_the_calibration_that_comes_along_are_those_of_this_co
     rows = [5, 39]
     gaps = shipped.half_gap[rows].tolist()
     np.testing.assert_allclose(calibrate(Joint(), gaps).amplitude, shipped.amplitude[rows], rtol=1e-6)
-    fitted, scatter = response.response(Joint(), gaps[1:])
-    np.testing.assert_allclose(fitted, shipped.fitted[rows[1:]], rtol=1e-4)
-    np.testing.assert_allclose(scatter, shipped.scatter[rows[1:]], rtol=1e-2)
-    assert (scatter / fitted > 0.003).all()
-    assert (scatter / fitted < 0.01).all()
+    made = response.response(Joint(), gaps[1:])
+    for name, near in {"fitted": 1e-4, "scatter": 1e-2, "ringing": 1e-4, "decay": 1e-3, "ripple": 1e-6}.items():
+        np.testing.assert_allclose(made[name], getattr(shipped, name)[rows[1:]], rtol=near)
+    scatter = made["scatter"] / made["fitted"]
+    assert (scatter > 0.003).all()
+    assert (scatter < 0.01).all()
 
 
 def test_its_first_line_is_the_command_that_makes_it(shipped):
@@ -58,12 +59,15 @@ def test_the_recordings_of_a_half_gap_differ_in_their_start_and_in_where_their_s
     def keep(recording, settings, period):
         recordings.append(recording)
         assert period == joint.turn
-        x = np.array([-len(recordings) / 60, 0.0, 15.0])
-        return SimpleNamespace(reference=lambda: SimpleNamespace(x=x)), None, None
+        x = np.array([-len(recordings) / 60, 0.0, 15.0, 2 * np.pi * (20 + len(recordings))])
+        return SimpleNamespace(reference=lambda: SimpleNamespace(x=x)), SimpleNamespace(ripple=0.05), None
 
     monkeypatch.setattr(response, "to_fit", keep)
-    fitted, scatter = response.response(joint, [0.001])
-    assert (fitted, scatter) == (pytest.approx([4.5]), pytest.approx([np.std(np.arange(1, 9))]))
+    made = response.response(joint, [0.001])
+    assert made == {
+        "fitted": pytest.approx([4.5]), "scatter": pytest.approx([np.std(np.arange(1, 9))]),
+        "ringing": pytest.approx([24.5]), "decay": pytest.approx([15.0]), "ripple": pytest.approx([3.0]),
+    }  # fmt: skip
     turn = joint.turn * 500
     assert {len(each.speed) for each in recordings} == {int(12 * turn) + 1}
     for i, each in enumerate(recordings):

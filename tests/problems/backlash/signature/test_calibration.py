@@ -15,6 +15,7 @@ from problems.backlash.signature.calibration import (
     default_calibration,
     load_calibration,
     polynomial,
+    sensor_calibration,
 )
 
 LEVELS = [half_gap(level) for level in range(2, 12)]
@@ -113,6 +114,7 @@ def test_a_calibration_without_fits_takes_their_amplitude_for_the_peak():
         ("amplitude_rpm = [2, 1]\nhalf_gap_rad = [0, 1]", "the amplitude does not grow"),
         ("amplitude_rpm = [1, 2]\nhalf_gap_rad = [1, 0]", "the half-gap does not grow"),
         ("amplitude_rpm = [1]\nhalf_gap_rad = [1]", "needs at least 2 pairs"),
+        (f"{PAIRS}ringing_hz = [20]", "a finite and positive ringing of each half-gap"),
         ("amplitudes = [1, 2]", "the unknown entry 'amplitudes'; did you mean 'amplitude_rpm'?"),
         (f"{PAIRS}fitted_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
         (f"{PAIRS}scatter_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
@@ -225,5 +227,25 @@ def test_a_calibration_holds_for_its_joint_s_friction(tmp_path):
     made.save(tmp_path / "a.toml")
     again = load_calibration(tmp_path / "a.toml")
     assert again.friction == made.friction
-    assert (again.other_friction(0.2), again.other_friction(0.0) != "") == ("", True)
-    assert pairs([1.0, 2.0]).other_friction(0.5) == ""
+    assert (again.other_joint(1.0, 0.2, {}), again.other_joint(1.0, 0.0, {}) != "") == ("", True)
+    assert pairs([1.0, 2.0]).other_joint(1.0, 0.5, {}) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "alike", "other", "said"),
+    [
+        ("ringing", 1.04, 0.94, "the impacts ring at 20.2 Hz, the calibration's at 21.4"),
+        ("decay", 1.25, 0.65, "they decay by 9.55 a second, the calibration's by 14.7"),
+        ("ripple", 0.85, 1.3, "the load's ripple is 4.28 rpm, the calibration's 3.29"),
+    ],
+)
+def test_what_a_recording_shows_of_another_load_or_controller_is_said(name, alike, other, said):
+    made = sensor_calibration()
+    at = float(made.fitted[11])
+    own = {each: float(getattr(made, each)[11]) for each in ("ringing", "decay", "ripple")}
+    assert made.other_joint(at, 0.0, own) == ""
+    assert made.other_joint(at, 0.0, own | {name: alike * own[name]}) == ""
+    assert made.other_joint(at, 0.0, own | {name: other * own[name]}).startswith(f"{said}; calibrate this joint")
+    assert made.other_joint(at, 0.0, own | {name: other * own[name]}, wider=2.0) == ""
+    assert made.other_joint(at, 0.0, own | {name: np.nan}) == ""
+    assert replace(made, **{name: None}).other_joint(at, 0.0, own | {name: other * own[name]}) == ""
