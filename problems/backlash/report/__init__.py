@@ -1,9 +1,9 @@
-"""The thesis's views of a study: Figs. 7.3 to 7.5, its tables of chapters 7 and 8, the best fit, and memory."""
+"""The thesis's views of a study: Figs. 7.3 to 7.5, its tables of chapters 7 and 8, and the best fit."""
 
 from bench.analysis import in_study_order
 from bench.report import Section
 from bench.topics import Findings
-from problems.backlash.report import amplitudes, fitting_errors, levels, noise, reference, resources, wrist
+from problems.backlash.report import amplitudes, fitting_errors, levels, noise, reference, wrist
 from problems.backlash.report.accuracy import expected_values
 
 
@@ -21,5 +21,4 @@ def sections(findings: Findings) -> list[Section]:
         *amplitudes.sections(frame, truths, results.study),
         *noise.sections(results, frame, truths),
         *wrist.sections(results, frame, truths),
-        *resources.sections(results.study),
     ]

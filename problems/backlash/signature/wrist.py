@@ -1,8 +1,8 @@
 """Simulate the wrist of thesis section 8.3: joints 4, 5 and 6 of a robot before and after tampering, and joint 1.
 
-The thesis prints neither gear ratios, loads, speeds and noise of the robot's joints nor their gaps, so these are
-choices: loads and ratios near the bench's, half a load turn a second, and the gaps whose disturbance has the amplitude
-that the thesis expected.
+The thesis prints neither gear ratios, speeds and noise of the robot's joints nor their gaps; its flange bore the
+maximum payload, 170 kg. Here they are choices: loads of 5 to 8 kg and ratios near the bench's, half a load turn a
+second, and the gaps whose disturbance has the amplitude that the thesis expected.
 Joint 1, whose axis is vertical, has a gap like joint 6's and friction of 2% of the bench's gravity torque.
 """
 

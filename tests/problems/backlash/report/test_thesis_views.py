@@ -19,7 +19,6 @@ from problems.backlash.report import (
     levels,
     noise,
     reference,
-    resources,
     sections,
 )
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
@@ -75,8 +74,8 @@ def usual(tmp_path_factory):
     return make(tmp_path_factory.mktemp("usual") / "s")
 
 
-MODULES = {levels, fitting_errors, reference, amplitudes, noise, resources}
-HOLDERS = {"table": fitting_errors, "amplitude": amplitudes, "backlash": levels, "mean": resources}
+MODULES = {levels, fitting_errors, reference, amplitudes, noise}
+HOLDERS = {"table": fitting_errors, "amplitude": amplitudes, "backlash": levels}
 
 
 @cache

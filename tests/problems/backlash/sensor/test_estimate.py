@@ -130,9 +130,7 @@ def test_without_a_calibration_there_is_an_amplitude_alone():
 def test_an_amplitude_beyond_the_calibration_gets_no_backlash():
     made = noisy(20)
     turn = np.exp(2j * np.pi * made.time / 0.4)
-    ripple = (
-        2 * (np.mean((made.speed - 100) * turn.conj()) * turn).real
-    )  # as large as it is: a louder joint has it, too
+    ripple = 2 * (np.mean((made.speed - 100) * turn.conj()) * turn).real
     louder = Recording(made.start, made.dt, 100 + 3 * (made.speed - 100) - 2 * ripple)
     found = estimate(louder, PLAIN)
     assert np.isnan(found.backlash_rad)
