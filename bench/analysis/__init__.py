@@ -2,7 +2,7 @@
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
 :func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems:
-:func:`across_problems`, :func:`medians`, :func:`mean_ranks`, :func:`ranks_by_block`, :func:`friedman`, :func:`nemenyi`,
+:func:`across_problems`, :func:`medians`, :func:`mean_ranks`, :func:`friedman`, :func:`nemenyi`,
 :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How many trials are enough:
 :func:`detectable_a12`, :func:`trials_needed`, :func:`trials_to_separate`, :func:`rank_stability`. Over the evaluations:
 :func:`convergence`, :func:`targets`, :func:`target_table`, :func:`hitting_times`, :func:`expected_running_time`,
@@ -27,7 +27,7 @@ Example:
 
 from inspect import isfunction
 
-from bench.analysis.across import across_problems, cliques, friedman, interquartile_mean, nemenyi, ranks_by_block
+from bench.analysis.across import across_problems, cliques, friedman, interquartile_mean, nemenyi
 from bench.analysis.anytime import (
     convergence,
     data_profiles,
@@ -95,7 +95,6 @@ __all__ = [
     "rank_stability",
     "ranking",
     "ranking_certainty",
-    "ranks_by_block",
     "regret",
     "scores",
     "standings",

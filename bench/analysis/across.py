@@ -4,26 +4,21 @@ The quantity is the *probability to end lower*: the mean over problems of A12, t
 ends lower than a run of another, ties counted half. A12 means the same on every problem and needs no scale of values.
 Lower is better; a failed trial is +inf. Only problems on which every optimizer has a trial count.
 
-Each pair of optimizers is asked two questions, in a fixed sequence (Maurer, Hothorn and Lehmacher 1995). First *these
-problems*: would other runs on the same problems show the same? Whatever the problems are, the runs are independent.
-Then, only where that is shown, *further problems*, of which these must be an independent sample. The unit of the second
-question is the *block*: a problem, or several that resemble each other because they are steps of one sweep or one
-function in several dimensions, which are no independent evidence; its value is the mean over its problems.
+Whatever the problems are, the runs are independent: the claim is that other runs on these problems would show the same.
+It says nothing of further problems.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from math import factorial, inf
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.stats import bootstrap, f, friedmanchisquare, norm, studentized_range, trim_mean
 
-from bench.analysis import bounded
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
 from bench.analysis.direction import (
     ALPHA,
@@ -34,43 +29,30 @@ from bench.analysis.direction import (
     standardised,
 )
 from bench.analysis.pairwise import RESAMPLES, holm, of_subject, percentile_interval
-from bench.analysis.standings import against_rivals, complete_ranks, matrices, ranks
+from bench.analysis.standings import against_rivals, matrices, ranks
 from bench.errors import BenchError
-from bench.typing import Flags, Floats
+from bench.typing import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
 BATCH = 1_000  # resamples at a time, to bound memory
 TIED = 1e-12  # a mean of A12 this close to 0.5 is a rounded 0.5
 MANY, FEWER = 32, 999  # more optimizers than these have fewer resamples each
 
-Blocks = Mapping[str, str]  # the block of each problem; a problem that is not in it is one of its own
-
-
-def ranks_by_block(standing: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
-    """Return the mean rank of each optimizer in each block, blocks by optimizers.
-
-    ``standing`` is that of :func:`bench.analysis.standings`. Only problems on which every optimizer has a rank count.
-    """
-    wide = complete_ranks(standing)
-    return wide.groupby(_owners(wide.index, blocks), sort=False).mean().rename_axis(columns=None)
-
 
 def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
-    """Test whether any optimizer ranks differently from the others over all blocks, in one row.
+    """Test whether any optimizer ranks differently from the others over all problems, in one row.
 
-    ``ranks`` are those of :func:`ranks_by_block`. Columns: problems (the blocks), optimizers; ``statistic``, Friedman's
-    chi-squared corrected for ties (Friedman 1937), and its p; ``iman_davenport``, the less conservative F of Iman and
-    Davenport (1980, Communications in Statistics A9), its degrees of freedom df1 and df2, and p_iman_davenport;
-    ``note``.
+    ``ranks`` are those of :func:`bench.analysis.standings.complete_ranks`. Columns: problems, optimizers;
+    ``statistic``, Friedman's chi-squared corrected for ties (Friedman 1937), and its p; ``iman_davenport``, the less
+    conservative F of Iman and Davenport (1980, Communications in Statistics A9), its degrees of freedom df1 and df2,
+    and p_iman_davenport; ``note``.
 
     The note is "too few optimizers" below three, "too few problems" below two, or "identical" where no problem ranks
     any two optimizers differently; the statistics are then missing and p = 1. Where all problems rank the optimizers
     alike F is infinite. Its p is never below k!^(1 - n), the chance of that agreement between n untied rankings.
     """
     if len(others := ranks.select_dtypes(exclude="number").columns):
-        raise BenchError(
-            f"friedman takes the ranks of ranks_by_block(...), and the column {others[0]!r} holds no numbers"
-        )
+        raise BenchError(f"friedman takes ranks, problems by optimizers, and the column {others[0]!r} holds no numbers")
     n, k = ranks.shape
     ranks = ranks.rank(axis=1)
     note = ""
@@ -93,41 +75,32 @@ def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame([row | {"note": note}])
 
 
-def across_problems(
-    pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA, subject: str = ""
-) -> pd.DataFrame:
+def across_problems(pairs: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd.DataFrame:
     """Return one row a pair of optimizers: the probability that a run of ``first`` ends lower than one of ``second``.
 
-    Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12, with its 95% interval for
+    Columns: first, second, problems; ``probability``, the mean over problems of A12, with its 95% interval for
     other runs on these problems, low to high, and joint_low to joint_high, intervals of which all together hold with
     95% (Bonferroni); ``p`` of the test that it is 0.5 (:func:`p_of_means`), p_holm, adjusted over all pairs,
-    significant (p_holm <= alpha) and ``lower``, the optimizer that ends lower more probably ("" where neither does);
-    further_low and further_high, the 95% interval of the mean over blocks for further problems, p_further and
-    ``further``, whether these have shown it as well (:func:`in_sequence`). A cell with a single trial leaves no
-    variance of runs: the values of the problems alone then give both tests and intervals.
+    significant (p_holm <= alpha) and ``lower``, the optimizer that ends lower more probably ("" where neither does).
+    A cell with a single trial leaves no variance of runs: then p = 1, and no interval is known.
 
     ``pairs`` are those of :func:`bench.analysis.pairwise_tests`. All is missing where no problem has trials of every
     optimizer, and the p-values are 1. With a ``subject``, only its pairs are hypotheses, over which p_holm is adjusted
     and the joint intervals hold; the others have no p_holm and are never significant.
     """
     table, problems, estimates = _by_problem(pairs)
-    means = pd.DataFrame(estimates.a12).groupby(_owners(problems, blocks), sort=False).mean().to_numpy()
-    p, p_further = p_of_means(estimates), bounded.p_values(means)
+    p = p_of_means(estimates)
     tested = of_subject(table, subject)
-    p_holm, further = np.full(len(table), np.nan), np.zeros(len(table), dtype=bool)
-    p_holm[tested], further[tested] = in_sequence(p[tested], p_further[tested], alpha)
+    p_holm = np.full(len(table), np.nan)
+    p_holm[tested] = holm(p[tested])
     mean = mean_of(estimates)
     balance = np.round(mean.a12 - 0.5, 12)
     favoured = np.where(balance > 0, table["first"], np.where(balance < 0, table["second"], ""))
-    table = table.assign(problems=len(problems), blocks=len(means), probability=mean.a12)
+    table = table.assign(problems=len(problems), probability=mean.a12)
     for prefix, level in (("", 0.95), ("joint_", 1 - 0.05 / max(int(tested.sum()), 1))):
         low, high = intervals(mean, level)
-        alone = np.isnan(low) & ~np.isnan(mean.a12)  # no variance of runs
-        low[alone], high[alone] = bounded.intervals(estimates.a12[:, alone], level)
         table = table.assign(**{f"{prefix}low": low, f"{prefix}high": high})
-    table = table.assign(p=p, p_holm=p_holm, significant=p_holm <= alpha, lower=favoured)
-    low, high = bounded.intervals(means) if len(means) else np.full((2, len(table)), np.nan)
-    return table.assign(further_low=low, further_high=high, p_further=p_further, further=further)
+    return table.assign(p=p, p_holm=p_holm, significant=p_holm <= alpha, lower=favoured)
 
 
 def places(tests: pd.DataFrame, optimizers: Sequence[str]) -> pd.DataFrame:
@@ -161,27 +134,12 @@ def p_of_means(estimates: Effects) -> Floats:
     """Return the two-sided p-values, (g,), that the means of independent A12, (problems, g), are 0.5.
 
     The variance is the one of A12 = 0.5 on every problem, the largest there is, and p is never below the chance of
-    complete separation on all of them. Where a cell has a single trial, A12 is only known to lie between 0 and 1
-    (:func:`bench.analysis.bounded.p_values`).
+    complete separation on all of them. Where a cell has a single trial nothing is tested: p is 1.
     """
     chance, ratio, _ = estimates
     size = np.abs(standardised(chance, ratio))
     p = np.asarray(np.maximum(2 * norm.sf(size), least_p(mean_of(estimates).smaller)))
-    alone = np.isnan(ratio).any(axis=0)
-    p[alone] = bounded.p_values(chance[:, alone])
     return np.asarray(np.nan_to_num(p, nan=1.0))  # identical constants, or no problem
-
-
-def in_sequence(p: Floats, p_further: Floats, alpha: float) -> tuple[Floats, Flags]:
-    """Return the p-values of pairs on these problems, adjusted over all pairs, and which hold for further problems too.
-
-    A pair passes its level on from these problems to further ones, and only from there to the other pairs (Bretz,
-    Maurer, Brannath and Posch 2009, Statistics in Medicine 28): Holm's method over pairs of which both are asked.
-    """
-    both = holm(np.maximum(p, p_further))
-    further: Flags = both <= alpha
-    left = max(len(p) - int(further.sum()), 1)
-    return np.where(further, both, np.minimum(p * left, 1.0)), further
 
 
 def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
@@ -237,11 +195,6 @@ def _by_problem(pairs: pd.DataFrame) -> tuple[pd.DataFrame, list[str], Effects]:
     for values, column in zip(wide, (pairs["a12"], pairs["ratio"], smaller), strict=True):
         values[row, place[complete]] = column[complete]
     return order, list(problems), Effects(*wide)
-
-
-def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object_]:
-    """Return the block of each problem, as an array: pandas would take a list of labels for names of columns."""
-    return np.array([(blocks or {}).get(str(problem), str(problem)) for problem in problems], dtype=object)
 
 
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:

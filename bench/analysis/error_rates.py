@@ -89,7 +89,7 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, alpha: float = ALPHA) -
     """
     course = alpha * COURSE / ALPHA
     on_problems, both = alpha * ON_PROBLEMS / ALPHA, alpha - course
-    if not _can_reject(len(sizes) * min(sizes, default=0), pairs, both):
+    if min(sizes, default=0) < 2 or not _can_reject(len(sizes) * min(sizes), pairs, both):
         # Problems with few trials take from the bound of all: those with many may still be tested.
         return Levels(both if _can_reject(max(sizes, default=0), tests, both) else 0.0, 0.0, course)
     if len(sizes) == 1:

@@ -24,7 +24,7 @@ COLUMNS = ("kind", "part", "rival", "problems", "probability", "low", "high", "p
 def seen_from(tests: pd.DataFrame, optimizer: str) -> pd.DataFrame:
     """Return the pairs of an optimizer with it as the first one; probabilities and intervals are turned round."""
     turned = tests[tests["second"] == optimizer].rename(columns={"first": "second", "second": "first"})
-    ends = {"low": "high", "joint_low": "joint_high", "further_low": "further_high"}
+    ends = {"low": "high", "joint_low": "joint_high"}
     both = ends | {high: low for low, high in ends.items()} | {"probability": "probability"}
     turned = turned.assign(**{name: 1 - turned[other] for name, other in both.items() if other in turned})
     return pd.concat([tests[tests["first"] == optimizer], turned])

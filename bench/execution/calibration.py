@@ -51,7 +51,7 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False) -> TimeEstimate:
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
-    some = replace(study, problems=study.problems[::step][:PROBLEMS], blocks=None)
+    some = replace(study, problems=study.problems[::step][:PROBLEMS])
     probed = _probed(some, untrusted)
     if isinstance(probed, str):
         return TimeEstimate(None, probed)

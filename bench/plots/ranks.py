@@ -191,8 +191,8 @@ def a12_forest(
     Delaney (2000). A point is filled where its pair is significant.
 
     Args:
-        pairs: those of :func:`bench.analysis.across_problems`, whose joint intervals are drawn, with a thin line for
-            further problems, or of :func:`bench.analysis.pairwise_tests`.
+        pairs: those of :func:`bench.analysis.across_problems`, whose joint intervals are drawn, or of
+            :func:`bench.analysis.pairwise_tests`.
         problem: the label of the problem to draw, where ``pairs`` has several.
         names: of the rows, "A vs B" by default.
     """
@@ -205,8 +205,6 @@ def a12_forest(
     at = np.arange(len(rows))
     ax.vlines(EFFECTS, 0, 1, color="#BBBBBB", linewidth=0.5, linestyle=":", transform=ax.get_xaxis_transform())
     ax.axvline(0.5, color="black", linewidth=0.7)
-    if "further_low" in rows:
-        ax.hlines(at, rows["further_low"], rows["further_high"], color=style.PALETTE[0], linewidth=0.5)
     ax.hlines(at, low, high, color=style.PALETTE[0], linewidth=1.6)
     clear = rows["significant"].to_numpy(dtype=bool)
     for which, face in ((clear, style.PALETTE[0]), (~clear, "white")):

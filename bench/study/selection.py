@@ -44,9 +44,7 @@ def selected(
         raise BenchError(f"nothing of study {study.name!r} is selected; give other patterns or dimensions")
     if (kept, chosen) == (study.optimizers, study.problems):
         return study
-    labels = {label for entry in chosen for label in (entry.label, function_of(entry.label))}
-    blocks = study.blocks and study.blocks.within(labels)
-    return replace(study, optimizers=kept, problems=chosen, blocks=blocks)
+    return replace(study, optimizers=kept, problems=chosen)
 
 
 def _matching(

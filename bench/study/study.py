@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 import tomli_w
 
 from bench.errors import BenchError, nearest
-from bench.families import function_of
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import html_table, listed, short_hash
 from bench.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
@@ -28,7 +27,6 @@ from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
 from bench.seeds import trial_seed
 from bench.study import entries
-from bench.study.blocks import Blocks
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
@@ -86,8 +84,6 @@ class Study:
             trial's result.
         targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
             problems. They decide no trial's result.
-        blocks: which problems resemble each other, and so count once where reports speak of further problems
-            (:meth:`bench.study.blocks.Blocks.read`); None: those of which it is known. They decide no trial's result.
         subject: the label of the optimizer that the study is about: reports test it against each rival, and no other
             pair. It decides no trial's result; "" where there is none.
     """
@@ -105,7 +101,6 @@ class Study:
     time: Checked[float | None] = Checked(seconds)
     parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
-    blocks: Checked[Blocks | None] = Checked(Blocks.read)
     subject: str = ""
 
     def __post_init__(self) -> None:
@@ -201,9 +196,6 @@ class Study:
             entries.check_labels(getattr(self, key), key, where)
         if self.subject:
             self._named("optimizer", self.optimizers, self.subject)
-        labels = [entry.label for entry in self.problems]
-        if self.blocks is not None:
-            self.blocks.require_known({*labels, *map(function_of, labels)}, f"study {where}: ")
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
@@ -322,7 +314,6 @@ class Study:
         table["targets"] = self.targets
         for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
-        table["blocks"] = self.blocks
         plain = {key: value.plain if isinstance(value, Value) else value for key, value in table.items()}
         return tomli_w.dumps({key: value for key, value in plain.items() if value is not None})
 
@@ -341,11 +332,11 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, blocks, subject and the default handlings of constraints and evaluations are no part of
+        Targets, subject and the default handlings of constraints and evaluations are no part of
         it: older studies do not name them. Neither is the number of points evaluated at a time.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "blocks", "subject"}
+        left_out = {*_USUAL, "parallel", "targets", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 

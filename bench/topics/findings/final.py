@@ -14,6 +14,7 @@ from bench.analysis.across import places, with_winner
 from bench.analysis.error_rates import enough_trials
 from bench.analysis.error_rates import levels as levels_of
 from bench.analysis.pairwise import adjusted
+from bench.analysis.standings import complete_ranks
 from bench.analysis.standings import disagreements as disagreements_of
 from bench.analysis.subject import signs_of
 from bench.analysis.trials_needed import POWER
@@ -150,12 +151,12 @@ class Final:
     @cached_property
     def friedman(self) -> dict[str, Any]:
         """Friedman's test of the ranks and its Iman-Davenport form."""
-        return dict(analysis.friedman(analysis.ranks_by_block(self.standings, self.trials.blocks)).iloc[0])
+        return dict(analysis.friedman(complete_ranks(self.standings)).iloc[0])
 
     @cached_property
     def overall(self) -> pd.DataFrame:
         """The probability of each pair to end lower over all problems, with its tests."""
-        tests = analysis.across_problems(self.pairs, self.trials.blocks, self.levels.across, self.subject)
+        tests = analysis.across_problems(self.pairs, self.levels.across, self.subject)
         if self.subject or not len(tests):
             return tests
         return with_winner(tests, self.trials.optimizers, self.levels.across)

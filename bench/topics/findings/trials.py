@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -160,22 +159,6 @@ class Trials(Compared):
         return count(most, "trial") if least == most else f"{least} to {count(most, 'trial')}"
 
     @cached_property
-    def blocks(self) -> dict[str, str]:
-        """The block of each problem: that of the study, its sweep, or its function in several dimensions."""
-        block_of, declared = {}, self.study.blocks
-        for label, facts in self.known.items():
-            features = facts.features
-            function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
-            own = declared.of(label) if declared else ""
-            block_of[label] = own or str(features.get("sweep") or function or label)
-        return block_of
-
-    @cached_property
-    def sweeps(self) -> dict[str, list[str]]:
-        """The problems, three or more, that are steps of one sweep, by its name."""
-        return sweeps(self.known)
-
-    @cached_property
     def unbeaten(self) -> dict[str, float]:
         """The known optima that no trial beat by more than rounding; regret is counted from them."""
         lowest = scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
@@ -186,12 +169,3 @@ class Trials(Compared):
     def suite_functions(self) -> list[str]:
         """The labels of the problems that are functions of a suite."""
         return [label for label, facts in self.known.items() if "suite" in facts.features]
-
-
-def sweeps(facts: Mapping[str, ProblemFacts]) -> dict[str, list[str]]:
-    """Return the problems, three or more, that are steps of one sweep, by its name."""
-    steps: dict[str, list[str]] = {}
-    for label, problem in facts.items():
-        if name := str(problem.features.get("sweep", "")):
-            steps.setdefault(name, []).append(label)
-    return {name: labels for name, labels in steps.items() if len(labels) > 2}

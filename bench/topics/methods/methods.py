@@ -32,7 +32,6 @@ from bench.study.descriptions import Description
 from bench.topics.conditions.conditions import conditions
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import Replication, each_problem
-from bench.topics.findings.trials import sweeps
 from bench.topics.methods import problem_words
 from bench.topics.subject.against import against, subject_methods
 from bench.topics.verdict.winner import winner_rule
@@ -88,7 +87,6 @@ def facts(findings: Findings) -> dict[str, Any]:
         "pairs": final.tests,
         "levels": final.levels,
         "level_on_problems": final.level_on_problems,
-        "blocks": len({trials.blocks[str(label)] for label in final.medians.index}),
         "permutation_tests": int(final.tested_pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties
         "ranked_problems": len(final.medians),
         "known_optima": int(anytime.targets.drop_duplicates("problem")["known"].sum()),
@@ -153,7 +151,6 @@ def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapp
         "optima": problem_words.optima(problem_facts),
         "unknown_optima": sum(problem.optimum is None for problem in problem_facts.values()),
         "measures": problem_words.measures(problem_facts),
-        "steps": sweeps(problem_facts),
         "handling": _handling(study, descriptions),
         "tested": {name: _tested(stated["checks"], name) for name in ("centre bias", "structural bias")},
         "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],

@@ -45,8 +45,7 @@ def forest_figure(pairs: pd.DataFrame) -> Figure:
     a12_forest(pairs, ax=ax)
     caption = (
         "The probability that a run of the first optimizer ends lower than one of the second, averaged over these "
-        "problems, with 95% intervals that hold for all pairs together; thin: for further problems, one pair alone, "
-        "if these are an independent sample of them. A point is filled where the test on these problems is significant "
-        "(Holm). Dotted: the bounds of small, medium and large effects on both sides of 0.5."
+        "problems, with 95% intervals that hold for all pairs together. A point is filled where the test on these "
+        "problems is significant (Holm). Dotted: the bounds of small, medium and large effects on both sides of 0.5."
     )
     return Figure("probability-to-end-lower", caption, figure, pairs)

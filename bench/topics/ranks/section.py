@@ -13,7 +13,7 @@ from bench.topics.findings import MANY_OPTIMIZERS, Final, Findings
 from bench.topics.ranks.figures import forest_figure, rank_figure
 from bench.topics.ranks.multiverse import sections as multiverse
 from bench.topics.ranks.tables import pair_matrix, ranking_table
-from bench.topics.ranks.words import across, dependent
+from bench.topics.ranks.words import across
 from bench.topics.topic import Topic
 
 TITLE = "Across problems"
@@ -33,10 +33,7 @@ def section(findings: Findings) -> Section:
     if medians.empty:
         return Section(TITLE, ("No problem has trials of every optimizer, so there is nothing to compare.",))
     left_out = len(findings.trials.problems) - len(medians)
-    text = [
-        f"{_friedman(findings.final.friedman)} {across(findings)}",
-        *filter(None, [dependent(findings)]),
-    ]
+    text = [f"{_friedman(findings.final.friedman)} {across(findings)}"]
     if left_out:
         text.append(
             f"The tests of this part leave out {count(left_out, 'problem')} on which an optimizer has no trial."
@@ -71,7 +68,7 @@ def _friedman(test: dict[str, Any]) -> str:
     if test["note"]:
         return f"Friedman’s test is not possible: {test['note']}."
     return (
-        f"Friedman’s test of the ranks of {test['optimizers']} optimizers over {test['problems']} independent "
+        f"Friedman’s test of the ranks of {test['optimizers']} optimizers over {test['problems']} "
         f"problems, which is not among the claims of this page: chi-squared = {test['statistic']:.2f}, "
         f"{p_text(test['p'])}; Iman-Davenport F({test['df1']}, {test['df2']}) = {test['iman_davenport']:.2f}, "
         f"{p_text(test['p_iman_davenport'])}."
@@ -82,8 +79,7 @@ def _tests(final: Final) -> Table:
     tests, level = final.tested_overall, final.levels.across
     names = {
         "first": "first", "second": "second", "probability": "first lower", "p": "p", "p_holm": "p (Holm)",
-        "significant": "significant", "lower": "lower", "blocks": "independent problems", "p_further": "p, further",
-        "further": "on further problems",
+        "significant": "significant", "lower": "lower",
     }  # fmt: skip
     shown = tests[list(names)].assign(lower=tests["lower"].where(tests["significant"], ""))
     return Table(
@@ -92,9 +88,7 @@ def _tests(final: Final) -> Table:
         shown.rename(columns=names),
         decimals={"first lower": 2},
         note=(f"Significant: p (Holm) of at most {level:g}. " if level else "Nothing is tested over all problems. ")
-        + ("" if final.subject else WINNER)
-        + "Of a pair that is significant on these problems, further ones are tested at the same level, if these are "
-        "an independent sample of them.",
+        + ("" if final.subject else WINNER),
         data=tests.assign(lower=shown["lower"]),
     )
 

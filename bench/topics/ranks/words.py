@@ -1,4 +1,4 @@
-"""Sentences on pairs that the tests over all problems leave open, and on problems that are no independent sample."""
+"""Sentences on pairs that the tests over all problems leave open."""
 
 from __future__ import annotations
 
@@ -37,17 +37,3 @@ def _on_each(findings: Findings) -> str:
         return f", but only {int(each.sum()):,} of {len(each):,} on each of them"
     rivals = [second if first == final.subject else first for first, second in each.index[each]]
     return f", but only {listing(rivals, at_most=4)} on each of them"
-
-
-def dependent(findings: Findings) -> str:
-    """Return a sentence on problems that are no independent sample; "" if there are none."""
-    ranked = set(findings.final.medians.index)
-    steps = {name: len(ranked & set(labels)) for name, labels in findings.trials.sweeps.items()}
-    which = [f"{number} of {len(ranked)} problems are steps of one sweep, {name}" for name, number in steps.items()]
-    if not which:
-        return ""
-    blocks = len({findings.trials.blocks[str(label)] for label in ranked})
-    return (
-        f"{listing(which)}: they are {count(blocks, 'independent problem')}, so the counts describe this sweep and no "
-        "further problems."
-    )

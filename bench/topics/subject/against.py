@@ -18,7 +18,6 @@ from bench.report.prose import speaker
 from bench.report.wording import listing
 from bench.topics.conditions.differing import Differing, differing
 from bench.topics.findings import Findings
-from bench.topics.ranks.words import dependent
 
 TITLE = "Against its rivals"
 WORDS = 20  # of a line, at most
@@ -35,7 +34,6 @@ class Rival(NamedTuple):
         outcome: "better", "worse" or "open", by the test over all problems, as seen from the subject.
         chance: that a run of the subject ends lower, in the mean over problems, with its 95% interval, low to high.
         p: of the test over all problems, adjusted over the pairs that are tested; missing where there is none.
-        further: whether the same is shown for further problems.
         better: the problems on which the subject is separably lower.
         worse: those on which the rival is.
         ratio: the median over problems of the rival's expected running time over that of the subject.
@@ -48,7 +46,6 @@ class Rival(NamedTuple):
     low: float
     high: float
     p: float
-    further: bool
     better: int
     worse: int
     ratio: float
@@ -73,7 +70,6 @@ class Against:
         budget: in words.
         target: to which the running times are, in words.
         unlike: what may explain its wins or losses besides the algorithms.
-        sweep: that the problems are one sweep; "" where they are not.
         selected: whether optimizers or problems were selected after the results were seen.
     """
 
@@ -90,7 +86,6 @@ class Against:
     budget: str
     target: str
     unlike: Differing
-    sweep: str
     selected: bool
 
     @property
@@ -165,7 +160,7 @@ def against(findings: Findings) -> Against:
         rivals.append(
             Rival(
                 label, outcome, float(row["probability"]), float(row["low"]), float(row["high"]),
-                float(row["p_holm"]) if final.levels.across else np.nan, bool(row["further"] and row["significant"]),
+                float(row["p_holm"]) if final.levels.across else np.nan,
                 lower, higher, *ratios.get(label, (np.nan, 0)),
             )
         )  # fmt: skip
@@ -176,7 +171,7 @@ def against(findings: Findings) -> Against:
         declared=findings.declared, problems=len(complete),
         trials=trials.per_cell_words, budget=findings.budget_words,
         target=findings.anytime.target_set.at(findings.anytime.target_set.level),
-        unlike=differing(findings, *wins_and_losses), sweep=dependent(findings), selected=bool(findings.selection),
+        unlike=differing(findings, *wins_and_losses), selected=bool(findings.selection),
     )  # fmt: skip
 
 

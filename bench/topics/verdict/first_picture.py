@@ -42,7 +42,7 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
     """
     leader, rivals = ranked[0], ranked[1 : RIVALS + 1]
     pairs = seen_from(tests, leader).set_index("second").loc[list(rivals)].reset_index()
-    pairs = pairs.assign(significant=pairs["significant"] | clear).drop(columns=["further_low", "further_high"])
+    pairs = pairs.assign(significant=pairs["significant"] | clear)
     names = style.names(rivals, 18)
     left = style.text_width(names.values(), style.SMALL) + 0.25
     figure, (ax,) = style.grid(

@@ -18,7 +18,7 @@ from bench.topics.conditions.differing import UNUSED, differing, shares_used
 from bench.topics.findings import Final, Findings
 from bench.topics.integrity.section import warnings
 from bench.topics.ranks.tables import rank_map
-from bench.topics.ranks.words import across, dependent
+from bench.topics.ranks.words import across
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
 from bench.topics.topic import Topic
 from bench.topics.trials.power import error_text
@@ -84,7 +84,7 @@ def standing(findings: Findings) -> Standing:
     all_known = all(label in trials.unbeaten for label in complete)
     best = "the optimum" if all_known else "the best known value"
     return Standing(
-        ranking, beaten, _across(final), final.levels, len({trials.blocks[str(problem)] for problem in complete}),
+        ranking, beaten, _across(final), final.levels,
         budget=findings.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=trials.per_cell_words,
@@ -97,7 +97,6 @@ def standing(findings: Findings) -> Standing:
         course=_course(findings),
         unit="of the budget" if trials.scaled else "evaluations",
         clock=clock(findings),
-        sweep=dependent(findings),
         selected=bool(findings.selection),
     )  # fmt: skip
 
@@ -107,13 +106,12 @@ def _across(final: Final) -> dict[tuple[str, str], Across]:
     pair_of, level = {}, final.levels.across
     for pair in final.overall.to_dict("records"):
         first, second = str(pair["first"]), str(pair["second"])
-        ends = {name: float(pair[name]) for name in ("probability", "low", "high", "further_low", "further_high")}
-        chance, low, high, least, most = ends.values()
+        ends = {name: float(pair[name]) for name in ("probability", "low", "high")}
+        chance, low, high = ends.values()
         p, clear = float(pair["p"]), bool(pair["p"] <= level)
-        beyond = clear and bool(pair["p_further"] <= level)
-        sides = [(clear and pair["lower"] == label, beyond and pair["lower"] == label) for label in (first, second)]
-        pair_of[first, second] = Across(chance, low, high, (least, most), p, *sides[0])
-        pair_of[second, first] = Across(1 - chance, 1 - high, 1 - low, (1 - most, 1 - least), p, *sides[1])
+        sides = [clear and pair["lower"] == label for label in (first, second)]
+        pair_of[first, second] = Across(chance, low, high, p, sides[0])
+        pair_of[second, first] = Across(1 - chance, 1 - high, 1 - low, p, sides[1])
     return pair_of
 
 

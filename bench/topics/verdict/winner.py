@@ -54,19 +54,15 @@ class Across(NamedTuple):
 
     Attributes:
         chance: the probability to end lower, with its 95% interval for these problems, low to high.
-        further: its 95% interval for further problems.
         p: of the test over all problems, not adjusted.
         lower: whether that test shows the first one to be lower.
-        beyond: whether the test for further problems shows it as well.
     """
 
     chance: float
     low: float
     high: float
-    further: tuple[float, float]
     p: float
     lower: bool
-    beyond: bool = False
 
 
 class Conclusion(NamedTuple):
@@ -95,7 +91,6 @@ class Standing:
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
         across: by (one, other), the comparison over all problems.
         levels: of the tests on problems and over all of them; 0 where no test can be significant.
-        blocks: the independent problems.
         budget: the full budget in words, such as "60,000 evaluations".
         problem: the label of the only problem, "" where there are several.
         trials: of a cell, in words, such as "1 trial".
@@ -108,7 +103,6 @@ class Standing:
         course: who is shown to end lower than the leader at smaller budgets, :class:`Stage` by stage, the full last.
         unit: of the stages, "evaluations" or "of the budget".
         clock: who is faster by the clock; None where running times in seconds do not change the order.
-        sweep: that the problems are one sweep and stand for no further ones; "" where they are not.
         selected: whether optimizers or problems were selected after the results were seen.
     """
 
@@ -116,7 +110,6 @@ class Standing:
     beaten: Mapping[tuple[str, str], int]
     across: Mapping[tuple[str, str], Across]
     levels: Levels
-    blocks: int
     budget: str
     problem: str = ""
     trials: str = ""
@@ -129,7 +122,6 @@ class Standing:
     course: Sequence[Stage] = ()
     unit: str = "evaluations"
     clock: Clock | None = None
-    sweep: str = ""
     selected: bool = False
 
     @property
@@ -179,12 +171,6 @@ class Standing:
         if self.levels.across:
             return [rival for rival in rivals if not self.across[leader, rival].lower]
         return [rival for rival in rivals if not self.lower_on_most(leader, rival)]
-
-    @property
-    def beyond(self) -> bool:
-        """Whether the lead is shown for further problems, too, if these are an independent sample of them."""
-        leader, *rivals = self.labels
-        return bool(self.leads) and not self.sweep and all(self.across[leader, rival].beyond for rival in rivals)
 
     @property
     def leads(self) -> str:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 # The compiler is imported where a problem is loaded: every study asks every family for its names.
 
-SWEEP = "the gap of one simulated joint"
 OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor", "t0_turns", "constrained")
 
 
@@ -27,14 +26,12 @@ class Family:
         listed: the names of the problems that can be listed.
         read: returns the recording of a problem's name.
         options: the options that ``read`` takes, besides those of the fit.
-        sweep: what its problems are steps of; "" where each stands for itself.
         fit: options of the fit that differ from the usual ones where a study gives none.
     """
 
     listed: tuple[str, ...]
     read: Callable[..., Recording]
     options: tuple[str, ...] = ()
-    sweep: str = ""
     fit: Mapping[str, Any] = field(default_factory=dict)
 
     def names(self) -> list[str]:
@@ -50,9 +47,7 @@ class Family:
         recording = self.read(name, **{option: options.pop(option) for option in self.options if option in options})
         from problems.backlash.signature.problem import SignatureFit
 
-        problem = SignatureFit(name, recording, **{**self.fit, **options})
-        problem.features = {"sweep": self.sweep} if self.sweep else {}
-        return problem
+        return SignatureFit(name, recording, **{**self.fit, **options})
 
     def level(self, name: str) -> int:
         """Return the number at the end of a listed name."""
@@ -95,8 +90,8 @@ def _recorded(name: str) -> Recording:
     return read(path)
 
 
-signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset, sweep=SWEEP)
-noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"), SWEEP)
+signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset)
+noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"))
 wrist = Family(
     tuple(f"wrist-{joint}-{state}" for joint in (1, 4, 5, 6) for state in ("healthy", "tampered")), _wrist,
     ("draw",), fit={"single": True, "period": 2.0},

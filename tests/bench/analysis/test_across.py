@@ -7,24 +7,19 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binomtest, friedmanchisquare, norm
+from scipy.stats import friedmanchisquare, norm
 
-from bench.analysis import bounded
 from bench.analysis.across import (
     across_problems,
     cliques,
     friedman,
-    in_sequence,
     nemenyi,
     normalised_errors,
     places,
-    ranks_by_block,
     with_winner,
 )
-from bench.analysis.cells import summarise
 from bench.analysis.direction import effects, least_p
 from bench.analysis.pairwise import pairwise_tests
-from bench.analysis.standings import mean_ranks, standings
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
@@ -94,18 +89,6 @@ class TestDemsarsExample:
         assert found == pytest.approx(table, abs=1.1e-3)  # he rounds some to the other side
 
 
-class TestRanks:
-    def test_of_blocks_are_means_over_their_complete_problems(self, frame_of):
-        low, far = [1.0, 2.0], [5.0, 6.0]
-        cells = {(problem, name): values for problem in "pqr" for name, values in (("a", low), ("b", far))}
-        cells |= {("q", "a"): far, ("q", "b"): low, ("s", "a"): low}
-        frame = frame_of(cells)
-        standing = standings(summarise(frame), pairwise_tests(frame))
-        ranks = ranks_by_block(standing, {"p": "sweep", "q": "sweep"})
-        assert ranks.to_dict("index") == {"sweep": {"a": 1.5, "b": 1.5}, "r": {"a": 1.0, "b": 2.0}}
-        assert ranks_by_block(standing).mean().to_dict() == mean_ranks(standing).to_dict()
-
-
 class TestFriedman:
     @pytest.mark.parametrize("seed", range(3))
     def test_against_scipy(self, seed):
@@ -169,9 +152,9 @@ class TestTheseProblems:
         np.testing.assert_array_equal(tests["significant"], tests["p_holm"] <= 0.05)
 
     def test_by_hand(self):
-        test = across_problems(pairs_of([0.8, 0.5, 0.6], ratio=0.12), {"p0": "b", "p1": "b"}).iloc[0]
+        test = across_problems(pairs_of([0.8, 0.5, 0.6], ratio=0.12)).iloc[0]
         assert test.p == pytest.approx(2 * norm.sf((0.4 / 3) / (0.5 * np.sqrt(0.12 / 3))))
-        assert (test.problems, test.blocks, test.lower) == (3, 2, "a")
+        assert (test.problems, test.lower) == (3, "a")
         assert test.probability == pytest.approx(1.9 / 3)
         assert test.joint_low == test.low < test.probability < test.high == test.joint_high
 
@@ -181,12 +164,11 @@ class TestTheseProblems:
         more = pairs.assign(n_first=[3, 30], n_second=[3, 30])
         assert across_problems(more).iloc[0].p == least_p(6)
 
-    def test_single_trials_have_the_sign_test_of_problems(self, frame_of):
+    def test_single_trials_are_not_tested(self, frame_of):
         cells = {(f"p{i}", name): [float((name == "b") == (i < 9))] for i in range(10) for name in "ab"}
         row = across_problems(pairwise_tests(frame_of(cells))).iloc[0]
-        assert row.p == pytest.approx(binomtest(9, 10).pvalue)
-        exact = binomtest(9, 10).proportion_ci()
-        assert (row.probability, row.low, row.high) == pytest.approx((0.9, exact.low, exact.high))
+        assert (row.p, row.probability) == (1.0, 0.9)
+        assert np.isnan([row.low, row.high]).all()
 
     def test_values_that_are_all_tied_differ_nowhere(self, frame_of):
         cells = {(problem, name): [0.0] * 9 for problem in "pq" for name in "ab"}
@@ -203,8 +185,8 @@ class TestTheseProblems:
         for cells in ({("p", "a"): [1.0]}, {}):
             assert across_problems(pairwise_tests(frame_of(cells))).empty
         row = across_problems(pairwise_tests(frame_of({("p", "a"): [1.0, 2.0], ("q", "b"): [1.0, 2.0]}))).iloc[0]
-        assert (row.problems, row.blocks, row.p, row.p_further, row.further) == (0, 0, 1.0, 1.0, False)
-        assert row[["probability", "low", "high", "further_low", "further_high"]].isna().all()
+        assert (row.problems, row.p) == (0, 1.0)
+        assert row[["probability", "low", "high"]].isna().all()
 
     def test_the_two_directions_add_up_to_one(self, random_frame):
         frame = random_frame(0)
@@ -213,10 +195,10 @@ class TestTheseProblems:
         back = across_problems(pairwise_tests(frame)).set_index(["second", "first"])
         for row in forth.itertuples():
             mirrored = back.loc[(row.first, row.second)]
-            ends = (row.probability, row.low, row.high, row.joint_low, row.further_low, row.further_high)
-            names = ["probability", "high", "low", "joint_high", "further_high", "further_low"]
+            ends = (row.probability, row.low, row.high, row.joint_low)
+            names = ["probability", "high", "low", "joint_high"]
             assert ends == pytest.approx(tuple(1 - mirrored[names]))
-            assert (row.p, row.p_further) == pytest.approx((mirrored.p, mirrored.p_further))
+            assert row.p == pytest.approx(mirrored.p)
             assert row.lower == mirrored.lower
 
     def test_failures_are_the_worst_and_rounding_is_a_tie(self, frame_of, one):
@@ -224,42 +206,8 @@ class TestTheseProblems:
         assert one(across_problems(pairwise_tests(frame_of(cells)))).probability == 0.75
 
 
-class TestFurtherProblems:
-    def test_the_unit_is_the_block(self):
-        chances, blocks = np.random.default_rng(4).random(24), {f"p{i}": f"b{i // 3}" for i in range(21)}
-        test = across_problems(pairs_of(chances), blocks).iloc[0]
-        means = np.array([*chances[:21].reshape(7, 3).mean(axis=1), *chances[21:]])[:, np.newaxis]
-        low, high = bounded.intervals(means)
-        assert (test.problems, test.blocks) == (24, 10)
-        assert (test.p_further, test.further_low, test.further_high) == pytest.approx(
-            (bounded.p_values(means)[0], low[0], high[0])
-        )
-
-    def test_blocks_that_are_all_won_leave_a_doubt(self):
-        row = across_problems(pairs_of([1.0] * 4)).iloc[0]
-        assert (row.further_low, row.further_high) == (pytest.approx(0.025**0.25), pytest.approx(1))
-        assert not row.further
-
-    def test_they_are_shown_only_where_these_problems_are(self):
-        chances = [0.9] * 24
-        assert across_problems(pairs_of(chances)).iloc[0].further
-        unsure = across_problems(pairs_of(chances, ratio=200.0)).iloc[0]
-        assert unsure.p_further < 0.001
-        assert not unsure.significant
-        assert not unsure.further
-
-    def test_a_pair_that_is_shown_for_both_passes_its_level_on(self):
-        p = np.array([0.001, 0.012, 0.02, 0.5])
-        p_holm, further = in_sequence(p, np.array([0.01, 0.9, 0.9, 0.9]), 0.05)
-        assert further.tolist() == [True, False, False, False]
-        assert p_holm.tolist() == pytest.approx([0.04, 0.036, 0.06, 1.0])
-        nowhere, none = in_sequence(p, np.ones(4), 0.05)
-        assert not none.any()
-        assert nowhere.tolist() == pytest.approx([0.004, 0.048, 0.08, 1.0])
-
-
 @pytest.mark.parametrize("number", [3, 18])
-def test_intervals_cover_the_mean_of_these_and_of_further_problems(number):
+def test_intervals_cover_the_mean_of_these_problems(number):
     """Each of many pairs of optimizers is a study of its own: problems are drawn, and trials on them."""
     rng = np.random.default_rng(number)
     studies, n, names = 990, 10, [f"o{i:02d}" for i in range(45)]
@@ -268,11 +216,9 @@ def test_intervals_cover_the_mean_of_these_and_of_further_problems(number):
     pairs = pairs_of(found.a12.reshape(number, studies), n=n, optimizers=names).assign(ratio=found.ratio)
     table = across_problems(pairs)
     these = norm.cdf(shift / np.sqrt(2)).mean(axis=0)
-    further = norm.cdf(0.5 / np.sqrt(2 + 0.7**2))  # the mean of A12 over all problems there are
     error = 3 * np.sqrt(0.93 * 0.07 / studies)
     assert ((table["low"] <= these) & (these <= table["high"])).mean() >= 0.93 - error
     assert ((table["joint_low"] <= these) & (these <= table["joint_high"])).mean() >= 0.99
-    assert ((table["further_low"] <= further) & (further <= table["further_high"])).mean() >= 0.93 - error
     assert (table["high"] - table["low"]).mean() < (0.35 if number == 3 else 0.15)
 
 
@@ -295,7 +241,7 @@ class TestPlaces:
         # lower on 24 of 29 problems, but not in the mean
         tests = across_problems(pairs_of([0.6] * 24 + [0.01] * 5, ratio=0.01))
         assert places(tests, ["a", "b"])["place"].tolist() == [2, 1]
-        assert (tests["lower"].item(), tests["p_further"].item() > 0.05) == ("b", True)
+        assert tests["lower"].item() == "b"
 
 
 class TestErrors:

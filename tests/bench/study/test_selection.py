@@ -56,8 +56,6 @@ def test_what_selects_nothing_is_one_sentence(chosen, message):
     assert "\n" not in str(raised.value)
 
 
-def test_blocks_of_other_problems_are_left_out():
-    whole = study(problems=["bbob-f01-d2-i1", "mine"], blocks={"bbob-f01-d2": "a", "mine": "b"})
-    part = selected(whole, None, "mine", None, DIMENSIONS)
-    assert part.blocks == {"mine": "b"}
+def test_what_selects_everything_is_the_study():
+    whole = study(problems=["bbob-f01-d2-i1", "mine"])
     assert selected(whole, "*", "*", [2, 5], DIMENSIONS) is whole

@@ -182,7 +182,6 @@ def test_a_study_built_in_python_is_checked_as_one_from_a_file(changes, message)
         ({"problems": (Entry("p", "p"), Entry("q", "p"))}, "study 's': 'p' occurs twice among the problems"),
         ({"optimizers": (Entry("a", "a\nb"),)}, "study 's': a label of the optimizers holds a control character"),
         ({"optimizers": (Entry("a", "=a()"),)}, "study 's': a spreadsheet would compute the label '=a()'"),
-        ({"blocks": {"q": "one"}}, "study 's': 'blocks' names 'q', which is no problem"),
     ],
 )
 def test_entries_and_values_that_do_not_fit_are_refused_before_a_run(changes, message, tmp_path):

@@ -58,10 +58,10 @@ def described(*names):
 NOTHING = {
     "study": study(), "descriptions": {}, "selection": "", "replications": ONE, "known": {}, "empty": 0, "failed": 0,
     "not_compared": Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {}), "environments": [],
-    "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
+    "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "permutation_tests": 0, "ranked_problems": 0,
     "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
     "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
-    "suites": "", "stopped": 0, "extensions": [], "needed": "", "stability": False,
+    "suites": "", "extensions": [], "needed": "", "stability": False,
     "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
 }  # fmt: skip
 
@@ -92,7 +92,7 @@ def cited(found):
 
 
 FIT = ProblemFacts(
-    2.0, box={"A": (-1.0, 1.0), "t0": (0.0, 4.0)}, features={"sweep": "the gap"}, measure="the RMSE in rpm",
+    2.0, box={"A": (-1.0, 1.0), "t0": (0.0, 4.0)}, measure="the RMSE in rpm",
     optimum_source="a fit",
 )  # fmt: skip
 FUNCTION = ProblemFacts(0.0, box={"x1": (-5, 5), "x2": (-5, 5)}, optimum_source="the definition of the suite")
@@ -134,7 +134,7 @@ CASES = {
         "suites": "7 functions of bbob in dimensions 2, 5 and 10",
     },
     "few problems of a suite": {"suites": "3 functions of bbob in dimension 2"},
-    "a sweep of fits": {"known": dict.fromkeys("pqr", FIT)},
+    "fits": {"known": dict.fromkeys("pqr", FIT)},
     "problems of several kinds": {
         "known": {"p": FIT, "q": replace(FIT, features={}, measure=""), "r": ProblemFacts(box={"x": (-5, 5)})}
     },

@@ -4,14 +4,13 @@ import pytest
 
 from bench import load_problem
 from bench.results.results import ProblemFacts
-from bench.topics.findings.trials import sweeps
 from bench.topics.methods.problem_words import boxes, optima, problems_named, problems_table, suites
 
 BOX = {"x1": (-5.0, 5.0), "x2": (-5.0, 5.0)}
 FACTS = {
     "bbob-f01-d2": ProblemFacts(0.0, box=BOX, features={"suite": "bbob"}, optimum_source="the suite"),
     "bbob-f08-d2": ProblemFacts(0.0, box=BOX, features={"suite": "bbob"}, optimum_source="the suite"),
-    "fit-1": ProblemFacts(2.5, box={"A": (0.0, 1.0), "t0": (0.0, 4.8)}, features={"sweep": "gaps"}),
+    "fit-1": ProblemFacts(2.5, box={"A": (0.0, 1.0), "t0": (0.0, 4.8)}),
     "gone": ProblemFacts(reason="it cannot be loaded"),
 }
 
@@ -32,12 +31,6 @@ def test_problems_are_named_by_family_only_where_all_of_it_is_meant(labels, word
 def test_boxes_and_optima_are_grouped():
     assert boxes(FACTS) == {"[-5, 5]^d": "the bbob problems", "": "fit-1"}
     assert optima(FACTS) == {"the suite": "the bbob problems", "the problem itself": "fit-1"}
-
-
-def test_a_sweep_has_three_steps():
-    steps = {f"fit-{number}": FACTS["fit-1"] for number in range(3)}
-    assert sweeps(steps) == {"gaps": list(steps)}
-    assert sweeps(FACTS) == {}
 
 
 def test_functions_of_whole_suites_are_counted_by_suite():

@@ -35,7 +35,7 @@ def across(probability):
     """Return three pairs of a, b and c, of which a and b end lower than c with this probability."""
     rows = [("b", "a", 0.4, False), ("a", "c", probability, True), ("b", "c", probability, True)]
     tests = pd.DataFrame(rows, columns=["first", "second", "probability", "significant"])
-    for prefix in ("", "joint_", "further_"):
+    for prefix in ("", "joint_"):
         tests = tests.assign(
             **{f"{prefix}low": tests["probability"] - 0.1, f"{prefix}high": tests["probability"] + 0.2}
         )

@@ -1,14 +1,12 @@
 """What the verdict says of budgets, clocks, sweeps and tests across problems, in studies made for it."""
 
 import re
-from dataclasses import replace
 
 import pandas as pd
 import pytest
 
 from bench import Results
 from bench.topics.findings import Findings
-from bench.topics.ranks import section as across
 from bench.topics.verdict import section as verdict
 
 
@@ -46,23 +44,6 @@ def test_where_every_trial_failed_none_finished(make, tmp_path):
     assert shown.text == ("There is nothing to compare: no trial finished.",)
     assert not shown.cards
     assert shown.lost.startswith("48 of 48 trials did not finish")
-
-
-def test_steps_of_one_sweep_are_no_independent_sample(fresh):
-    assert verdict.dependent(fresh) == ""
-    fresh.trials.__dict__.pop("sweeps"), fresh.trials.__dict__.pop("blocks", None)
-    fresh.trials.__dict__["known"] = {
-        label: replace(each, features={"sweep": "the load"}) for label, each in fresh.trials.known.items()
-    }
-    said = verdict.dependent(fresh)
-    assert said == (
-        "3 of 3 problems are steps of one sweep, the load: they are 1 independent problem, so the counts describe this "
-        "sweep and no further problems."
-    )
-    claim, numbers = verdict.section(fresh).cards[:2]
-    assert said in numbers.text
-    assert "these problems are one sweep" in f"{claim.lines}"
-    assert said in across.section(fresh).text
 
 
 def test_where_no_pair_is_distinguished_none_is_listed(fresh):
