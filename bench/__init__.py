@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import list_optimizers, load_optimizer, load_problem
     from bench.plugins.selection import list_problems
-    from bench.problem import FittedData, FunctionProblem, Problem
+    from bench.problem import FunctionProblem, Problem
     from bench.results.results import load_results
     from bench.study import Study
     from bench.topics import write_report
@@ -39,7 +39,6 @@ __all__ = [
     "BenchError",
     "BudgetExhausted",
     "Checkup",
-    "FittedData",
     "FunctionProblem",
     "Grid",
     "Objective",
@@ -69,7 +68,7 @@ __all__ = [
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
     "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "Checkup": "check",
-    "FittedData": "problem", "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
+    "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
     "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
     "Results": "notebook", "Study": "study", "Trace": "objective", "Verdict": "check",
     "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",

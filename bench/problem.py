@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -14,27 +13,6 @@ from numpy.typing import ArrayLike
 
 from bench.errors import BenchError
 from bench.typing import Flags, Floats
-
-
-@dataclass(frozen=True)
-class FittedData:
-    """Data that the points of a problem are fitted to, which a report draws with the fit of any run.
-
-    Attributes:
-        t: (N,) where the data were taken, such as times.
-        values: (N,) the data.
-        model: the fit at ``datum.t``, as a Vega expression of the point's variables by name: ``"point['a'] +
-            point['b'] * datum.t"``. The page computes it for the run that a reader chooses; what Vega cannot read
-            costs no more than this drawing.
-        t_title: the title of the axis of ``t``, with its unit.
-        title: that of ``values``.
-    """
-
-    t: Floats
-    values: Floats
-    model: str
-    t_title: str = "t"
-    title: str = "value"
 
 
 class Problem(ABC):
@@ -126,10 +104,6 @@ class Problem(ABC):
     def describe(self, x: Floats) -> dict[str, float]:  # noqa: ARG002 - part of the contract
         """Return the domain metrics of the (d,) point ``x``, one column each in the tidy frame; by default none."""
         return {}
-
-    def fitted_data(self) -> FittedData | None:
-        """Return the data that points are fitted to, and the fit, for reports; by default None."""
-        return None
 
     def open(self) -> None:  # noqa: B027 - few problems need it
         """Get ready for an evaluation, such as start a program; the time that it takes counts in no evaluation's limit.

@@ -147,6 +147,18 @@
     contents.after(button);
   }
 
+  // A specification is drawn below the picture of its figure as soon as there is room: once its section is open.
+
+  const options = { ast: true, actions: false, defaultStyle: false, renderer: "svg", tooltip: false };
+  const unseen = new ResizeObserver((changes) => {
+    for (const { target } of changes) {
+      if (!target.clientWidth) continue; // it is folded
+      unseen.unobserve(target);
+      vegaEmbed(target, JSON.parse(target.nextElementSibling.textContent), options);
+    }
+  });
+  for (const live of document.querySelectorAll(".live")) unseen.observe(live);
+
   // Safari does not open a folded section that a link leads to.
 
   const reveal = () => {

@@ -14,7 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from bench.helpers.text import slug
-from bench.report.interactive.part import Interactive, digest
+from bench.report.library import as_json, digest, library
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 from bench.report.wording import clause
 
@@ -81,9 +81,8 @@ def render(
     lead: str,
     views: list[View],
     problems: Mapping[str, str] | None = None,
-    further: Interactive | None = None,
 ) -> str:
-    """Return the page as HTML, with its interactive part after the first view; the template escapes all text.
+    """Return the page as HTML; the template escapes all text.
 
     ``problems`` has the anchor of the section on each problem: rows of tables that name a problem link to it.
     """
@@ -95,11 +94,13 @@ def render(
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"by_folder": by_folder, "clause": clause}
-    style, script = _asset("page.css"), _asset("page.js")
+    environment.filters |= {"as_json": as_json, "by_folder": by_folder, "clause": clause}
+    figures = [item.part for item in _items(views) if isinstance(item.part, Figure)]
+    scripts = [library()] if any(figure.live for figure in figures) else []
+    scripts.append(_asset("page.js"))
     return environment.get_template("page.html.j2").render(
-        title=title, lead=lead, views=views, style=style, script=script, script_hash=digest(script),
-        widest=_widest(views), problems=problems or {}, further=further or Interactive(),
+        title=title, lead=lead, views=views, style=_asset("page.css"), scripts=scripts,
+        hashes=[digest(script) for script in scripts], widest=_widest(views), problems=problems or {},
         anchors=_anchors(views),
     )  # fmt: skip
 
@@ -164,10 +165,14 @@ def _of_page(tag: str, own: str) -> str:
     return re.sub(r"#(000000|ffffff|dddddd)\b", lambda colour: PAGE_COLOURS[colour[0]], tag)
 
 
+def _items(views: list[View]) -> list[Item]:
+    """Return the tables and figures of all views."""
+    return [item for outer in views for view in (outer, *outer.views) for item in view.items]
+
+
 def _widest(views: list[View]) -> int:
     """Return the number of columns of the page's widest table."""
-    items = [item for outer in views for view in (outer, *outer.views) for item in view.items]
-    return max((len(item.grid.header) for item in items), default=0)
+    return max((len(item.grid.header) for item in _items(views)), default=0)
 
 
 def _asset(name: str) -> Markup:

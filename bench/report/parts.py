@@ -30,8 +30,6 @@ class TableCell:
     mark: str = ""
     lost: bool = False
     shade: int | None = None
-    problem: str = ""
-    optimizer: str = ""
     link: str = ""
     tone: str = ""
 
@@ -56,8 +54,6 @@ class Table:
         shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
         links: addresses that the values link to: texts like ``frame``; likewise.
         tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too; likewise.
-        cells: the cell of the study, (problem, optimizer), that a value belongs to, by (row, column): the page marks it
-            with the names of both.
         most_rows: rows that the page shows, the first ones; the files have all.
         totals: rows at the end that sum up the others; LaTeX has a rule above them.
     """
@@ -76,7 +72,6 @@ class Table:
     shades: pd.DataFrame | None = None
     links: pd.DataFrame | None = None
     tones: pd.DataFrame | None = None
-    cells: Mapping[tuple[Any, Any], tuple[str, str]] | None = None
     most_rows: int = MOST_ROWS
     totals: int = 0
 
@@ -101,14 +96,12 @@ class Table:
     def rows(self) -> list[list[TableCell]]:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
-        cells = self.cells or {}
         looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades, self.links, self.tones)
         columns = [
             [
                 TableCell(
                     text or cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
                     shade=None if shade is None or pd.isna(shade) else min(int(shade * SHADES), SHADES - 1),
-                    problem=cells.get((label, name), ("", ""))[0], optimizer=cells.get((label, name), ("", ""))[1],
                     link=link or "", tone=tone or "",
                 )
                 for label, value, text, bold, italic, mark, lost, shade, link, tone in zip(
@@ -144,6 +137,7 @@ class Figure:
         figure: a matplotlib figure, best from :func:`bench.plots.style.grid`.
         data: the tidy data of the figure, written as CSV.
         shown: the data table on the page where ``data`` is too long to read; ``data`` by default.
+        live: a specification of Vega-Lite, values of JSON, that is drawn below the figure where scripts run.
     """
 
     name: str
@@ -151,6 +145,7 @@ class Figure:
     figure: matplotlib.figure.Figure
     data: pd.DataFrame
     shown: pd.DataFrame | None = None
+    live: Mapping[str, Any] | None = None
 
     @property
     def table(self) -> Table:

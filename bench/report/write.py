@@ -16,7 +16,6 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
-from bench.report.interactive import Interactive
 from bench.report.latex import JOURNALS, Journal, figure_to_latex, to_latex
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, File, Part, Section, Table
@@ -90,8 +89,8 @@ class Draft:
         self._done = 0
         self._steps = 0
 
-    def write(self, title: str, lead: str, chapters: Sequence[Chapter], further: Interactive | None = None) -> Path:
-        """Write all files and return the path of the page; ``further`` is its interactive part."""
+    def write(self, title: str, lead: str, chapters: Sequence[Chapter]) -> Path:
+        """Write all files and return the path of the page."""
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         self._steps = len(chapters) + self.expected + 1
@@ -102,7 +101,7 @@ class Draft:
                 self.append_all(chapter, made)
         self.add_downloads()
         self.save(CONTENTS, contents(title, self.files), "These files.")
-        page = self.save(PAGE, render(title, lead, self.views, self.problems, further), "This page.")
+        page = self.save(PAGE, render(title, lead, self.views, self.problems), "This page.")
         self.clean()
         return page
 

@@ -22,7 +22,6 @@ from bench.report.write import MANIFEST, Chapter, Draft
 from bench.results.results import StoredResults
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import Targets
-from bench.topics.explore.explore import look_further
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import each_problem
 from bench.topics.topic import Topic, topics
@@ -102,7 +101,7 @@ def write_report(
                 journal=document,
             )
             title = findings.study.title or findings.study.name
-            page = draft.write(title, lead(findings), chapters(findings), look_further(findings))
+            page = draft.write(title, lead(findings), chapters(findings))
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
     results.note_stores()

@@ -11,8 +11,6 @@ from bench import objective
 from bench.cli import app
 from bench.plugins import registry
 from bench.report.drawing import Drawer, Drawing
-from tests.bench.reports import call as call
-from tests.bench.reports import decoded as decoded
 from tests.bench.reports import make as make
 from tests.bench.reports import read as read
 

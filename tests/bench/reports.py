@@ -1,16 +1,14 @@
 """Studies to report on, and a reader of pages."""
 
-import json
 import re
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from py_mini_racer import MiniRacer
 
 from bench import Trace
 from bench.columns import packed
-from bench.report.interactive.part import in_one_scope
+from bench.report.library import library
 from bench.storage.folder import Folder
 from bench.storage.selection import Selection
 from bench.study import Entry, Fingerprints, Study
@@ -62,13 +60,14 @@ class Document(HTMLParser):
         """It has nothing to fetch, links only to such files, and every reference to an id resolves, to one element."""
         assert not {"link", "img", "iframe", "object", "base"} & set(self.tags)
         assert not self.values("src")
-        assert "@import" not in self.html
-        assert not re.search(r"url\((?!#)", self.html)
+        own = self.html.replace(library(), "")
+        assert "@import" not in own
+        assert not re.search(r"url\((?!#)", own)
         hrefs, ids = self.values("href") + self.values("xlink:href"), self.values("id")
         for href in hrefs:
             assert href.startswith(("#", *files))
         referred = [href[1:] for href in hrefs if href.startswith("#")]
-        referred += self.values("aria-labelledby") + re.findall(r"url\(#([^)]+)\)", self.html)
+        referred += self.values("aria-labelledby") + re.findall(r"url\(#([^)]+)\)", own)
         assert len(referred) > 10
         assert set(referred) <= set(ids)
         assert len(ids) == len(set(ids))
@@ -168,32 +167,3 @@ def make():
         return folder
 
     return write_study
-
-
-@pytest.fixture(scope="session")
-def call():
-    """Return a function that calls one of the page's own functions, in V8 without a browser."""
-    engine = MiniRacer()
-    engine.eval(in_one_scope("numbers") + in_one_scope("standing"))
-    engine.eval("""const plain = (_, value) =>
-      value instanceof Float64Array ? Array.from(value)
-      : typeof value === "number" && !Number.isFinite(value) ? `number ${value}` : value;""")
-
-    def number(value):
-        return float(value.removeprefix("number ")) if str(value).startswith("number ") else value
-
-    def returned(value):
-        if isinstance(value, dict):
-            return {name: returned(each) for name, each in value.items()}
-        return [returned(each) for each in value] if isinstance(value, list) else number(value)
-
-    def called(name, *arguments):
-        return returned(json.loads(engine.eval(f"JSON.stringify(({name})(...{json.dumps(arguments)}), plain)")))
-
-    return called
-
-
-@pytest.fixture(scope="session")
-def decoded(call):
-    """Return the page's function that reads a curve's text."""
-    return lambda text, count: np.array(call("decode", text, count))

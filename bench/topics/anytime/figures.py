@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -140,11 +141,12 @@ def ecdf_figure(
     *,
     target: str,
     ends: Mapping[str, float] | None = None,
+    live: Mapping[str, Any] | None = None,
 ) -> Figure:
     """Return two panels over evaluations: the share of targets reached, and the data profile at a ``target``.
 
     ``ends`` are the budgets, where ``reached`` are shares of simulated restarts; these may have the best of 2009.
-    ``profile`` may have bands.
+    ``profile`` may have bands; ``live`` is the same figure for readers with scripts (:mod:`bench.topics.anytime.live`).
     """
     pens = beside_best(reached, optimizers)
     figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=legend_height(pens) + 0.1)
@@ -167,7 +169,7 @@ def ecdf_figure(
         {name: at_round_numbers(frame, [by], "fraction", (1, 2, 5)) for name, (frame, by) in panels.items()},
         names=["panel", "evaluations" if along == over else "evaluations or groups"],
     )
-    return Figure("targets-reached", caption, figure, data, shown)
+    return Figure("targets-reached", caption, figure, data, shown, live)
 
 
 def course_figure(stages: pd.DataFrame, pens: style.Pens) -> Figure:

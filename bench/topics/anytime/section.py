@@ -15,6 +15,7 @@ from bench.analysis.running_time import mean_shares
 from bench.report.parts import Figure, File, Part, Section, Table
 from bench.report.wording import count, leaders, listing
 from bench.study.targets import Targets
+from bench.topics.anytime import live
 from bench.topics.anytime.figures import (
     convergence_figure,
     course_figure,
@@ -57,6 +58,7 @@ def section(findings: Findings) -> Section:
         ends=findings.anytime.ends(findings.trials.problems, per_dimension=findings.trials.scaled)
         if chosen.restarts
         else None,
+        live=live.targets_reached(findings),
     )
     rates: list[Part] = [_success(findings.anytime.success, chosen), *_areas(findings)]
     text = (

@@ -54,11 +54,9 @@ def rank_map(findings: Findings) -> Table:
         return _by_function(table, places, heads)
     if findings.display.upright:
         short = style.names(ranks.index, UPRIGHT_HEAD)
-        cells = {(heads[label], short[problem]): (problem, label) for problem in ranks.index for label in order}
         table = table.arranged(lambda frame: frame.rename(index=short, columns=heads).T)
-        return replace(table.arranged(lambda frame: frame.rename_axis(index="optimizer", columns=None)), cells=cells)
-    cells = {(problem, heads[label]): (problem, label) for problem in ranks.index for label in order}
-    return replace(table.arranged(lambda frame: frame.rename(columns=heads).rename_axis("problem")), cells=cells)
+        return table.arranged(lambda frame: frame.rename_axis(index="optimizer", columns=None))
+    return table.arranged(lambda frame: frame.rename(columns=heads).rename_axis("problem"))
 
 
 def _functions(trials: Trials, problems: Iterable[str], optimizers: int) -> dict[tuple[str, int], str]:
@@ -98,7 +96,7 @@ def _by_function(table: Table, places: Mapping[tuple[str, int], str], names: Map
         }
         return pd.DataFrame(columns, index=pd.Index(functions, name="function"))
 
-    return replace(table.arranged(arrange), cells=cells)
+    return table.arranged(arrange)
 
 
 def pair_matrix(findings: Findings) -> Table:

@@ -48,26 +48,6 @@ def signature(t: Floats, x: Floats, *, period: float, replicas: int) -> Floats:
     return h
 
 
-def expression(*, period: float, replicas: int, longest: float) -> str:
-    """Return :func:`signature` at ``datum.t`` as a Vega expression of the variables of ``point``.
-
-    Args:
-        period: T_f in s.
-        replicas: the number of oscillations.
-        longest: the largest T2 in s: beyond T_d, oscillations overlap.
-    """
-    apart = period / 2
-    terms = ["point.v_t"]
-    for late in range(max(int(np.ceil(longest / apart - EDGE)), 1)):
-        k = f"(floor((datum.t - point.t0) / {apart!r}) - {late})"
-        u = f"(datum.t - point.t0 - {k} * {apart!r})"
-        inside = f"{k} >= 0 && {k} < {replicas} && {u} - point.T1 > {EDGE!r} && point.T2 - {u} > {EDGE!r}"
-        sign = f"({k} % 2 ? -1 : 1)"
-        wave = f"point.A * exp(-point.tau * ({u} - point.T1)) * sin(point.omega * {u})"
-        terms.append(f"({inside} ? {sign} * {wave} : 0)")
-    return " + ".join(terms)
-
-
 def rmse(speed: Floats, t: Floats, x: Floats, *, period: float, replicas: int) -> float:
     """Return the root-mean-square error between a speed signal and the signature (section 5.3.1), in its unit."""
     return float(np.sqrt(np.mean((speed - signature(t, x, period=period, replicas=replicas)) ** 2)))

@@ -10,13 +10,13 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.numbers import require_positive, require_whole
-from bench.problem import FittedData, Problem
+from bench.problem import Problem
 from bench.typing import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.backlash.signature import kernel
 from problems.backlash.signature.calibration import default_calibration
-from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES, A, box, expression, signature
+from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES, A, box, signature
 
 Unit = Literal["rps", "rpm"]
 
@@ -189,13 +189,6 @@ class SignatureFit(Problem):
         if self.replicas > 1:
             metrics["backlash_rad"] = default_calibration().backlash(amplitude)
         return metrics
-
-    def fitted_data(self) -> FittedData:
-        """Return the signal r(t), (eq. 5.1), with the signature as its fit."""
-        longest = float(self.upper[T2])
-        model = expression(period=self.period, replicas=self.replicas, longest=longest)
-        title = f"speed less its mean ({self.unit})"
-        return FittedData(self.time, self.signal, model, "time (s)", title)
 
     def fingerprint(self) -> str:
         """Return the SHA-256 of the samples, times and speeds."""

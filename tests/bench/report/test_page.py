@@ -168,18 +168,12 @@ class TestTable:
         assert page.count('<a href="#problem.p">p</a>') == 1
         assert '<th scope="row"><a href="#problem.p">p</a></th><td>p</td>' in page
 
-    def test_shades_and_the_cell_that_a_value_belongs_to(self, view):
+    def test_shades_are_classes_of_cells(self, view):
         frame = pd.DataFrame({"x": ["1", "3"], "y": ["2", ""]}, index=pd.Index(["p", "q"], name="problem"))
         shades = pd.DataFrame({"x": [0.0, 1.0], "y": [0.5, np.nan]}, index=frame.index)
-        cells = {(p, o): (p, o) for p in "pq" for o in "xy"}
-        whole = table(frame, shades=shades, cells=cells)
-        page = render("", "", [view("v", Section("S", items=(whole,)))])
-        assert '<td class="h0" data-problem="p" data-optimizer="x">1</td>' in page
-        assert '<td class="h4" data-problem="p" data-optimizer="y">2</td>' in page
-        assert '<td class="h7" data-problem="q" data-optimizer="x">3</td>' in page
-        assert '<td data-problem="q" data-optimizer="y"></td>' in page
-        turned = table(frame.T, cells={(o, p): (p, o) for p, o in cells})
-        assert '<td data-problem="p" data-optimizer="x">1' in render("", "", [view("v", Section("S", items=(turned,)))])
+        page = render("", "", [view("v", Section("S", items=(table(frame, shades=shades),)))])
+        for cell in ('<td class="h0">1</td>', '<td class="h4">2</td>', '<td class="h7">3</td>', "<td></td>"):
+            assert cell in page
 
 
 class TestFolded:

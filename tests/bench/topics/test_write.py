@@ -11,8 +11,7 @@ from bench import BenchError
 from bench.formats.archive.contents import report_files
 from bench.plugins import registry
 from bench.report import Figure, Section, Table
-from bench.report.interactive import Interactive
-from bench.topics import topic, write, write_report
+from bench.topics import topic, write_report
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
@@ -37,10 +36,9 @@ def patch_plugins(monkeypatch, **sections):
 
 @pytest.fixture(scope="module", autouse=True)
 def _no_plugin_sections():
-    """Leave out the sections of plug-ins and the interactive part, which has its own tests."""
+    """Leave out the sections of plug-ins."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         patch_plugins(monkeypatch)
-        monkeypatch.setattr(write, "look_further", lambda findings: Interactive())
         yield
 
 
@@ -138,7 +136,7 @@ def test_hostile_labels_are_only_text(make, read, tmp_path):
     folder = make(tmp_path / "s", problems=problems, optimizers=("<img src=x onerror=y>", "a&b_%", "{{ 7*7 }}"))
     page = read(write_report(folder))
     assert "img" not in page.tags
-    assert page.tags.count("script") == 1  # the page's own
+    assert page.tags.count("script") == 3  # the page's own, Vega and what it draws
     assert "<script>alert(1)</script>: every pair of optimizers." in page.text
     assert "{{ 7*7 }}" in page.text
     assert {path.name for path in tmp_path.iterdir()} == {"s"}

@@ -6,7 +6,6 @@ import pytest
 from bench import Results
 from bench.analysis.comparable import Comparable
 from bench.study import Entry, Study
-from bench.topics.explore.explore import explore
 from bench.topics.findings import Findings
 from bench.topics.findings.selection import selection
 from bench.topics.integrity.left_out import left_out
@@ -92,10 +91,3 @@ def test_where_every_problem_failed_there_is_nothing_to_compare(make, tmp_path):
     section = verdict.section(found)
     assert section.text[0].startswith("There is nothing to compare: no problem")
     assert "p (in 1 of 24 trials)" in section.warnings[0]
-
-
-def test_runs_that_are_not_compared_can_be_looked_at(make, tmp_path):
-    found = Findings(Results(make(tmp_path / "s", raised=[("p", "a", 0)])))
-    assert len(found.trials.frame) < len(found.trials.whole)
-    cells = explore(found)["cells"]
-    assert len(cells) == 6

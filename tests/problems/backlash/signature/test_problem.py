@@ -1,7 +1,6 @@
 """The signature as a problem, its datasets and their cache, and a user's own recordings."""
 
 import json
-import re
 import subprocess
 import sys
 
@@ -170,25 +169,3 @@ class TestConstrained:
         free, bound = load_problem("signature-12"), load_problem("signature-12", constrained=True)
         assert free.repaired_optimum == bound.repaired_optimum == bound.optimum
         assert bound.optimum == free.reference(constrained=True).value > free.optimum
-
-
-@pytest.mark.parametrize("options", [{}, {"single": True}, {"period": 0.1}, {"unit": "rpm", "turns": 3}])
-def test_a_report_draws_the_same_signature_from_its_expression(options):
-    vl_convert = pytest.importorskip("vl_convert", reason="Vega is the judge: install vl-convert-python")
-    problem = load_problem("signature-12", **options)
-    data = problem.fitted_data()
-    assert data.values is problem.signal
-    (x,) = problem.repair(np.random.default_rng(3).uniform(problem.lower, problem.upper, (1, 7)))
-    x[T2] = problem.upper[T2]  # oscillations that overlap
-    text = {"signal": "format(datum.fit, '.12g')"}
-    values = [{"t": t} for t in data.t[::8].tolist()]
-    formula = {"type": "formula", "expr": data.model, "as": "fit"}
-    svg = vl_convert.vega_to_svg(
-        {
-            "signals": [{"name": "point", "value": dict(zip(problem.variables, x.tolist(), strict=True))}],
-            "data": [{"name": "data", "values": values, "transform": [formula]}],
-            "marks": [{"type": "text", "from": {"data": "data"}, "encode": {"enter": {"text": text}}}],
-        }
-    )
-    drawn = [float(each.replace("−", "-")) for each in re.findall(r"<text[^>]*>([^<]+)</text>", svg)]
-    assert drawn == pytest.approx(problem.model(x)[::8].tolist(), rel=1e-9, abs=1e-9)

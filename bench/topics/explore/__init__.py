@@ -1,1 +1,0 @@
-"""A topic of reports: the data of the interactive part."""

@@ -1,0 +1,82 @@
+"""The figure that a reader changes: its curves are those of the picture, and it works under the page's policy."""
+
+import re
+
+import numpy as np
+import pytest
+from markupsafe import Markup
+
+from bench import Results, analysis
+from bench.report.page import Item, View, render
+from bench.report.parts import Section
+from bench.topics.anytime import live
+from bench.topics.anytime.section import section
+from bench.topics.findings import Findings
+
+HOSTILE = "q</script><!--'\"&"
+CURVES = "[...document.querySelectorAll('.live .mark-line path')].map((path) => path.getAttribute('d'))"
+
+
+@pytest.fixture(scope="module")
+def findings(make, tmp_path_factory):
+    """Return the findings of 2 problems, 3 optimizers and 4 trials, of which one failed."""
+    folder = tmp_path_factory.mktemp("live") / "s"
+    return Findings(Results(make(folder, ("p", HOSTILE), ("a", "b", "<i>c"), trials=4, fail=[("p", "b", 1)])))
+
+
+@pytest.fixture(scope="module")
+def specification(findings):
+    return live.targets_reached(findings)
+
+
+def test_its_shares_are_those_of_the_picture(findings, specification):
+    (columns,) = specification["data"]["values"]
+    o, e, reached, of = (np.array(columns[name]) for name in ("o", "e", "reached", "of"))
+    for evaluations in (1.0, 10.0, 100.0):
+        shares = analysis.ecdf(findings.anytime.hits, np.array([evaluations])).set_index("optimizer")["fraction"]
+        for place, label in enumerate(findings.trials.optimizers):
+            own = o == place
+            # Evaluations are rounded up to a grid: what is reached at 10 counts at the first step from 10 on.
+            until = e[own & (e >= evaluations * 0.999)].min()
+            share = reached[own & (e <= until)].sum() / of[own].sum()
+            assert share == pytest.approx(shares[label])
+
+
+def test_a_reader_chooses_problem_and_target(findings, specification):
+    problem, target, curve, zoom = specification["params"]
+    assert problem["bind"]["labels"] == ["all problems", "p", HOSTILE]
+    assert len(target["bind"]["labels"]) == 1 + len(findings.anytime.target_set.tabled)
+    assert (curve["bind"], zoom["bind"]) == ("legend", "scales")
+
+
+def test_it_is_left_out_where_it_would_be_too_large(findings, monkeypatch):
+    monkeypatch.setattr(live, "MOST_ROWS", 10)
+    assert live.targets_reached(findings) is None
+
+
+def test_vega_lite_draws_a_curve_an_optimizer(specification):
+    vl_convert = pytest.importorskip("vl_convert", reason="Vega-Lite is the judge: install vl-convert-python")
+    svg = vl_convert.vegalite_to_svg({**specification, "width": 600})
+    marks = svg[svg.index("mark-line") :]
+    assert len(re.findall(r"<path [^>]*stroke-dasharray", marks[: marks.index("</svg>")])) >= 3
+    assert "&lt;i&gt;c" in svg
+
+
+def test_it_works_in_a_page_and_its_picture_without_scripts(findings, browser, tmp_path):
+    (figure,) = [item for item in section(findings).items if item.name == "targets-reached"]
+    picture = Markup('<svg viewBox="0 0 9 9" role="img"></svg>')
+    page = tmp_path / "report.html"
+    view = View("part.1", Section("Curves", items=(figure,)), [Item("targets-reached", [], figure, picture)], [], [])
+    page.write_text(render("A report", "", [view]), encoding="utf-8")
+    browser.open(page)
+    before = browser.wait(f"({CURVES}).length === 3 && {CURVES}")
+    browser.page.locator(".live select").nth(0).select_option(label=HOSTILE)
+    browser.wait(f"String({CURVES}) !== {str(','.join(before))!r}")
+    browser.page.locator(".live .role-legend-symbol path").first.click(force=True)
+    faint = "[...document.querySelectorAll('.live .mark-line path')].filter((path) => path.getAttribute('opacity') < 1)"
+    browser.wait(f"{faint}.length === 2")
+    assert browser.complaints == []
+    assert set(browser.requests) == {page.as_uri()}
+    browser.open(page, scripts=False)
+    assert browser.page.locator(".plot svg").count() == 1
+    assert browser.page.locator(".live svg").count() == 0
