@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -102,12 +103,51 @@ class CMAES(BoxedCMA):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of flat fitness and early stops, which the harness records
             strategy = CMAEvolutionStrategy(box.inverse(self.mean(objective)), step, options)
+            strategy.sm.update = partial(learn, strategy.sm)
+            books = take_books(strategy)
             while not strategy.stop():
-                asked = strategy.ask()
+                asked = strategy.ask_geno()
+                if not strategy.gp.isidentity:  # pycma searches an ill-conditioned problem in other coordinates
+                    strategy.sent_solutions = books
+                    coordinates, asked = asked, [strategy.gp.pheno(point) for point in asked]
+                    for point, each in zip(asked, coordinates, strict=True):
+                        books.insert(point, geno=each, iteration=strategy.countiter)
                 f = self.evaluate(objective, box(np.asarray(asked)))
                 # the points are pycma's own: they need no check, and none is pulled towards the mean
                 strategy.tell(asked, f.tolist(), check_points=False)
         objective.stop(" ".join(sorted(strategy.stop())))
+
+
+def take_books(strategy: Any) -> Any:
+    """Have pycma look up no point that it has sent, as each comes back unchanged; return the archive of points."""
+    from cma.evolution_strategy import get_CMASolutionDict
+
+    books, strategy.sent_solutions = strategy.sent_solutions, get_CMASolutionDict(functional=False)()
+    space, geno = strategy.gp, strategy.gp.geno
+    space.geno = lambda y, *others, **options: y if space.isidentity else geno(y, *others, **options)
+    injected, clean = strategy._injected_solutions_archive, strategy._clean_injected_solutions_archive
+    strategy._clean_injected_solutions_archive = lambda points: clean(points) if len(injected) else []
+    return books
+
+
+def learn(model: Any, vectors: Any, weights: Any, c1_times_delta_hsigma: float = 0) -> None:
+    """Do as the ``update`` of pycma's distribution does, to the last bit, with all negative weights at once.
+
+    The weighted outer products of the (n, d) ``vectors`` are added to C (Hansen, arXiv:1604.00772, eq. 47); a negative
+    weight is divided by the vector's squared Mahalanobis length (eq. 46). Sums are taken in pycma's order, and powers
+    remain those of numpy's scalars, from which those of arrays differ in last digits.
+    """
+    x, w = np.asarray(vectors), np.array(weights)
+    total, negative = w.cumsum()[-1], w < 0
+    white = (model.B.T @ x[negative, :, np.newaxis])[..., 0] / model.D
+    lengths = (white**2).cumsum(axis=1)[:, -1]
+    w[negative] *= [model.dimension / (length**0.5 + 1e-9) ** 2 for length in lengths]
+    if not (np.isfinite(x[0, 0]) and np.isfinite(lengths).all() and np.isfinite(w).all()):
+        type(model).update(model, vectors, weights, c1_times_delta_hsigma)  # which raises an error
+        return
+    model.C *= 1 + c1_times_delta_hsigma - total
+    model.C += np.dot(w * x.T, x)
+    model.count_tell += 1
 
 
 class BoxMap:

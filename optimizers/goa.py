@@ -15,6 +15,7 @@ from optimizers.common.base import Population, compiled, works
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)
+TILE = 32  # grasshoppers; two tiles of forces fit into the first-level cache
 
 
 @dataclass(frozen=True)
@@ -92,20 +93,56 @@ def social_forces(x: Floats, width: int) -> Floats:
     """Return the (d, N) sums over j of s(2 + D mod 2) (x_j - x_i) / (D + eps) for (d, N) positions ``x``.
 
     D is the distance within each group of ``width`` coordinates. A sum takes its terms in the order of j, the term
-    j = i, which is zero, included; the inner loops are over i, so that the compiler vectorises them.
+    j = i, which is zero, included. A pair's force, the costly part, is computed once for both: the forces between two
+    tiles of grasshoppers pull the later tile and, mirrored, the earlier one, which by then holds the terms of all tiles
+    up to itself. The inner loops are in functions of their own, where the compiler vectorises them.
     """
     d, N = x.shape
-    S, force = np.zeros((d, N)), np.empty(N)
+    S = np.zeros((d, N))
+    forces, mirrored = np.empty((TILE, TILE)), np.empty((TILE, TILE))
     for group in range(0, d, width):
-        for j in range(N):
-            force[:] = 0.0
-            for k in range(group, group + width):
-                for i in range(N):
-                    force[i] += (x[k, j] - x[k, i]) ** 2
-            for i in range(N):
-                D = np.sqrt(force[i])
-                force[i] = social_force(D) / (D + EPS)
-            for k in range(group, group + width):
-                for i in range(N):
-                    S[k, i] += force[i] * (x[k, j] - x[k, i])
+        for early in range(0, N, TILE):
+            for late in range(early, N, TILE):
+                for k in range(group, group + width):
+                    add_squares(forces, x[k, late : late + TILE], x[k, early : early + TILE], k == group)
+                to_forces(forces, mirrored, min(TILE, N - early), min(TILE, N - late))
+                for k in range(group, group + width):
+                    pull(S[k, late : late + TILE], forces, x[k, late : late + TILE], x[k, early : early + TILE])
+                if late > early:
+                    for k in range(group, group + width):
+                        pull(S[k, early : early + TILE], mirrored, x[k, early : early + TILE], x[k, late : late + TILE])
     return S
+
+
+@compiled
+def add_squares(squares: Floats, x: Floats, y: Floats, first: bool) -> None:
+    """Add to the (m, n) ``squares`` those of the differences from ``x`` (n,) to ``y`` (m,); the first ones are set."""
+    for j in range(len(y)):
+        row = squares[j]
+        if first:
+            for i in range(len(x)):
+                row[i] = (y[j] - x[i]) ** 2
+        else:
+            for i in range(len(x)):
+                row[i] += (y[j] - x[i]) ** 2
+
+
+@compiled
+def to_forces(squares: Floats, mirrored: Floats, m: int, n: int) -> None:
+    """Replace m rows and n columns of squared distances D^2 by s(2 + D mod 2) / (D + eps), and mirror these."""
+    for j in range(m):
+        row = squares[j]
+        for i in range(n):
+            D = np.sqrt(row[i])
+            row[i] = social_force(D) / (D + EPS)
+        for i in range(n):
+            mirrored[i, j] = row[i]
+
+
+@compiled
+def pull(S: Floats, forces: Floats, x: Floats, y: Floats) -> None:
+    """Add to the sums ``S`` (n,) the pulls of ``y`` (m,) on ``x`` (n,), one after another, by the (m, n) ``forces``."""
+    for j in range(len(y)):
+        row = forces[j]
+        for i in range(len(x)):
+            S[i] += row[i] * (y[j] - x[i])

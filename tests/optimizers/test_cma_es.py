@@ -98,6 +98,7 @@ MIDPOINT = {"handling": "box", "start": "midpoint"}
         (ill_conditioned(6), {"agents": 40, "active": False}, 200),
         (ellipsoid(1), {}, 200),  # no coordinate-wise scales
         (ellipsoid(7), {"agents": 300, "handling": "box"}, 100),
+        (ellipsoid(300), {"agents": 20}, 6),  # pycma injects two points into each generation
     ],
 )
 def test_a_run_is_pycma_s_own_with_bounds(problem, options, generations):
