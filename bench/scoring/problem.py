@@ -174,11 +174,12 @@ class ScoredObjective(Objective):
 
     def __init__(self, problem: Scored, *others: Any) -> None:
         super().__init__(problem, *others)
+        self._compute = self._assessed
         self._noise = self._rng.spawn(1)[0]  # a stream that initial points do not share
         self._found: Assessment  # of the points under evaluation
         self._least = np.inf
 
-    def _values(self, x: Floats) -> Floats:
+    def _assessed(self, x: Floats) -> Floats:
         self._found = self._problem.assess(x, self._noise)
         self.failures += self._found.failed
         return self._found.values

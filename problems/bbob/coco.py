@@ -36,6 +36,20 @@ def optimum_of(number: int, instance: int) -> float:
     return float(cocoex.BareProblem("bbob", number, 2, instance).best_value())
 
 
+def bbob_function(name: str, number: int, dimension: int, instance: int) -> Callable[[Floats], Floats]:
+    """Return a function of the suite bbob as one of (n, d) points, which COCO evaluates in one call."""
+    cocoex = require("cocoex", "suites", f"problem {name!r} needs")
+    function = cocoex.BareProblem("bbob", number, dimension, instance)
+
+    def evaluate(x: Floats) -> Floats:
+        if x.shape != (len(x), dimension):  # C would read beyond the array
+            raise ValueError(f"expected points of shape (n, {dimension}), got {x.shape}")
+        values: Floats = function(np.ascontiguousarray(x, np.float64))
+        return values
+
+    return evaluate
+
+
 def evaluated(function: Any) -> Callable[[Floats], Floats]:
     """Return a function object of COCO, which evaluates one point a call, as a function of (n, d) points."""
     return lambda x: np.fromiter(map(function, x), np.float64, len(x))

@@ -12,7 +12,7 @@ from functools import partial
 
 from bench import Problem
 from bench.families import Grid, Member
-from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimum_of
+from problems.bbob.coco import BOX, INSTANCES, bbob_function, evaluated, function_of, optimum_of
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
 FUNCTIONS = range(1, 25)
@@ -49,11 +49,14 @@ def _suite(suite: str, dimensions: tuple[int, ...]) -> Suite:
 
 def _problem(suite: str, name: str, member: Member) -> Problem:
     number, dimension, instance = int(member.function[1:]), member.dimension, member.instance
-    function = function_of(suite, name, number, dimension, instance)
+    if suite == "bbob":
+        evaluate = bbob_function(name, number, dimension, instance)
+    else:
+        evaluate = evaluated(function_of(suite, name, number, dimension, instance))
     features = features_of(suite, member, group_of(number, GROUPS))
     lower, upper = [-BOX] * dimension, [BOX] * dimension
     optimum = optimum_of(number, instance)  # the three suites share it
-    return SuiteProblem(evaluated(function), lower, upper, name=name, optimum=optimum, features=features)
+    return SuiteProblem(evaluate, lower, upper, name=name, optimum=optimum, features=features)
 
 
 bbob = _suite("bbob", (2, 3, 5, 10, 20, 40))

@@ -21,7 +21,7 @@ from bench import Problem
 from bench.families import Grid, Member
 from bench.typing import Floats
 from problems.bbob import noiseless
-from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimal_point, optimum_of, rotation
+from problems.bbob.coco import BOX, INSTANCES, bbob_function, optimal_point, optimum_of, rotation
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 40)
@@ -111,7 +111,7 @@ def _above(name: str, base: int, dimension: int, instance: int, optimum: float) 
     """Return the function under the noise less its optimal value."""
     if base == 10:
         return ellipsoid(dimension, instance, 1e4)
-    evaluate = evaluated(function_of("bbob", name, base, dimension, instance))
+    evaluate = bbob_function(name, base, dimension, instance)
     divisor = 10.0 if base == 19 else 1.0  # f19 is ten times the noisy suite's Griewank-Rosenbrock function
     return lambda x: (evaluate(x) - optimum) / divisor
 

@@ -4,7 +4,7 @@ import cocoex
 import numpy as np
 import pytest
 
-from problems.bbob.coco import evaluated, optimal_point, rotation, uniform
+from problems.bbob.coco import bbob_function, evaluated, optimal_point, rotation, uniform
 from tests.problems.bbob.best import function_of
 
 
@@ -35,9 +35,10 @@ def test_a_rotation_is_orthonormal():
     np.testing.assert_allclose(matrix @ matrix.T, np.eye(7), atol=1e-13)
 
 
-def test_values_are_those_of_coco_for_any_array():
+@pytest.mark.parametrize("one_call", [True, False])
+def test_values_are_those_of_coco_for_any_array(one_call):
     theirs = function_of("bbob", 10, 3, 1)
-    evaluate = evaluated(theirs)
+    evaluate = bbob_function("bbob-f10-d3", 10, 3, 1) if one_call else evaluated(theirs)
     x = np.arange(12).reshape(4, 3) - 5
     expected = [theirs(row.astype(float)) for row in x]
     for given in (x.astype(float), np.asfortranarray(x, float), x.astype(float)[:, ::-1][:, ::-1]):
