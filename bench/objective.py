@@ -389,5 +389,5 @@ def scanner(budget: int, dimension: int) -> Callable[[Floats, Floats, Floats], t
     if "numba" in sys.modules or budget * dimension >= _WORTH_COMPILING:
         loop = compiled(_scan, _SIGNATURE)
         # the arrays are the objective's own: their types need no check in each call
-        return getattr(loop, "get_overload", lambda _: loop)(_SIGNATURE)  # type: ignore[no-any-return]
+        return getattr(loop, "get_overload", lambda _: loop)(_SIGNATURE)
     return _scan
