@@ -30,6 +30,7 @@ from bench.study import entries
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
+from bench.study.keys import advice
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
 from bench.trial import Trial
@@ -140,7 +141,7 @@ class Study:
         fields = {item.name for item in dataclasses.fields(cls)}
         for key in data:
             if key not in fields:
-                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, fields)}")
+                raise BenchError(f"study {where}: unknown key {key!r}{advice(key, fields)}")
         for key in ("name", "title", "subject"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
