@@ -1,4 +1,4 @@
-"""bench list: print the installed plug-ins with their lineage and parameters."""
+"""bench list: print the installed plug-ins, one optimizer with its lineage and parameters."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def command(
     kind: Annotated[
         str,
         typer.Argument(
-            help="optimizers, problems, studies, commands, archives, all, or the name of a family or suite, such as "
-            "mealpy.",
+            help="optimizers, problems, studies, commands, archives, all, or the name of an optimizer, a family or a "
+            "suite, such as mealpy.",
         ),
     ] = "all",
     family: Annotated[
@@ -47,9 +47,6 @@ def command(
     search: Annotated[
         str, typer.Option(help="Print what has this text in its name or description, installed or not.")
     ] = "",
-    full: Annotated[
-        bool, typer.Option("--full", help="Print papers, code and parameters of each optimizer of a kind or family.")
-    ] = False,
     as_json: Annotated[
         bool,
         typer.Option(
@@ -70,26 +67,21 @@ def command(
         if as_json:
             print(json.dumps(listed, indent=1, default=str))
         else:
-            _print(f"with {search!r}", listed, True, console)
-    elif kind == ARCHIVES:
-        _print(f"{kind} of {family}", records(kind, family), False, console)
+            _print(f"with {search!r}", listed, console)
     elif kind == "all":
         for group in KINDS:
             console.print(Text(f"{group}: {', '.join(sorted(registry.entries(group)))}"), "")
         console.print(
             Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
         )
-    elif family and kind == "problems":
+    elif kind == "problems" and family:
         _print_suite(family, console)
-    elif family and registry.is_family(plugin := registry.load(kind, family)):
-        if entries := [{"name": name} | _tried(_optimizer, name) for name in plugin.names()]:
-            _print(kind, _shared_lines_first(entries, f"all of {family}") if full else entries, full, console)
-        else:
-            for paragraph in (inspect.getdoc(plugin) or f"{family} has no list of its members").split("\n\n"):
-                console.print(Text(" ".join(paragraph.replace("``", "").split())))
+    elif kind == "optimizers" and family:
+        _print_optimizers(family, console)
+    elif kind == ARCHIVES:
+        _print(f"{kind} of {family}", records(kind, family), console)
     else:
-        full, names = full or bool(family), [family] if family else sorted(registry.entries(kind))
-        _print(kind, [{"name": name} | _tried(_about, kind, name, full) for name in names], full, console)
+        _print(kind, [{"name": name} | _tried(_about, kind, name) for name in sorted(registry.entries(kind))], console)
 
 
 def _matching(text: str, kind: str, family: str) -> list[Entry]:
@@ -112,17 +104,19 @@ def _words(entry: Entry) -> str:
 
 
 def _chosen(kind: str, family: str) -> tuple[str, str]:
-    """Return the kind and the family, "" for all, of the words of a command; a family's name alone has a kind."""
+    """Return the kind and the family, "" for all, of the words of a command; a name alone has a kind."""
     if kind == ARCHIVES:
         return kind, family or "bbob"
     if not family and kind not in (*KINDS, "all"):
-        kind, family = next((group for group in GROUPED if kind in registry.entries(group)), kind), kind
+        of = kind.partition(":")[0]
+        kind, family = next((group for group in GROUPED if of in registry.entries(group)), kind), kind
     named = [name for group in GROUPED for name in registry.entries(group)]
     _require_known("no kind, family, suite or plug-in is called", kind, (*KINDS, ARCHIVES, "all", *named))
     if family and kind not in GROUPED:
         raise BenchError(f"{kind!r} has no families or suites; leave out {family!r}")
     if family:
-        _require_known(f"unknown family of {kind}", family, registry.entries(kind))
+        of = family.partition(":")[0] if kind == "optimizers" else family
+        _require_known(f"unknown family of {kind}", of, registry.entries(kind))
     return kind, family
 
 
@@ -131,13 +125,30 @@ def _require_known(what: str, name: str, names: Iterable[str]) -> None:
         raise BenchError(f"{what} {name!r}{nearest(name, names)}")
 
 
-def _print(title: str, entries: Iterable[Entry], full: bool, console: Console) -> None:
-    """Print a table of names and what they are, in one line each unless ``full``."""
-    rows = []
-    for entry in entries:
-        about = _words(entry) if full else _words(entry).partition("\n")[0]
-        rows.append((Text(entry["name"], no_wrap=True), Text(about, "red" if "error" in entry else "")))
+def _print(title: str, entries: Iterable[Entry], console: Console) -> None:
+    """Print a table of names and what they are, or why they do not load."""
+    rows = [
+        (Text(entry["name"], no_wrap=True), Text(_words(entry), "red" if "error" in entry else "")) for entry in entries
+    ]
     console.print(table(("name", "what it is"), rows, title=title), "")
+
+
+def _print_optimizers(name: str, console: Console) -> None:
+    """Print the members of a family of optimizers, or the papers, code and parameters of one optimizer."""
+    plugin = None if ":" in name else registry.load("optimizers", name)
+    if plugin is None or not registry.is_family(plugin):
+        found = catalogue.record(name)
+        parts = (
+            *(("paper", paper) for paper in found.paper), ("code", found.code),
+            ("parameters", ", ".join(map(str, found.parameters))), ("extra", found.extra), ("package", found.package),
+            *(("not mapped", sentence) for sentence in found.unmapped),
+        )  # fmt: skip
+        console.print(table(("", ""), [(name, found.about), *(part for part in parts if part[1])]))
+    elif plugin.names():
+        _print(name, _optimizer_records(name), console)
+    else:
+        for paragraph in (inspect.getdoc(plugin) or f"{name} has no list of its members").split("\n\n"):
+            console.print(Text(" ".join(paragraph.replace("``", "").split())))
 
 
 def _print_suite(family: str, console: Console) -> None:
@@ -175,7 +186,7 @@ def records(kind: str, family: str = "") -> list[Entry]:
         return _archive_records(family)
     if kind in KINDS and kind != "optimizers":
         return [
-            {"name": name, "package": registry.package(kind, name)} | _tried(_about, kind, name, False)
+            {"name": name, "package": registry.package(kind, name)} | _tried(_about, kind, name)
             for name in sorted(registry.entries(kind))
         ]
     names = [family] if family else registry.entries("optimizers")
@@ -185,8 +196,8 @@ def records(kind: str, family: str = "") -> list[Entry]:
 def _optimizer_records(name: str) -> list[Entry]:
     """Return the record of an optimizer or of each member of a family; without its library, of those it knows."""
     try:
-        plugin = registry.load("optimizers", name)
-        names = plugin.names() if registry.is_family(plugin) else [name]
+        plugin = None if ":" in name else registry.load("optimizers", name)
+        names = [name] if plugin is None or not registry.is_family(plugin) else plugin.names()
     except Exception as error:  # a plug-in may raise anything
         known = [name]
         with suppress(Exception):
@@ -225,18 +236,6 @@ def _archive_records(suite: str) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _shared_lines_first(entries: list[Entry], name: str) -> list[Entry]:
-    """Move the lines that all entries share into a first one, called ``name``."""
-    texts = [_words(entry).splitlines() for entry in entries]
-    shared = [line for line in texts[0] if all(line in text for text in texts)]
-    if len(entries) == 1 or not shared:
-        return entries
-    own = ("\n".join(line for line in text if line not in shared) for text in texts)
-    return [{"name": name, "about": "\n".join(shared)}] + [
-        entry | {"error" if "error" in entry else "about": text} for entry, text in zip(entries, own, strict=True)
-    ]
-
-
 def _tried(describe: Callable[..., Any], *arguments: Any) -> Entry:
     """Describe a plug-in by a function, or by the error that this raises."""
     try:
@@ -245,33 +244,14 @@ def _tried(describe: Callable[..., Any], *arguments: Any) -> Entry:
         return {"error": str(error) if isinstance(error, BenchError) else f"failed to load: {error}"}
 
 
-def _about(kind: str, name: str, full: bool) -> str:
-    """Describe a plug-in: an optimizer by its lineage and parameters, a family by its members where ``full``."""
+def _about(kind: str, name: str) -> str:
+    """Return a line on a plug-in: the title of a study, the first and the last name of a family of problems, …"""
     plugin = registry.load(kind, name)
     if kind == "studies":
         return Study.load(name).title
     if not registry.is_family(plugin):
-        return _optimizer(name) if kind == "optimizers" else catalogue.first_line(plugin)
-    if kind != "optimizers":
-        names = plugin.names()
-        return f"{names[0]} … {names[-1]}" if names else f"{name}:<name>"
-    lines = [catalogue.first_line(plugin), f"loaded as {name}:<name>; 'bench list {name}' shows each"]
-    lines += [f"extra: {plugin.extra}"] if getattr(plugin, "extra", "") else []
-    if full:  # which imports the family's library
-        try:
-            lines.append(f"{len(names := plugin.names())}: {', '.join(names)}")
-        except BenchError as error:
-            lines.append(str(error))
-    return "\n".join(lines)
-
-
-def _optimizer(name: str) -> str:
-    """Describe an optimizer by its lineage and parameters, one line each."""
-    record = catalogue.record(name)
-    lines = [record.about, *(f"paper: {paper}" for paper in record.paper)]
-    for title, text in (
-        ("code", record.code), ("parameters", ", ".join(map(str, record.parameters))), ("family", record.family),
-        ("extra", record.extra), ("package", record.package),
-    ):  # fmt: skip
-        lines += [f"{title}: {text}"] if text else []
-    return "\n".join([*lines, *(f"not mapped: {sentence}" for sentence in record.unmapped)])
+        return catalogue.record(name).about if kind == "optimizers" else catalogue.first_line(plugin)
+    if kind == "optimizers":
+        return catalogue.first_line(plugin)
+    names = plugin.names()
+    return f"{names[0]} … {names[-1]}" if names else f"{name}:<name>"

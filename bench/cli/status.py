@@ -95,8 +95,8 @@ def summary(folder: Folder) -> Group:
         seconds = sum(cell.wall_s for cell in its_cells)  # 0 of imported trials, whose times are unknown
         mean = f"{seconds / done:.3g}" if done and seconds else ""
         rows.append((entry.label, done, Text(str(lost), "red" if lost else ""), planned, mean))
-    head = Text(f"study {study.name}" + f": {study.title}" * bool(study.title)), Text(f"study hash {study.identity()}")
-    lines: list[RenderableType] = [*head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
+    head = Text(f"study {study.name}" + f": {study.title}" * bool(study.title))
+    lines: list[RenderableType] = [head, table(("optimizer", "done", "failed", "of", "s a trial"), rows)]
     if returned := folder.store.undeclared():
         lines.append(Text(too_early(returned), "red"))
     lines += map(Text, _kept(folder))
@@ -170,34 +170,13 @@ def _killed(folder: Folder) -> Iterator[str]:
         yield f"a run was killed at {run['ended']} or later; under way were {'; '.join(trials)}"
 
 
-def _counted(number: object, noun: str) -> str:
-    """Return a noted number with its noun, whatever the note holds."""
-    return count(number, noun) if isinstance(number, int) else f"{number} {noun}s"
-
-
 def _environment(record: dict[str, Any], made: int) -> list[str]:
-    """Describe one run on one machine in lines, or where imported trials come from."""
+    """Describe one run on one machine in a line, or where imported trials come from; environment.json has the rest."""
     trials = count(made, "trial")
     if source := record.get("imported"):
         licence = record.get("licence") or "licence unknown"
-        return [
-            f"imported {record.get('started')}: {trials} from {source} ({record.get('format')}, {licence})",
-            f"    SHA-256 {record.get('sha256')}",
-            *(f"    left out: {sentence}" for sentence in record.get("left_out", ())),
-            f"    {record.get('command')}",
-        ]
-    git = record.get("git") or {}
-    dirty = f" with changes {git['diff'][:10]}" if git.get("diff") else " with changes" if git.get("dirty") else ""
-    commit = f", commit {git['commit'][:10]}{dirty}" if git.get("commit") else ""
-    libraries = record.get("blas") or ()
-    blas = ", ".join(f"{e.get('library')} {e.get('version')}, threads: {e.get('threads')}" for e in libraries)
-    packages = ", ".join(f"{name} {version}" for name, version in (record.get("packages") or {}).items())
+        line = f"imported {record.get('started')}: {trials} from {source} ({record.get('format')}, {licence})"
+        return [line, *(f"    left out: {sentence}" for sentence in record.get("left_out", ()))]
     ended = f", ended {record['ended']}" if record.get("ended") else ", not ended"
-    workers = f"{_counted(record.get('jobs'), 'job')} ({record.get('backend')})"
-    cores = _counted(record.get("cores"), "core")
-    machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
-    return [
-        f"ran {record.get('started')}{ended}: {trials} with {workers} on {machine}, {cores}",
-        f"    Python {record.get('python')}{commit}; {packages}" + (f"; BLAS {blas}" if blas else ""),
-        f"    study {record.get('study')}: {record.get('command')}",
-    ]
+    where = f"{record.get('host')} ({record.get('backend')}, jobs: {record.get('jobs')})"
+    return [f"ran {record.get('started')}{ended}: {trials} on {where}: {record.get('command')}"]

@@ -89,7 +89,7 @@ def family_page(name: str, members: Iterable[Record]) -> str:
                 *(("of all members", plain(remark)) for remark in sorted(shared)),
             ],
         ),
-        f"`bench list {name}` prints the same with the ranges of all parameters, with `--json` for programs.",
+        f"`bench list {name}:MEMBER` prints one with the ranges of its parameters, `bench list {name} --json` all.",
         "\n".join(f"{number}. {plain(remark)}" for remark, number in numbers.items()),
         *_members(rows),
     ]
