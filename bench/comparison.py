@@ -25,8 +25,6 @@ NAME = "comparison"
 Table = Mapping[str, object]
 """What a table of a study's file would hold, with ``name``; in its place may be an object."""
 
-Given = str | Mapping[str, Any]
-
 
 def compare(
     problems: ProblemLike | Table | Iterable[ProblemLike | Table],

@@ -14,7 +14,6 @@ import pandas as pd
 
 from bench.analysis.cells import BEATEN, Traces
 from bench.objective import Trace
-from bench.study.targets import PRECISIONS
 
 SOLVED = 1e-8
 """The last target of COCO, below which the CEC competitions take an error as 0 too; a better precision is rounding."""
@@ -82,15 +81,6 @@ def pool_instances(
     )
     moved = _Precisions(traces, pools, offset, optima, trials)
     return Pooled(changed, moved, members)
-
-
-def precision_targets(functions: Iterable[str], precisions: Iterable[float] = PRECISIONS) -> pd.DataFrame:
-    """Return the targets of pooled functions, whose values are precisions: problem, tau and target, both the precision.
-
-    :func:`bench.analysis.hitting_times` takes them in place of the ladders that begin at each problem's first values.
-    """
-    rows = [(function, precision, precision) for function in functions for precision in precisions]
-    return pd.DataFrame(rows, columns=["problem", "tau", "target"])
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import sys
 from itertools import accumulate
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench import Results, Trace
@@ -92,3 +93,9 @@ def some_fail(trial, values):
 def needs(kind):
     if kind == "parquet":
         pytest.importorskip("pyarrow", reason="Parquet needs pyarrow")
+
+
+def precision_targets(functions, precisions):
+    """The targets of functions whose values are precisions."""
+    rows = [(function, precision, precision) for function in functions for precision in precisions]
+    return pd.DataFrame(rows, columns=["problem", "tau", "target"])

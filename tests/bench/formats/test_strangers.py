@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Results, analysis
-from bench.analysis.instances import precision_targets
 from bench.formats.importing import import_results
 from bench.topics.findings import Findings
 from tests.bench.formats.coco.test_reader import PRECISIONS, READ
-from tests.bench.formats.made import read
+from tests.bench.formats.made import precision_targets, read
 
 LOGGER = """
 import cocoex, numpy as np

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Results, analysis
-from bench.analysis.instances import precision_targets
 from bench.formats.importing import import_results
 from bench.formats.naming import agrees
 from bench.topics.findings import Findings
-from tests.bench.formats.made import exported, make, read
+from tests.bench.formats.made import exported, make, precision_targets, read
 
 READ = """
 import contextlib
