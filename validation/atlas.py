@@ -32,7 +32,7 @@ from bench.check.idle import alternatives
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.execution.safe_runs import safe_run
-from bench.helpers.markdown import code, plain, table
+from bench.helpers.markdown import table
 from bench.plugins.loading import default_label, load_optimizer, package
 from bench.report.wording import cell_text
 from bench.seeds import trial_seed
@@ -85,9 +85,8 @@ class Surveyed:
             sentences.append(f"biased to the centre (errors are {self.centre_bias:.3g} times as high away from it)")
         if self.clamped > CLAMPED:
             sentences.append(f"biased to the bounds ({self.clamped:.0%} of the best points' coordinates lie on them)")
-        if self.dead:
-            dead = ", ".join(f"{name} (tried {tried})" for name, tried in self.dead.items())
-            sentences.append(f"without effect: {dead}")
+        if dead := [f"{name} (tried {tried})" for name, tried in self.dead.items()]:
+            sentences.append(f"without effect: {', '.join(dead)}")
         return sentences + ["a seed does not repeat its runs"] * (not self.repeatable)
 
 
@@ -246,10 +245,10 @@ def write(output: Path, methods: dict[str, Any], surveyed: list[Surveyed], tests
     groups = grouped(surveyed, pairs)
     rows = [
         {
-            "method": seen.method, "label": seen.label,
-            "optimizer": seen.name, "options": json.dumps(seen.options), "code": seen.code, "group": groups[seen.key],
-            "evaluations": seen.evaluations, "centre_bias": seen.centre_bias, "on_bounds": seen.clamped,
-            "repeatable": seen.repeatable, "without_effect": json.dumps(seen.dead),
+            "method": seen.method, "label": seen.label, "optimizer": seen.name, "options": json.dumps(seen.options),
+            "code": seen.code, "group": groups[seen.key], "evaluations": seen.evaluations,
+            "centre_bias": seen.centre_bias, "on_bounds": seen.clamped, "repeatable": seen.repeatable,
+            "without_effect": json.dumps(seen.dead),
         } for seen in surveyed
     ]  # fmt: skip
     medians = [
@@ -257,13 +256,9 @@ def write(output: Path, methods: dict[str, Any], surveyed: list[Surveyed], tests
         for seen in surveyed for problem, values in seen.measures.items()
     ]  # fmt: skip
     times = [(seen.method, seen.label, seen.microseconds) for seen in surveyed]
-    frames = {
-        "implementations": pd.DataFrame(rows),
-        "medians": pd.DataFrame(medians, columns=["method", "label", "problem", *MEASURES]),
-        "times": pd.DataFrame(times, columns=["method", "label", "microseconds_an_evaluation"]),
-        "pairs": pairs,
-        "tests": tests,
-    }
+    frames = {"implementations": pd.DataFrame(rows), "pairs": pairs, "tests": tests}
+    frames["medians"] = pd.DataFrame(medians, columns=["method", "label", "problem", *MEASURES])
+    frames["times"] = pd.DataFrame(times, columns=["method", "label", "microseconds_an_evaluation"])
     for name, frame in frames.items():
         frame.to_csv(output / f"{name}.csv", index=False, lineterminator="\n", encoding="utf-8")
     size = f"{size} on each of {len(PROBLEMS)} functions, d = {DIMENSION}"
@@ -286,9 +281,9 @@ def index_page(
     for name, method in methods.items():
         cells = {library: [] for library in libraries}
         for seen in (each for each in surveyed if each.method == name):
-            cells[of_library[seen.key]].append(f"{code(seen.label.rpartition(':')[2])} **{groups[seen.key]}**")
-        rows.append([f"[{plain(method['title'])}]({name}.md)", *map(", ".join, cells.values())])
-    noted = [[plain(seen.method), code(seen.label), plain(each)] for seen in surveyed for each in seen.findings]
+            cells[of_library[seen.key]].append(f"`{seen.label.rpartition(':')[2]}` **{groups[seen.key]}**")
+        rows.append([f"[{escaped(method['title'])}]({name}.md)", *map(", ".join, cells.values())])
+    noted = [[escaped(seen.method), f"`{seen.label}`", escaped(each)] for seen in surveyed for each in seen.findings]
     several = pairs.groupby("method")["different"].sum()
     rule = (
         f"p is adjusted by Holm's method over all {len(tests):,} exact Kolmogorov-Smirnov tests (pairs, functions and "
@@ -300,11 +295,11 @@ def index_page(
         "# An atlas of implementations",
         f"{len(surveyed)} implementations of {len(methods)} methods: {size}; seed 0.",
         rule,
-        table(["method", *map(plain, libraries)], rows),
+        table(["method", *map(escaped, libraries)], rows),
         "## Biases, parameters without effect, failures",
         table(["method", "implementation", "finding"], noted),
         "## Versions",
-        "\n".join(f"- {plain(each)}" for each in sorted({seen.code for seen in surveyed})),
+        "\n".join(f"- {escaped(each)}" for each in sorted({seen.code for seen in surveyed})),
     ]
 
 
@@ -313,14 +308,14 @@ def method_page(
 ) -> list[str]:
     """Return the paragraphs of the page of a method: its implementations, their differences, median final bests."""
     implementations = [
-        [code(seen.label), groups[seen.key], plain(seen.code), cell_text(round(seen.evaluations)),
-         plain("; ".join(seen.findings))] for seen in of_method
+        [f"`{seen.label}`", groups[seen.key], escaped(seen.code), cell_text(round(seen.evaluations)),
+         escaped("; ".join(seen.findings))] for seen in of_method
     ]  # fmt: skip
     medians = [[problem, *(cell_text(float(np.median(seen.measures[problem][:, -1]))) for seen in of_method)]
                for problem in PROBLEMS]  # fmt: skip
     parts = [
-        f"# {plain(method['title'])}",
-        plain(f"{size}. {method.get('conditions', '')}".strip()),
+        f"# {escaped(method['title'])}",
+        escaped(f"{size}. {method.get('conditions', '')}".strip()),
         table(["implementation", "letter", "code", "evaluations", "finding"], implementations),
     ]
     if len(pairs):
@@ -328,22 +323,26 @@ def method_page(
         columns = f"The columns count the functions, of {len(PROBLEMS)}, on which a pair differs in the measure."
         parts += ["## Which of them differ", columns, table(heads, map(pair_row, pairs.to_dict("records")))]
     parts += ["## Options, and what is documented", "\n".join(map(documented, of_method))]
-    return [*parts, "## Median final bests", table(["function", *(code(seen.label) for seen in of_method)], medians)]
+    return [*parts, "## Median final bests", table(["function", *(f"`{seen.label}`" for seen in of_method)], medians)]
+
+
+def escaped(text: str) -> str:
+    return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in text)
 
 
 def pair_row(row: Mapping[Any, Any]) -> list[str]:
-    lower = code(row["first" if row["orders"] > 0 else "second"])
-    largest = f"{abs(row['orders']):.1f} orders of magnitude on {row['problem']}, {lower} lower"
+    lower = row["first" if row["orders"] > 0 else "second"]
+    largest = f"{abs(row['orders']):.1f} orders of magnitude on {row['problem']}, `{lower}` lower"
     verdict = "**different**" if row["different"] else "not found different"
     counts = (str(row[measure]) for measure in MEASURES)
-    return [f"{code(row['first'])}, {code(row['second'])}", verdict, *counts, largest if row["problem"] else "–"]
+    return [f"`{row['first']}`, `{row['second']}`", verdict, *counts, largest if row["problem"] else "–"]
 
 
 def documented(seen: Surveyed) -> str:
     options = ", ".join(f"{name} = {value!r}" for name, value in seen.options.items()) or "default options"
-    name = "" if seen.label == seen.name else f"{code(seen.name)}, "
-    source = f" ({plain(seen.source)})" if seen.source else ""
-    return f"- {code(seen.label)}: {name}{plain(options)}. {plain(seen.differs)}{source}".rstrip()
+    name = "" if seen.label == seen.name else f"`{seen.name}`, "
+    source = f" ({escaped(seen.source)})" if seen.source else ""
+    return f"- `{seen.label}`: {name}{escaped(options)}. {escaped(seen.differs)}{source}".rstrip()
 
 
 if __name__ == "__main__":

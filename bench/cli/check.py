@@ -12,12 +12,12 @@ import typer
 from joblib import effective_n_jobs
 from rich.console import Console
 
-from bench.cli.console import Jobs, Parameters, Untrusted, table
+from bench.cli.console import Jobs, Parameters, Untrusted
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error, print_line
 from bench.helpers.text import count
 from bench.plugins import registry, selection
-from bench.plugins.loading import default_label, is_problem
+from bench.plugins.loading import is_problem
 
 if TYPE_CHECKING:
     from bench.check.verdict import Checkup, Verdict
@@ -43,19 +43,6 @@ def command(
             help="Also let CMA-ES and L-SHADE try to get below a problem's optimum: 20,000 d evaluations each.",
         ),
     ] = False,
-    against: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="SUITE",
-            help="Compare the suite's values with those of this one, a family or a function in a file; repeatable.",
-        ),
-    ] = None,
-    dimension: Annotated[
-        list[int] | None, typer.Option(help="With --against: compare in this dimension; repeatable.")
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="With --against: write a page and a table into this folder.")
-    ] = None,
     untrusted: Untrusted = False,
     jobs: Jobs = -1,
     anew: Annotated[
@@ -66,15 +53,11 @@ def command(
 
     Every check prints its finding and, where it failed, how to fix it; of several problems, the failed checks alone.
     A breach of the contract ends the command with exit code 1; a bias is a trait of the method and is only reported.
-    With --against, the functions of a suite are compared with other implementations of them, function by function:
-    equal, equal up to a transformation, or different (exit code 1).
     Given a study's folder, the command checks all its optimizers for biases, with the study's options, and notes the
     findings there for the report; it keeps the findings on optimizers that have not changed.
     """
     console = Console()
-    if against:
-        sound = check_suite(name, against, dimension or [], pairs(option), output, console, jobs)
-    elif name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
+    if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
             raise BenchError("--set is for a plug-in given by name; a study's optimizers have their own options")
         sound = check_folder(Path(name), console, jobs, anew, untrusted)
@@ -132,34 +115,6 @@ def _shown(name: str, console: Console, problems: int) -> Callable[[Verdict], No
             show_verdict(name, verdict, console)
 
     return show
-
-
-def check_suite(
-    suite: str,
-    others: list[str],
-    dimensions: list[int],
-    options: dict[str, Any],
-    output: Path | None,
-    console: Console,
-    jobs: int,
-) -> bool:
-    """Compare a suite with other implementations, print what was found; return whether no function is different."""
-    from bench.check.suite_pages import cells, summary, versions, write
-    from bench.check.suites import by_function, compare_suites
-
-    with console.status(f"comparing {suite}"):
-        made = compare_suites(suite, others, dimensions=dimensions, options=options, jobs=jobs)
-    console.print(table(*cells(made)))
-    for each in by_function(made):
-        if each.detail and each.verdict != "rounding":
-            print_line(f"{default_label(each.other)}, {each.member.function}: {each.detail}", console=console)
-    for line in versions(made, suite):
-        print_line(f"versions of {line}", console=console)
-    for sentence in summary(made, suite):
-        print_line(sentence, console=console)
-    if output is not None:
-        print_line(f"page: {write(made, suite, output)}", console=console)
-    return all(each.verdict != "different" for each in made)
 
 
 def check_folder(path: Path, console: Console, jobs: int, anew: bool = False, untrusted: bool = False) -> bool:

@@ -2,8 +2,6 @@
 
 import pytest
 
-from bench import Grid
-
 CODE = """
 import numpy as np
 import bench
@@ -67,42 +65,5 @@ def test_a_problem_that_cannot_be_loaded_costs_no_other_of_its_family(bench_here
 )
 def test_what_cannot_be_checked_is_one_sentence(bench_here, files, name, sentence):
     done = bench_here("check", name, cwd=files)
-    assert done.returncode == 2
-    assert sentence in done.stderr
-
-
-ADAPTER = """
-import bench
-
-def doubled(function, dimension, instance):
-    made = bench.load_problem(f"cec2022-f{function:02d}-d{dimension}")
-    scale = 1.0 if function == 2 else 2.0
-    if function == 3:
-        return bench.FunctionProblem(lambda x: x[:, 0], made.lower, made.upper)
-    return bench.FunctionProblem(lambda x: scale * made.evaluate(x), made.lower, made.upper)
-"""
-
-
-def test_a_suite_is_compared_with_an_implementation_in_a_file(bench_here, tmp_path, monkeypatch):
-    (tmp_path / "own.py").write_text(ADAPTER)
-    three = Grid("cec2022", {f"f{number:02d}": (10,) for number in (1, 2, 3)})
-    monkeypatch.setattr("bench.check.suites._grid", lambda suite: three)
-    done = bench_here("check", "cec2022", "--against", "own.py:doubled", "--output", "pages", cwd=tmp_path)
-    assert done.returncode == 1
-    assert "doubled, f01: its value is 2 times the suite's" in done.stdout
-    assert "doubled, of 3 functions of cec2022: 1 equal (f02), 1 equal up to a transformation (f01)" in done.stdout
-    assert (tmp_path / "pages" / "cec2022.md").exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["cec2022", "--against", "nothing"], "'nothing' is no suite"),
-        (["gwo", "--against", "bbob"], "'gwo' is no suite"),
-        (["cec2022", "--against", "bbob", "--dimension", "7"], "cec2022 has no dimension 7; it has 10, 20"),
-    ],
-)
-def test_what_cannot_be_compared_is_one_sentence(bench_here, tmp_path, arguments, sentence):
-    done = bench_here("check", *arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert sentence in done.stderr
