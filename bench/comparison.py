@@ -34,7 +34,7 @@ def compare(
     budget: int | str | Mapping[str, int] = "100 * d",
     seed: int = 0,
     output: str | PathLike[str] | None = None,
-    jobs: int = -1,
+    n_jobs: int = -1,
     **study: object,
 ) -> Results:
     """Run optimizers on problems and return the results, which a notebook shows as a verdict with its table.
@@ -56,7 +56,7 @@ def compare(
         seed: from which the seeds of all trials derive.
         output: the folder to write; by default a temporary one, which is kept while this session runs and by
             :meth:`bench.Results.save`.
-        jobs: trials made at a time; -1 takes every core.
+        n_jobs: trials made at a time; -1 takes every core.
         study: further keys of a study, such as ``constraints``, and further arguments of :func:`bench.run`, such as
             ``timeout``.
 
@@ -72,7 +72,7 @@ def compare(
     }  # fmt: skip
     chosen = Study.from_dict(content | study, "to compare")
     folder = _temporary(chosen) if output is None else Path(output)
-    outcome = run(chosen, folder, jobs=jobs, **settings)  # type: ignore[arg-type]
+    outcome = run(chosen, folder, n_jobs=n_jobs, **settings)  # type: ignore[arg-type]
     results = Results(outcome.folder)
     _report_losses(outcome, results)
     return results

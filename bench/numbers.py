@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
 from contextlib import suppress
-from functools import wraps
 from numbers import Integral, Real
-from typing import Any, ParamSpec, TypeGuard, TypeVar
+from typing import Any, TypeGuard
 
 from bench.errors import BenchError
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 LARGEST_BUDGET = 10**15
 """Evaluations of a trial, in all or a dimension, which no run reaches."""
@@ -70,18 +65,6 @@ def require_jobs(what: str, value: Any) -> None:
     """Raise BenchError unless the value is a number of jobs: from 1 to :data:`MOST_JOBS`, or -1 for every core."""
     if value != -1:
         require_whole(what, value, 1, MOST_JOBS, also=", or -1 for every core")
-
-
-def taking_n_jobs(function: Callable[P, R]) -> Callable[P, R]:
-    """Return a function with an argument ``jobs``, which then takes it by its earlier name ``n_jobs``, too."""
-
-    @wraps(function)
-    def renamed(*args: P.args, **kwargs: P.kwargs) -> R:
-        if "n_jobs" in kwargs and "jobs" not in kwargs:
-            kwargs["jobs"] = kwargs.pop("n_jobs")
-        return function(*args, **kwargs)
-
-    return renamed
 
 
 def span(minimum: float | None, maximum: float | None) -> str:

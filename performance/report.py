@@ -61,7 +61,7 @@ def measure(quick: bool) -> Rows:
 def written(folder: Path, jobs: int) -> tuple[Cost, Files]:
     """Return what a report takes, and its files."""
     with tempfile.TemporaryDirectory() as place:
-        code = "bench.write_report(sys.argv[1], output=sys.argv[2], jobs=int(sys.argv[3]))"
+        code = "bench.write_report(sys.argv[1], output=sys.argv[2], n_jobs=int(sys.argv[3]))"
         took = apart("import bench", code, str(folder), place, str(jobs))
         files = {str(path.relative_to(place)): path.read_bytes() for path in Path(place).rglob("*") if path.is_file()}
     return took, files

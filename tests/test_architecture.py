@@ -27,8 +27,8 @@ def folder(tmp_path_factory):
         "name": "tiny", "trials": 2, "budget": 30,
         "problems": [{"name": "signature-03"}], "optimizers": [{"name": "random-search"}],
     }  # fmt: skip
-    run(Study.from_dict(study), path, jobs=1)
-    verify(path, trials=1, jobs=1)
+    run(Study.from_dict(study), path, n_jobs=1)
+    verify(path, trials=1, n_jobs=1)
     write_report(path)
     return path
 

@@ -15,7 +15,6 @@ from bench.errors import BenchError
 from bench.execution.job import MEMORY, sandbox
 from bench.execution.safe_runs import PRINTED
 from bench.helpers.text import printable
-from bench.numbers import taking_n_jobs
 from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.sandbox.bubblewrap import Sandbox
@@ -23,14 +22,13 @@ from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process, RemoteError
 
 
-@taking_n_jobs
 def check_optimizer(
     optimizer: str | type[Optimizer] | Optimizer,
     /,
     *,
     bias: bool = True,
     untrusted: bool = False,
-    jobs: int = -1,
+    n_jobs: int = -1,
     seed: int = 0,
     on_check: Callable[[Verdict], None] | None = None,
     **options: object,
@@ -49,7 +47,7 @@ def check_optimizer(
         untrusted: whether to run the optimizer, given by name, in a sandbox of bubblewrap alone (Linux), and to compare
             a run with one whose problem is in another process, which finds an optimizer that spends more evaluations
             than it is given or gets values by another way than the objective.
-        jobs: processes that look for biases, -1 for one a core.
+        n_jobs: processes that look for biases, -1 for one a core.
         seed: of the runs; the same one gives the same verdicts.
         on_check: called with every verdict as soon as it is known.
         options: parameters, for a name or a class; give an instance for a parameter named like an argument above.
@@ -58,7 +56,7 @@ def check_optimizer(
         BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
     """
     subject, apart = _prepared(Subject, optimizer, options, seed, untrusted)
-    return _checkup(subject, _verdicts(subject, bias, jobs, apart), on_check)
+    return _checkup(subject, _verdicts(subject, bias, n_jobs, apart), on_check)
 
 
 def check_problem(

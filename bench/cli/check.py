@@ -71,7 +71,7 @@ def command(
                 name,
                 bias=bias,
                 untrusted=untrusted,
-                jobs=jobs,
+                n_jobs=jobs,
                 on_check=lambda verdict: show_verdict(name, verdict, console),
                 **pairs(option),
             )

@@ -60,7 +60,7 @@ def command(
     beside, best = published(against)
     settings = {
         "output": output,
-        "jobs": jobs,
+        "n_jobs": jobs,
         "targets": targets,
         "subject": subject,
         "journal": journal,

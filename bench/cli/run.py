@@ -139,7 +139,7 @@ def command(
         return
     with _folders(reuse or []) as others:
         outcome = run_shown(
-            chosen, output, console, jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
+            chosen, output, console, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
             scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
             verify=verify is None, reuse=others,
         )  # fmt: skip
@@ -153,7 +153,7 @@ def command(
     if no_report or shard is not None:  # a part of a study supports no claim yet
         print_line(f"results in {outcome.folder}", console=console)
     else:
-        report_on([outcome.folder], console, jobs=jobs)
+        report_on([outcome.folder], console, n_jobs=jobs)
     for line in outcome.different:
         print_line(line, "red", console)
     if outcome.spared:

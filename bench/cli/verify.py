@@ -40,7 +40,7 @@ def verify_folder(path: Path, console: Console, *, trials: int, jobs: int | None
     from bench.execution.verify import verify as make_again
 
     with steps(console, "verify") as on_progress:
-        outcomes = make_again(path, trials=trials, jobs=jobs, untrusted=untrusted, on_progress=on_progress)
+        outcomes = make_again(path, trials=trials, n_jobs=jobs, untrusted=untrusted, on_progress=on_progress)
     for line in outcomes.lines():
         print_line(line, "red", console)
     print_line(outcomes.sentence, console=console)

@@ -96,7 +96,7 @@ def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> T
     study = plan.study
     short = replace(some, trials=2, budget=study.budget.shortened(SHARE, LEAST))
     with TemporaryDirectory() as place:
-        made = run(short, Path(place) / "short", jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
+        made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
         folder = Folder(made.folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:

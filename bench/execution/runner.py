@@ -22,7 +22,7 @@ from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
 from bench.helpers.text import count
-from bench.numbers import require_jobs, require_positive, taking_n_jobs
+from bench.numbers import require_jobs, require_positive
 from bench.plugins import loading
 from bench.plugins.files import changed
 from bench.sandbox.signals import Interrupts, interrupts_deferred
@@ -61,12 +61,11 @@ class Outcome:
     spared: list[str]
 
 
-@taking_n_jobs
 def run(
     study: StudyLike,
     output: str | PathLike[str] | None = None,
     *,
-    jobs: int = -1,
+    n_jobs: int = -1,
     backend: str = "local",
     scheduler: str | None = None,
     timeout: float | None = None,
@@ -88,7 +87,7 @@ def run(
     Args:
         study: a study, a dict of what its file would hold, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
-        jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
+        n_jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
         backend: where trials are made, "local" (this machine) or "dask" (a cluster).
         scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
         timeout: wall seconds that a trial may take before it is stopped.
@@ -111,7 +110,7 @@ def run(
     """
     from bench.execution.progress import displayed  # not at the top: it imports rich
 
-    _check_limits(jobs, timeout, memory)
+    _check_limits(n_jobs, timeout, memory)
     study, folder, part = _resolved(study, output, shard)
     others = [Folder(path) for path in reuse]
     with interrupts_deferred() as interrupts, ExitStack() as held:
@@ -119,7 +118,7 @@ def run(
             checked = prepare(study, folder, untrusted)
             _, selection = folder.select(study, checked.fingerprints)  # raises before the folder is begun
             reused = _reusable(folder, selection, others)
-            pool = held.enter_context(open_pool(backend, jobs, scheduler))
+            pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
         folder.require_sound()

@@ -15,7 +15,7 @@ from bench.execution.again import by_the_clock, difference, difference_line
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
-from bench.numbers import require_whole, taking_n_jobs
+from bench.numbers import require_whole
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
@@ -54,12 +54,11 @@ class Verification:
             yield difference_line(trial, what)
 
 
-@taking_n_jobs
 def verify(
     path: str | PathLike[str],
     *,
     trials: int = 2,
-    jobs: int | None = None,
+    n_jobs: int | None = None,
     untrusted: bool = False,
     on_progress: OnStep | None = None,
 ) -> Verification:
@@ -76,7 +75,7 @@ def verify(
     Args:
         path: the folder that ``bench.run`` wrote.
         trials: the number of trials of each cell, chosen at random.
-        jobs: trials made at a time; None for a number other than the run's.
+        n_jobs: trials made at a time; None for a number other than the run's.
         untrusted: run all plug-ins in a sandbox of bubblewrap, with limits (Linux).
         on_progress: called with a title, the trials made and the total.
 
@@ -92,10 +91,10 @@ def verify(
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
     cores, noted = int(cpu_count()), [record.get("jobs") for record in folder.environments()]
-    jobs = jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
+    n_jobs = n_jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
     made = 0
     different: dict[Trial, str] = {}
-    with open_pool("local", jobs, None) as pool:
+    with open_pool("local", n_jobs, None) as pool:
         most = open_files.kept(study, pool.jobs)
         task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=most)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
@@ -104,10 +103,10 @@ def verify(
                 different.setdefault(trial, what)
             if on_progress is not None:
                 on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
-        jobs = pool.jobs
+        n_jobs = pool.jobs
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
-    outcome = Verification(cells, len(chosen), jobs, different, notes, store)
+    outcome = Verification(cells, len(chosen), n_jobs, different, notes, store)
     about = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
     kept = {key: value for key, value in folder.noted(VERIFICATION).items() if key == AT_ENDS}
     folder.note(VERIFICATION, kept | {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | about)

@@ -12,7 +12,6 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError, nearest
 from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
-from bench.numbers import taking_n_jobs
 from bench.plots import style
 from bench.report.drawing import Drawer
 from bench.report.latex import journal_of
@@ -30,12 +29,11 @@ FEW = 4  # problems up to which other processes would take longer to start than 
 COMPARISONS = Path("results") / "comparisons"
 
 
-@taking_n_jobs
 def write_report(
     path: str | PathLike[str],
     *others: str | PathLike[str],
     output: str | PathLike[str] | None = None,
-    jobs: int = -1,
+    n_jobs: int = -1,
     targets: object = None,
     beside_best: bool = False,
     subject: str | None = None,
@@ -56,7 +54,7 @@ def write_report(
         path: a study's folder.
         others: further folders to compare with it.
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
-        jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
+        n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
         targets: what counts as reached, other than the study's own (:meth:`bench.study.targets.Targets.read`).
         beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.formats.coco.best2009`; it needs the extra ``coco``).
@@ -90,7 +88,7 @@ def write_report(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Threads of BLAS gain nothing on matrices as small as these, and wait for each other where cores are busy.
-        with threadpool_limits(limits=1), Drawer(jobs if len(results.study.problems) > FEW else 1) as drawer:
+        with threadpool_limits(limits=1), Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
             draft = Draft(
                 folder,
                 drawer,

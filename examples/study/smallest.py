@@ -15,7 +15,7 @@ study = bench.Study.from_dict(
 folder = "results/runs/smallest"
 
 # --- go ------------------------------------------------------------------
-bench.run(study, folder, jobs=2)
+bench.run(study, folder, n_jobs=2)
 
 # --- post-process --------------------------------------------------------
 frame = bench.load_results(folder)  # one row per trial

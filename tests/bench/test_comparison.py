@@ -49,7 +49,7 @@ def place(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def results(place):
-    return compare([valley()], [Halving, draw], trials=2, budget="5 * d", output=place, jobs=1)
+    return compare([valley()], [Halving, draw], trials=2, budget="5 * d", output=place, n_jobs=1)
 
 
 def test_functions_and_classes_are_compared_in_one_call(results):
@@ -73,7 +73,7 @@ def test_the_same_call_makes_only_what_is_missing(results, place):
     before = stored(results)
     made = []
     more = compare(
-        [valley()], [Halving, draw], trials=3, budget="5 * d", output=place, jobs=1, verify=False,
+        [valley()], [Halving, draw], trials=3, budget="5 * d", output=place, n_jobs=1, verify=False,
         on_trial=lambda trial, row: made.append(trial.number),
     )  # fmt: skip
     assert made == [2, 2]
@@ -110,10 +110,16 @@ def test_a_session_that_has_the_objects_can_verify_and_one_that_has_not_says_wha
 
 
 def test_without_an_output_the_folder_is_kept_for_the_session_and_by_saving_it(tmp_path):
-    first = compare(valley(), draw, trials=1, budget=4, jobs=1, verify=False)
+    first = compare(valley(), draw, trials=1, budget=4, n_jobs=1, verify=False)
     made = []
     again = compare(
-        valley(), draw, trials=2, budget=4, jobs=1, verify=False, on_trial=lambda trial, row: made.append(trial.number)
+        valley(),
+        draw,
+        trials=2,
+        budget=4,
+        n_jobs=1,
+        verify=False,
+        on_trial=lambda trial, row: made.append(trial.number),
     )
     assert first.paths == again.paths
     assert made == [1]
@@ -143,7 +149,7 @@ def fails(objective, rng):
     ("problems", "optimizers", "settings", "sentence"),
     [
         ([valley()], [draw], {"budget": 0}, "study to compare: 'budget' must be a whole number from 1 to 1e+15"),
-        ([valley()], [draw], {"jobs": 0}, "the number of jobs must be a whole number from 1 to 1000, or -1"),
+        ([valley()], [draw], {"n_jobs": 0}, "the number of jobs must be a whole number from 1 to 1000, or -1"),
         ([valley(), valley()], [draw], {}, "'valley' occurs twice among the problems; give one of them another label"),
         ([lambda x: x.sum()], [draw], {}, "the function 'lambda' needs bounds to be a problem"),
         ([], [draw], {}, "needs at least one [[problems]] table with a name, or a list of names as problems"),
@@ -166,7 +172,7 @@ def fails(objective, rng):
 @pytest.mark.sampled(2)
 def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence):
     with pytest.raises(BenchError) as caught:
-        compare(problems, optimizers, **{"trials": 1, "budget": 3, "jobs": 1, "verify": False} | settings)
+        compare(problems, optimizers, **{"trials": 1, "budget": 3, "n_jobs": 1, "verify": False} | settings)
     assert sentence in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -175,7 +181,7 @@ def test_a_part_that_fails_is_a_warning_and_a_mapping_gives_labels(tmp_path):
     optimizers = {"mine": draw, "swarm": {"name": "gwo", "agents": 3}, "bad": fails}
     with pytest.warns(UserWarning, match="1 trial of 3 failed, such as bad on a, trial 0: RuntimeError: no luck"):
         made = compare(
-            {"a": valley()}, optimizers, trials=1, budget=3, output=tmp_path / "c", jobs=1, verify=False, name="named"
+            {"a": valley()}, optimizers, trials=1, budget=3, output=tmp_path / "c", n_jobs=1, verify=False, name="named"
         )
     assert dict(zip(made.frame["optimizer"], made.frame["status"], strict=True)) == {
         "mine": "ok", "swarm": "ok", "bad": "failed"
@@ -200,7 +206,7 @@ class Random:
         pass
 
 distance = bench.FunctionProblem(lambda x: np.abs(x - goal).sum(), [0, 0], [1, 1], name="distance")
-results = bench.compare(distance, [Random, "cma-es"], trials=2, budget=6, jobs=1, output="kept")
+results = bench.compare(distance, [Random, "cma-es"], trials=2, budget=6, n_jobs=1, output="kept")
 print(results.frame["fun"].tolist())
 """
 

@@ -25,7 +25,7 @@ def place(tmp_path_factory):
          "problems": [{"name": "sphere-2", "label": label} for label in LABELS[:8]],
          "optimizers": [{"name": "scatter", "agents": 5, "label": label} for label in LABELS]}
     )  # fmt: skip
-    run(study, place / "a" / "b" / "out", jobs=1)
+    run(study, place / "a" / "b" / "out", n_jobs=1)
     return place
 
 
@@ -136,7 +136,7 @@ def test_a_recording_s_name_is_no_path_of_ours(tmp_path, bench_here):
         {"name": "mine", "trials": 1, "budget": 60, "problems": [{"name": f"recording:{tmp_path / name}"}],
          "optimizers": [{"name": "scatter"}]}
     )  # fmt: skip
-    run(study, tmp_path / "out", jobs=1)
+    run(study, tmp_path / "out", n_jobs=1)
     assert bench_here("report", tmp_path / "out", cwd=tmp_path).returncode == 0
     assert "<img src=x" not in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([name, "out"])

@@ -87,7 +87,7 @@ def test_the_study_of_the_examples_runs_with_points_in_parallel(simulator, tmp_p
     shutil.copy(problem._command.words[0], tmp_path / "beam")
     monkeypatch.chdir(tmp_path)
     study = Study.load(SIMULATORS / "study.toml").override(trials=1, budget=60)
-    assert not run(study, tmp_path / "out", jobs=1, verify=False).failed
+    assert not run(study, tmp_path / "out", n_jobs=1, verify=False).failed
     frame = load_results(tmp_path / "out")
     assert len(frame) == 4
     assert frame[["x_height", "x_width", "x_ribs"]].notna().all(axis=None)

@@ -15,7 +15,7 @@ def study(folder, optimizers, trials=3):
             "optimizers": [{"name": name} for name in optimizers],
         }
     )  # fmt: skip
-    bench.run(small, folder, jobs=1)
+    bench.run(small, folder, n_jobs=1)
     return Findings(bench.Results(folder))
 
 
@@ -31,6 +31,6 @@ def test_the_worst_run_is_the_largest_value(tmp_path):
 @pytest.mark.parametrize("optimizers", [["random-search"], ["random-search", "cma-es"]])
 def test_one_trial_and_one_optimizer_have_a_page(tmp_path, optimizers):
     study(tmp_path / "s", optimizers, trials=1)
-    page = bench.write_report(tmp_path / "s", jobs=1).read_text(encoding="utf-8")
+    page = bench.write_report(tmp_path / "s", n_jobs=1).read_text(encoding="utf-8")
     assert (f"{worst_runs.TITLE}</h2>" in page) == (len(optimizers) > 1)
     assert "failed and is left out" not in page

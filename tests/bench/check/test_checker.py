@@ -123,7 +123,7 @@ def test_biases_are_looked_for_with_the_optimizer_s_own_parameters(conforming, m
         return [Verdict("centre bias", "bias", False, "drawn to the centre", "report it", 99.0)]
 
     monkeypatch.setattr("bench.check.bias.diagnose", diagnose)
-    checkup = bench.check_optimizer("gwo", agents=5, jobs=1, seed=7)
+    checkup = bench.check_optimizer("gwo", agents=5, n_jobs=1, seed=7)
     assert asked == [(load_optimizer("gwo", agents=5), 1, 7)]
     assert checkup.conforms
     assert checkup

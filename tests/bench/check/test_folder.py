@@ -36,7 +36,7 @@ def made(tmp_path):
     def make(*entries, trials=1):
         problems = [{"name": "sphere-3"}]
         study = {"name": "s", "trials": trials, "budget": 40, "problems": problems, "optimizers": list(entries)}
-        run(Study.from_dict(study), tmp_path / "out", jobs=1)
+        run(Study.from_dict(study), tmp_path / "out", n_jobs=1)
         return Folder(tmp_path / "out")
 
     return make
@@ -122,7 +122,7 @@ def test_what_was_diagnosed_before_an_interrupt_is_kept(made, asked, monkeypatch
 
 
 def test_notes_of_older_versions_are_read_and_what_is_no_verdict_is_passed_over(tmp_path, small_study):
-    run(small_study.override(trials=1), tmp_path / "out", jobs=1)
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     old = {"check": "centre bias", "passed": False, "figure": 50.0, "finding": "worse off the centre"}
     new = Verdict("starts and seeds", "bias", True, "every run starts at the same point").as_dict()
     notes = {

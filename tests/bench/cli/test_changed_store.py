@@ -16,7 +16,7 @@ SENTENCE = "1 of 18 trials are damaged (scatter on sphere-2, trial 1)"
 def made(tmp_path_factory, small):
     place = tmp_path_factory.mktemp("made")
     (place / "small.toml").write_text(small.to_toml())
-    run(small, place / "out", jobs=1)
+    run(small, place / "out", n_jobs=1)
     return place
 
 

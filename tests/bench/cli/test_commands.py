@@ -21,7 +21,7 @@ def made(tmp_path_factory):
     )  # fmt: skip
     place = tmp_path_factory.mktemp("made")
     (place / "mixed.toml").write_text(study.to_toml())
-    assert run(study, place / "out", jobs=1).failed == 3
+    assert run(study, place / "out", n_jobs=1).failed == 3
     return place
 
 
@@ -89,7 +89,7 @@ def test_rm_makes_a_cell_new(bench_here, copied):
     assert not ((left["optimizer"] == "scatter") & (left["problem"] == "sphere-2")).any()
     assert "3 trials removed" in bench_here("rm", out, "--failed").stdout
     assert load_results(out)["status"].eq("ok").all()
-    run(Study.load(copied / "mixed.toml"), out, jobs=1)
+    run(Study.load(copied / "mixed.toml"), out, n_jobs=1)
     again = load_results(out)
     times = ["wall_s", "cpu_s", "objective_s"]
     assert again.drop(columns=times).equals(before.drop(columns=times))

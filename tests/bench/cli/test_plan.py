@@ -10,7 +10,7 @@ def test_plan_prints_open_pairs_and_a_caution(bench_here, tmp_path):
         {"name": "s", "trials": 6, "seed": 3, "budget": 60, "problems": [{"name": "sphere-2"}],
          "optimizers": [{"name": "scatter"}, {"name": "scatter", "label": "other"}]}
     )  # fmt: skip
-    run(study, tmp_path / "out", jobs=1)
+    run(study, tmp_path / "out", n_jobs=1)
     before = {file.name for file in (tmp_path / "out").iterdir()}
     done = bench_here("plan", "out", cwd=tmp_path)
     assert done.returncode == 0

@@ -25,7 +25,7 @@ def folders(tmp_path_factory, testing_plugins):
         "short": {"optimizers": ENTRIES, "budget": 20},
     }
     for name, change in changes.items():
-        run(Study.from_dict(base | change), place / name, jobs=1)
+        run(Study.from_dict(base | change), place / name, n_jobs=1)
     return place
 
 

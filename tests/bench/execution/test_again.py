@@ -48,7 +48,7 @@ def study(file, *names, **settings):
 
 
 def test_an_optimizer_that_learns_from_trial_to_trial_is_named_and_an_honest_one_is_not(file, tmp_path):
-    outcome = run(study(file, "learns", "honest"), tmp_path / "out", jobs=1)
+    outcome = run(study(file, "learns", "honest"), tmp_path / "out", n_jobs=1)
     [line] = outcome.different
     assert line.startswith("different: learns on sphere-2, trial ")
     assert outcome.made == len(load_results(tmp_path / "out")) == 8
@@ -65,9 +65,9 @@ def test_an_optimizer_that_learns_from_trial_to_trial_is_named_and_an_honest_one
 
 @pytest.mark.slow
 def test_a_run_that_makes_nothing_repeats_nothing_and_none_is_repeated_without_verify(file, tmp_path):
-    assert run(study(file, "learns"), tmp_path / "out", jobs=1, verify=False).different == []
+    assert run(study(file, "learns"), tmp_path / "out", n_jobs=1, verify=False).different == []
     assert Folder(tmp_path / "out").noted(VERIFICATION) == {}
-    assert run(study(file, "learns"), tmp_path / "out", jobs=1).different == []
+    assert run(study(file, "learns"), tmp_path / "out", n_jobs=1).different == []
     assert Folder(tmp_path / "out").noted(VERIFICATION) == {}
 
 
@@ -78,7 +78,7 @@ def test_the_warm_up_does_not_evaluate_the_problem(tmp_path):
         "def other():\n    return FunctionProblem(lambda x: (x**2).sum(axis=1) + 7, [-5] * 2, [5] * 2, name='other')\n"
     )
     made = study(tmp_path / "mine.py", "remembers", trials=1, problems=[{"name": f"{tmp_path / 'other.py'}:other"}])
-    run(made, tmp_path / "out", jobs=1)
+    run(made, tmp_path / "out", n_jobs=1)
     assert load_results(tmp_path / "out")["fun"].item() > 7  # the first value that it has ever seen was a sphere's
 
 
@@ -104,7 +104,7 @@ def test_the_command_names_them_and_ends_with_1_and_status_repeats_them(file, tm
 @pytest.mark.parametrize("part", ["[]", '{"trials": "x", "different": 3}', '{"different": [[1]]}'])
 def test_a_note_by_a_stranger_raises_no_other_error(part, file, tmp_path):
     folder = Folder(tmp_path / "out")
-    run(study(file, "honest"), folder.path, jobs=1, verify=False)
+    run(study(file, "honest"), folder.path, n_jobs=1, verify=False)
     (folder.path / VERIFICATION).write_text(f'{{"at_ends": {part}}}')
     trials, different = folder.repeated()
     assert isinstance(trials, int)
@@ -114,7 +114,7 @@ def test_a_note_by_a_stranger_raises_no_other_error(part, file, tmp_path):
 def test_a_trial_that_a_limit_of_time_has_ended_is_not_made_again_and_the_plan_warns(file, tmp_path):
     said = []
     timed = study(file, "honest", time=1e-6, trials=1)
-    outcome = run(timed, tmp_path / "out", jobs=1, on_plan=lambda plan: said.extend(plan.notes))
+    outcome = run(timed, tmp_path / "out", n_jobs=1, on_plan=lambda plan: said.extend(plan.notes))
     (row,) = Folder(tmp_path / "out").store.rows()
     assert (row["status"], row["stop"], row["nfev"]) == ("ok", "time", 10)
     assert not outcome.different

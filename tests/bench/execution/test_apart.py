@@ -142,7 +142,7 @@ def made_apart(study):
 
 
 def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
-    run(study(*HONEST), tmp_path / "here", jobs=2)
+    run(study(*HONEST), tmp_path / "here", n_jobs=2)
     here, apart = Store(tmp_path / "here"), made_apart(study(*HONEST))
     assert len(apart) == 12
     assert [row["status"] for row in apart.values()] == ["ok"] * 12
@@ -153,7 +153,7 @@ def test_who_peeks_overspends_forges_learns_or_imports_is_named_by_a_verificatio
     ways = "attribute", "method", "collector", "frames"
     cheating = [{"name": f"{cheats}:peeks", "label": way, "way": way} for way in ways]
     cheating += [{"name": f"{cheats}:{name}"} for name in ("overspends", "forges", "learns", "imports")]
-    run(study(*cheating, {"name": "hill-climber"}), tmp_path / "out", jobs=2)
+    run(study(*cheating, {"name": "hill-climber"}), tmp_path / "out", n_jobs=2)
     frame = load_results(tmp_path / "out")
     assert frame["status"].eq("ok").all()  # what is stored by default is not proof against them
     found = verify(tmp_path / "out", trials=2)

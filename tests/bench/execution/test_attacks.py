@@ -43,8 +43,8 @@ def study(trials, deeds):
 def place(tmp_path_factory, testing_plugins):
     """Two runs: all of them beside honest optimizers, and the honest ones alone."""
     place = tmp_path_factory.mktemp("attacks")
-    run(study(4, [*CHANGES, "round-upward", *ONCE]), place / "out", jobs=2, timeout=8)
-    run(study(4, []), place / "alone", jobs=2)
+    run(study(4, [*CHANGES, "round-upward", *ONCE]), place / "out", n_jobs=2, timeout=8)
+    run(study(4, []), place / "alone", n_jobs=2)
     return place
 
 

@@ -76,14 +76,14 @@ def counted(tmp_path, monkeypatch):
 
 def test_a_run_makes_one_evaluation_more_a_trial(tmp_path, counted):
     made, evaluations = counted
-    run(made(), tmp_path / "out", jobs=1, verify=False)
+    run(made(), tmp_path / "out", n_jobs=1, verify=False)
     assert evaluations() == 2 * (30 + 1)
 
 
 def test_no_trial_is_made_again_where_an_evaluation_takes_long(tmp_path, counted, monkeypatch):
     made, evaluations = counted
     monkeypatch.setattr("bench.execution.again.EXPENSIVE", 1e-9)
-    assert run(made(), tmp_path / "out", jobs=1).spared == ["random-search"]
+    assert run(made(), tmp_path / "out", n_jobs=1).spared == ["random-search"]
     assert evaluations() == 2 * (30 + 1)
 
 

@@ -376,7 +376,7 @@ def on_trial(trial, row):
     if len(made) == 5:
         os.kill(os.getpid(), 9)
 
-bench.run(bench.Study.load(sys.argv[1]).override(trials=3), sys.argv[2], jobs=1, on_trial=on_trial)
+bench.run(bench.Study.load(sys.argv[1]).override(trials=3), sys.argv[2], n_jobs=1, on_trial=on_trial)
 """
 
 

@@ -159,7 +159,7 @@ def test_functions_and_classes_travel_to_the_workers_by_value(machines, tmp_path
         return {"name": "s", "trials": trials, "budget": 30, "problems": [problem], "optimizers": [draw]}
 
     assert machines.run(study(2), tmp_path / "dask").made == 2
-    assert run(study(3), tmp_path / "dask", jobs=1).made == 1  # the cells are the same here and there
+    assert run(study(3), tmp_path / "dask", n_jobs=1).made == 1  # the cells are the same here and there
     assert load_results(tmp_path / "dask")["status"].eq("ok").all()
 
 
@@ -187,7 +187,7 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     assert sorted(made) == sorted(trial.key for trial in study.plan())
     record = cores[1]
     assert (record["backend"], record["jobs"]) == ("dask", 3)
-    run(study, tmp_path / "local", jobs=2)
+    run(study, tmp_path / "local", n_jobs=2)
     times = ["wall_s", "cpu_s", "objective_s"]
     assert load_results(tmp_path / "dask")["status"].eq("ok").all()
     frames = [load_results(tmp_path / each).drop(columns=times) for each in ("dask", "local")]
@@ -206,7 +206,7 @@ def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(ma
         machines.run(slow_study(10), tmp_path / "out", on_trial=kill)
     kept = len(load_results(tmp_path / "out"))
     assert 0 < kept < 40
-    assert run(slow_study(10), tmp_path / "out", jobs=2).made == 40 - kept
+    assert run(slow_study(10), tmp_path / "out", n_jobs=2).made == 40 - kept
     assert capfd.readouterr().err == ""
 
 

@@ -41,7 +41,7 @@ def test_an_edited_file_changes_no_trial_of_the_run_and_is_named(study, tmp_path
         (tmp_path / "mine.py").write_text(OPTIMIZER.format(share=0.75))
         (tmp_path / "other.py").write_text(OTHER.format(share=0.75))
 
-    outcome = run(study, tmp_path / "out", jobs=1, on_trial=edit)
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=edit)
     assert sorted(outcome.edited) == [str(tmp_path / "mine.py"), str(tmp_path / "other.py")]
     assert load_results(tmp_path / "out").groupby("problem")["fun"].unique().map(list).to_dict() == {
         "other": [0.0625], "sphere-2": [12.5]
@@ -53,7 +53,7 @@ def test_an_edited_file_changes_no_trial_of_the_run_and_is_named(study, tmp_path
 
 
 def test_a_file_that_is_removed_during_the_run_costs_no_trial(study, tmp_path):
-    outcome = run(study, tmp_path / "out", jobs=1, on_trial=lambda *_: (tmp_path / "mine.py").unlink(missing_ok=True))
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: (tmp_path / "mine.py").unlink(missing_ok=True))
     assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(tmp_path / "mine.py")])
 
 
@@ -63,7 +63,7 @@ def test_an_edited_helper_changes_no_trial_of_the_run_and_is_named(study, tmp_pa
     (tmp_path / "mine.py").write_text("from helper_of_mine import SHARE\n" + OPTIMIZER.format(share="SHARE"))
     helper = tmp_path / "helper_of_mine.py"
     helper.write_text("SHARE = 0.25")
-    outcome = run(study, tmp_path / "out", jobs=1, on_trial=lambda *_: helper.write_text("SHARE = 0.75"))
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: helper.write_text("SHARE = 0.75"))
     assert outcome.edited == [str(helper)]
     assert load_results(tmp_path / "out").groupby("problem")["fun"].unique().map(list).to_dict() == {
         "other": [0.0625], "sphere-2": [12.5]
@@ -72,7 +72,7 @@ def test_an_edited_helper_changes_no_trial_of_the_run_and_is_named(study, tmp_pa
         plan(study, tmp_path / "out").notes
     )
     helper.write_text("SHARE = 0.25  # of the box")
-    assert run(study.override(trials=3), tmp_path / "out", jobs=1).made == 2
+    assert run(study.override(trials=3), tmp_path / "out", n_jobs=1).made == 2
 
 
 def test_a_helper_that_is_removed_during_the_run_costs_no_trial(study, tmp_path):
@@ -81,7 +81,7 @@ def test_a_helper_that_is_removed_during_the_run_costs_no_trial(study, tmp_path)
     (tmp_path / "pkg_of_mine" / "__init__.py").write_text("")
     helper = tmp_path / "pkg_of_mine" / "inner.py"
     helper.write_text("SHARE = 0.25")
-    outcome = run(study, tmp_path / "out", jobs=1, on_trial=lambda *_: helper.unlink(missing_ok=True))
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: helper.unlink(missing_ok=True))
     assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(helper)])
 
 
@@ -97,7 +97,7 @@ def test_an_optimizer_that_is_installed_as_a_link_to_its_checkout_is_edited_with
     study = Study.from_dict(
         {"name": "s", "trials": 2, "budget": 60, "problems": problems, "optimizers": [{"name": "linked-walk"}]}
     )
-    outcome = run(study, tmp_path / "out", jobs=1, on_trial=lambda *_: module.write_text(LINKED.format(share=0.75)))
+    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: module.write_text(LINKED.format(share=0.75)))
     registry.entries.cache_clear()
     assert (outcome.made, outcome.failed, outcome.edited) == (4, 0, [str(module)])
     assert load_results(tmp_path / "out").groupby("problem")["x_x1"].unique().map(list).to_dict() == {
@@ -117,7 +117,7 @@ def test_data_that_change_before_a_process_loads_them_fail_its_trials(tmp_path):
     )  # fmt: skip
     seeds = (study.override(seed=seed) for seed in range(100))
     chosen = next(each for each in seeds if next(each.plan()).problem == "sphere-2")
-    outcome = run(chosen, tmp_path / "out", jobs=1, on_trial=lambda *_: record(7.0))
+    outcome = run(chosen, tmp_path / "out", n_jobs=1, on_trial=lambda *_: record(7.0))
     frame = load_results(tmp_path / "out").set_index("problem")
     assert (outcome.made, outcome.failed) == (4, 2)
     assert frame.loc["recorded", "error"].str.contains("the data of problem 'recorded' changed while the study").all()

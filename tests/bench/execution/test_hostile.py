@@ -119,7 +119,7 @@ def test_trials_elsewhere_are_all_finished(frame):
 @pytest.mark.slow
 def test_honest_results_are_the_same_to_the_last_bit_as_without_them(frame, tmp_path, testing_plugins):
     (tmp_path / "study.toml").write_text(HEAD.format(name="honest") + HONEST)
-    run(tmp_path / "study.toml", tmp_path / "out", jobs=1)
+    run(tmp_path / "study.toml", tmp_path / "out", n_jobs=1)
     alone = load_results(tmp_path / "out").drop(columns=TIMES)
     mine = frame[frame["optimizer"].isin(["scatter", "hill-climber"])].drop(columns=TIMES).reset_index(drop=True)
     assert len(mine) == 8
@@ -229,7 +229,7 @@ def _traces(folder):
 
 
 def test_nothing_is_unpickled_from_a_store(small_study, tmp_path):
-    run(small_study.override(trials=1), tmp_path / "out", jobs=1)
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     mark = tmp_path / "unpickled"
     bomb = pickle.dumps(Bomb(str(mark)))
     for column in VALUES:

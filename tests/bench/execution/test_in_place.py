@@ -79,7 +79,7 @@ def frame(kind, file, place, **options):
          "problems": [{"name": f"{file}:{kind}", "label": "mine", **options}],
          "optimizers": [{"name": "hill-climber"}, {"name": "scatter"}]}
     )  # fmt: skip
-    run(study, place / kind, jobs=1)
+    run(study, place / kind, n_jobs=1)
     return load_results(place / kind).drop(columns=["wall_s", "cpu_s", "objective_s"])
 
 
@@ -116,7 +116,7 @@ def test_a_list_among_the_options_is_as_new_in_every_trial(tmp_path):
         {"name": "s", "trials": 3, "budget": 60, "problems": [{"name": "sphere-2"}],
          "optimizers": [{"name": f"{tmp_path / 'mine.py'}:mine", "steps": []}]}
     )  # fmt: skip
-    run(study, tmp_path / "out", jobs=1)
+    run(study, tmp_path / "out", n_jobs=1)
     assert load_results(tmp_path / "out")["nfev"].tolist() == [1, 1, 1]
 
 

@@ -47,7 +47,7 @@ def folder(tmp_path_factory):
     (place / "odd.py").write_text(CODE)
     problems = [{"name": f"{place / 'odd.py'}:Odd", "label": kind, "kind": kind} for kind in KINDS]
     study = {"name": "s", "trials": 2, "budget": 60, "problems": problems, "optimizers": [{"name": "hill-climber"}]}
-    return run(Study.from_dict(study), place / "out", jobs=1).folder
+    return run(Study.from_dict(study), place / "out", n_jobs=1).folder
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ study = Study.from_dict({
 })
 try:
     kept = open_files.kept(study, jobs)
-    failed = run(study, output, jobs=jobs).failed if output else None
+    failed = run(study, output, n_jobs=jobs).failed if output else None
 except BenchError as error:
     print(json.dumps({"error": str(error)}))
 else:

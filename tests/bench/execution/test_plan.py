@@ -96,7 +96,7 @@ def test_a_plan_writes_nothing_and_sees_what_is_there(small_study, tmp_path):
     made = plan(small_study, tmp_path / "out")
     assert not (tmp_path / "out").exists()
     assert len(list(made.missing())) == 18
-    run(small_study.override(trials=1), tmp_path / "out", jobs=1)
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     made = plan(small_study, tmp_path / "out")
     assert len(list(made.missing())) == 12
     assert made.seconds() > 0

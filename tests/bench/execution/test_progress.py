@@ -19,7 +19,7 @@ def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
     run(
         study,
         tmp_path / "out",
-        jobs=1,
+        n_jobs=1,
         progress=asked,
         on_plan=heard.append,
         on_trial=lambda *each: heard.append(each),
@@ -31,7 +31,7 @@ def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
 
 
 def test_a_part_of_a_study_may_hold_no_trial(small_study, tmp_path, capsys):
-    assert run(small_study, tmp_path / "out", jobs=1, shard="900/900", progress=True).made == 0
+    assert run(small_study, tmp_path / "out", n_jobs=1, shard="900/900", progress=True).made == 0
     assert "; shard 900/900 of them: 0 runs" in capsys.readouterr().out
 
 
@@ -40,6 +40,6 @@ def test_a_plan_says_how_many_problems_a_report_makes_of_instances(tmp_path, cap
     study = Study.from_dict(
         {"name": "s", "trials": 1, "budget": 30, "problems": problems, "optimizers": ["random-search"]}
     )
-    run(study, tmp_path / "out", jobs=1, verify=0, progress=True)
+    run(study, tmp_path / "out", n_jobs=1, verify=0, progress=True)
     said = "study s: 4 problems (2 with instances pooled) x 1 optimizer x 1 trial = 4 runs of 30 evaluations"
     assert said in capsys.readouterr().out

@@ -21,7 +21,7 @@ def same(a, b):
 
 
 def test_a_run_fills_the_frame(small_study, tmp_path):
-    outcome = run(small_study, tmp_path / "out", jobs=1)
+    outcome = run(small_study, tmp_path / "out", n_jobs=1)
     assert (outcome.made, outcome.failed) == (18, 0)
     frame = load_results(tmp_path / "out")
     assert len(frame) == 18
@@ -41,7 +41,7 @@ def test_a_run_fills_the_frame(small_study, tmp_path):
 
 
 def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
-    run(small_study, tmp_path / "out", jobs=1)
+    run(small_study, tmp_path / "out", n_jobs=1)
     results = Results(tmp_path / "out")
     row = results.frame[results.frame["optimizer"] == "scatter"].iloc[0]
     again = solve(results.problem(row["problem"]), small_study.optimizer("scatter"), budget=60, seed=int(row["seed"]))
@@ -52,24 +52,24 @@ def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
 
 
 def test_workers_and_other_optimizers_change_no_result(small_study, tmp_path):
-    run(small_study, tmp_path / "one", jobs=1)
-    run(small_study, tmp_path / "two", jobs=2)
+    run(small_study, tmp_path / "one", n_jobs=1)
+    run(small_study, tmp_path / "two", n_jobs=2)
     same(load_results(tmp_path / "one"), load_results(tmp_path / "two"))
     alone = Study.from_dict(
         {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"name": "sphere-3"}],
          "optimizers": [{"name": "scatter", "agents": 7}]}
     )  # fmt: skip
-    run(alone, tmp_path / "alone", jobs=1)
+    run(alone, tmp_path / "alone", n_jobs=1)
     all_of_it = load_results(tmp_path / "one")
     part = all_of_it[(all_of_it["optimizer"] == "scatter") & (all_of_it["problem"] == "sphere-3")]
     same(part.reset_index(drop=True), load_results(tmp_path / "alone"))
 
 
 def test_a_rerun_makes_nothing_and_more_trials_extend(small_study, tmp_path):
-    run(small_study.override(trials=2), tmp_path / "out", jobs=1)
-    assert run(small_study.override(trials=2), tmp_path / "out", jobs=1).made == 0
-    assert run(small_study, tmp_path / "out", jobs=1).made == 6
-    run(small_study, tmp_path / "whole", jobs=1)
+    run(small_study.override(trials=2), tmp_path / "out", n_jobs=1)
+    assert run(small_study.override(trials=2), tmp_path / "out", n_jobs=1).made == 0
+    assert run(small_study, tmp_path / "out", n_jobs=1).made == 6
+    run(small_study, tmp_path / "whole", n_jobs=1)
     same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
 
 
@@ -77,10 +77,10 @@ def test_a_folder_that_no_run_wrote_is_refused(small_study, tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.docx").write_text("my life's work")
     with pytest.raises(BenchError, match="is not empty and holds no study"):
-        run(small_study, tmp_path / "full", jobs=1)
+        run(small_study, tmp_path / "full", n_jobs=1)
     (tmp_path / "file").write_text("")
     with pytest.raises(BenchError, match="cannot be written"):
-        run(small_study, tmp_path / "file", jobs=1)
+        run(small_study, tmp_path / "file", n_jobs=1)
 
 
 def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
@@ -88,7 +88,7 @@ def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
         {"name": "faults", "trials": 2, "budget": 30, "problems": [{"names": ["sphere-2", "sphere-3"]}],
          "optimizers": [{"name": "faulty"}, {"name": "scatter"}]}
     )  # fmt: skip
-    outcome = run(study, tmp_path / "out", jobs=1)
+    outcome = run(study, tmp_path / "out", n_jobs=1)
     assert outcome.failed == 2
     frame = load_results(tmp_path / "out")
     failed = frame[frame["status"] == "failed"]
@@ -96,7 +96,7 @@ def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
     assert failed["error"].str.startswith("RuntimeError: cannot do planes").all()
     assert failed["fun"].isna().all()
     assert len(frame) == 8
-    assert run(study, tmp_path / "out", jobs=1).made == 2  # failed trials are tried again
+    assert run(study, tmp_path / "out", n_jobs=1).made == 2  # failed trials are tried again
 
 
 def test_solve_by_name_and_stop_reasons():
@@ -118,18 +118,18 @@ def test_no_results_are_said_so(tmp_path):
 @pytest.mark.slow
 def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path):
     """A kill between the file's creation and its table's leaves an empty store."""
-    run(small_study.override(trials=1), tmp_path / "out", jobs=1)
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     for file in (tmp_path / "out").glob("trials.sqlite*"):
         file.unlink()
     (tmp_path / "out" / "trials.sqlite").touch()
     with pytest.warns(UserWarning, match="6 of 6 committed trials are missing"):
         assert load_results(tmp_path / "out").empty
-    assert run(small_study.override(trials=1), tmp_path / "out", jobs=1).made == 6
+    assert run(small_study.override(trials=1), tmp_path / "out", n_jobs=1).made == 6
 
 
 def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
     with pytest.raises(BenchError, match=rf"another run \(process {os.getpid()} on .*\) is writing"):
-        run(small_study, tmp_path / "out", jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", jobs=1))
+        run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
 
 
 @pytest.mark.slow
@@ -143,7 +143,7 @@ def test_data_that_changed_under_a_study_make_other_trials(tmp_path):
              "problems": [{"name": f"recording:{tmp_path / 'a.csv'}"}], "optimizers": [{"name": "scatter"}]}
         )  # fmt: skip
         if frequency == 5.0:
-            run(study, tmp_path / "out", jobs=1)
+            run(study, tmp_path / "out", n_jobs=1)
         else:
             assert any(
                 "changed (data): 7 trials to make; the 5 before are kept" in note
@@ -181,9 +181,9 @@ def test_trials_of_other_data_or_code_are_no_trials_of_what_would_be_made_now(sm
 
 @pytest.mark.slow
 def test_the_copy_of_the_environments_is_written_anew(small_study, tmp_path):
-    run(small_study.override(trials=1), tmp_path, jobs=1)
+    run(small_study.override(trials=1), tmp_path, n_jobs=1)
     (tmp_path / "environment.json").write_text("{")
-    run(small_study, tmp_path, jobs=1)
+    run(small_study, tmp_path, n_jobs=1)
     assert json.loads((tmp_path / "environment.json").read_text()) == Folder(tmp_path).environments()
 
 
@@ -198,7 +198,7 @@ def test_each_problem_that_breaks_the_contract_costs_its_own_cell(tmp_path):
         {"name": "odd", "trials": 1, "budget": 30, "problems": [{"names": [*ODD, "sphere-2"]}],
          "optimizers": [{"name": "scatter"}]}
     )  # fmt: skip
-    assert run(study, tmp_path / "out", jobs=1).failed == len(ODD)
+    assert run(study, tmp_path / "out", n_jobs=1).failed == len(ODD)
     frame = load_results(tmp_path / "out").set_index("problem")
     assert frame["status"].to_dict() == dict.fromkeys(ODD, "failed") | {"sphere-2": "ok"}
     for problem, said in ODD.items():
@@ -211,7 +211,7 @@ def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):
         {"name": "dying", "trials": 3, "budget": 30, "problems": [{"name": "sphere-2"}, {"name": "death-2"}],
          "optimizers": [{"name": "scatter"}]}
     )  # fmt: skip
-    assert run(study, tmp_path / "out", jobs=1).failed == 3
+    assert run(study, tmp_path / "out", n_jobs=1).failed == 3
     frame = load_results(tmp_path / "out")
     assert frame.groupby("problem")["status"].unique().map(list).to_dict() == {
         "death-2": ["failed"],
@@ -239,7 +239,7 @@ def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, pat
     (tmp_path / "mine.py").write_text(f"{code}\ndef mine(objective, rng):\n    pass\n")
     study = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": f"{tmp_path / 'mine.py'}:mine"}]}
     with pytest.raises(BenchError, match=said) as refused:
-        run(Study.from_dict(study), tmp_path / "out", jobs=2)
+        run(Study.from_dict(study), tmp_path / "out", n_jobs=2)
     assert "\n" not in str(refused.value)
     assert not (tmp_path / "out").exists()
 

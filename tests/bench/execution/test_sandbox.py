@@ -202,7 +202,7 @@ def ran(tmp_path_factory):
         attacks = "".join(f'[[optimizers]]\nname = "{place / file}:{name}"\n' for name, file in files.items())
         for name, text in (("alone", head), ("out", head + attacks)):
             (place / f"{name}.toml").write_text(text)
-            run(place / f"{name}.toml", place / name, jobs=2, timeout=120, untrusted=name == "out")
+            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=120, untrusted=name == "out")
     os.close(reader)
     return place
 
@@ -285,7 +285,7 @@ def test_a_process_that_starts_another_finds_no_problem_either(tmp_path):
     (tmp_path / "mine.py").write_text(dedent(code))
     study = {"name": "s", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
              "optimizers": [{"name": f"{tmp_path}/mine.py:mine"}]}  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "out", jobs=1, untrusted=True)
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, untrusted=True)
     (error,) = load_results(tmp_path / "out")["error"]
     assert error.startswith("AssertionError: 1 ModuleNotFoundError: No module named 'problems.")
 
@@ -376,7 +376,7 @@ def test_biases_are_looked_for_there_too(shadows):
 def test_a_folder_from_an_archive_is_run_verified_and_read_without_loading_its_files(bench_here, shadows):
     study = {"name": "s", "trials": 1, "budget": 30, "problems": [{"name": "beside.py:ball"}],
              "optimizers": [{"name": "beside.py:stroll"}]}  # fmt: skip
-    run(Study.from_dict(study), "out", jobs=1)
+    run(Study.from_dict(study), "out", n_jobs=1)
     assert load_problem_of("out") is not None
     Path("out", CRATE).touch()  # as 'bench unpack' leaves it
     for command in (("run", "out/study.toml", "-o", "out"), ("verify", "out")):
@@ -400,7 +400,7 @@ def test_trials_there_are_limited_without_being_asked(monkeypatch, tmp_path):
     (tmp_path / "mine.py").write_text("def spins(objective, rng):\n    while True:\n        pass\n")
     study = {"name": "s", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
              "optimizers": [{"name": f"{tmp_path}/mine.py:spins"}]}  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "out", jobs=1, untrusted=True)
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, untrusted=True)
     (row,) = load_results(tmp_path / "out").to_dict("records")
     assert row["status"] == "timeout"
     (record,) = Results(tmp_path / "out").environments

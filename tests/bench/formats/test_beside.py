@@ -266,7 +266,7 @@ def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_pa
 
 @pytest.mark.slow
 def test_a_report_says_what_is_unknown_and_what_differs(mine, archive, tmp_path):
-    page = write_report(mine, archive, output=tmp_path / "report", jobs=1).read_text()
+    page = write_report(mine, archive, output=tmp_path / "report", n_jobs=1).read_text()
     for sentence in (
         "The folders share 2 problems; only those are compared.",
         "The times of archived are unknown, as of imported results.",

@@ -151,10 +151,10 @@ def test_a_run_takes_them_beside_the_study_s_own(bench, bench_here, mine):
 def test_a_folder_does_not_mix_two_versions_of_a_file(mine, monkeypatch):
     monkeypatch.chdir(mine.parent)
     study = Study.load("tiny.toml").beside(["mine.py:Mine"])
-    run(study, "out", jobs=1)
-    run(study.override(trials=3), "out", jobs=1)
+    run(study, "out", n_jobs=1)
+    run(study.override(trials=3), "out", n_jobs=1)
     mine.write_text(CODE + "\n# edited")
-    run(study.override(trials=4), "out", jobs=1)
+    run(study.override(trials=4), "out", n_jobs=1)
     (mine.parent / "spreads.py").write_text("SPREAD = 0.2")
     notes = plan(study.override(trials=4), "out").notes
     assert any(note.startswith("Mine changed (spreads.py) and is version 2 now: ") for note in notes)
@@ -239,7 +239,7 @@ def test_a_study_runs_on_a_problem_of_a_file(tmp_path):
             "optimizers": [{"name": "scatter"}],
         }
     )
-    run(study, output=tmp_path / "out", jobs=1)
+    run(study, output=tmp_path / "out", n_jobs=1)
     frame = Results(tmp_path / "out").frame
     assert list(frame["problem"]) == ["Bowl"]
     assert list(frame["status"]) == ["ok"]

@@ -362,7 +362,7 @@ class TestCompiled:
     @pytest.mark.slow
     def test_all_tables_and_the_methods_of_a_report(self, small_study, tmp_path):
         folder = tmp_path / "small"
-        run(small_study, output=folder, jobs=1)
+        run(small_study, output=folder, n_jobs=1)
         write_report(folder)
         tables = sorted((folder / "tables").glob("*.tex"))
         assert tables

@@ -21,7 +21,7 @@ def ran(tmp_path, small_study):
         study = small_study.override(**changes)
         if optimizers:
             study = Study.from_dict({**_as_dict(study), "optimizers": optimizers})
-        run(study, tmp_path / name, jobs=1)
+        run(study, tmp_path / name, n_jobs=1)
         return tmp_path / name
 
     return make

@@ -34,7 +34,7 @@ def test_a_problem_in_a_file_without_finished_trials_is_not_loaded_for_its_dimen
 
 def test_no_file_of_a_folder_is_loaded_where_it_is_compared(tmp_path):
     (tmp_path / "shape.py").write_text(CODE)
-    run(study("here", "random-search", "20 * d", f"{tmp_path}/shape.py:Shape"), tmp_path / "here", jobs=1)
+    run(study("here", "random-search", "20 * d", f"{tmp_path}/shape.py:Shape"), tmp_path / "here", n_jobs=1)
     (tmp_path / "shape.py").write_text("raise SystemExit('loaded')")
     (tmp_path / "brought").mkdir()
     (tmp_path / "brought" / "study.toml").write_text(BROUGHT.to_toml())

@@ -228,28 +228,28 @@ def test_an_unknown_handling_is_refused(given):
 
 def test_a_study_that_cannot_repair_is_refused_before_any_trial(tmp_path):
     with pytest.raises(BenchError, match="problem 'ring-2' has no rule that repairs"):
-        run(Study.from_dict(STUDY | {"constraints": "repair"}), tmp_path / "s", jobs=1)
+        run(Study.from_dict(STUDY | {"constraints": "repair"}), tmp_path / "s", n_jobs=1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
 def test_a_run_stores_feasible_values_and_repeats_them_bit_by_bit(handling, tmp_path):
     path = tmp_path / "s"
-    run(Study.from_dict(STUDY | {"constraints": handling}), path, jobs=1)
+    run(Study.from_dict(STUDY | {"constraints": handling}), path, n_jobs=1)
     frame = load_results(path)
     ring = frame[frame["problem"] == "ring-2"]
     assert (frame["status"] == "ok").all()
     assert (ring["fun"] >= 9).all()
     assert (ring["violation"] == 0).all()
     assert frame.loc[frame["problem"] == "sphere-2", "violation"].isna().all()
-    assert not verify(path, trials=2, jobs=1).different
+    assert not verify(path, trials=2, n_jobs=1).different
 
 
 @pytest.mark.slow
 def test_another_handling_makes_other_cells_and_older_folders_are_not_mixed(tmp_path):
     path = tmp_path / "s"
     study = Study.from_dict(STUDY)
-    run(study, path, jobs=1)
+    run(study, path, n_jobs=1)
     handled = study.override(constraints="death")
     assert len([*plan(handled, path).missing()]) == len([*handled.plan()])
     folder = Folder(path)

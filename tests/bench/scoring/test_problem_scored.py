@@ -167,11 +167,11 @@ def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path):
             "optimizers": [{"name": "gwo", "agents": 6}],
         }
     )  # fmt: skip
-    run(study, tmp_path / "odd", jobs=1)
+    run(study, tmp_path / "odd", n_jobs=1)
     frame = load_results(tmp_path / "odd")
     assert (frame["status"] == "ok").all()
     assert (frame["nfev"] == 60).all()
-    assert not verify(tmp_path / "odd", trials=2, jobs=1).different
+    assert not verify(tmp_path / "odd", trials=2, n_jobs=1).different
 
 
 def test_results_know_what_is_noisy_and_which_variables_are_whole_numbers(tmp_path):
@@ -179,7 +179,7 @@ def test_results_know_what_is_noisy_and_which_variables_are_whole_numbers(tmp_pa
         "name": "odd", "budget": 30, "problems": [{"names": ["bbob-noisy-f101-d2-i1", "bbob-mixint-f01-d5-i1"]}],
         "optimizers": [{"name": "random-search"}],
     }  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "odd", jobs=1)
+    run(Study.from_dict(study), tmp_path / "odd", n_jobs=1)
     results = Results(tmp_path / "odd")
     loud, whole = results.facts("bbob-noisy-f101-d2-i1"), results.facts("bbob-mixint-f01-d5-i1")
     assert (loud.noisy, loud.integers, loud.constraints) == (True, (), "")
@@ -197,7 +197,7 @@ def test_an_honest_trial_without_a_point_in_the_box_is_kept(tmp_path):
             "optimizers": [{"name": f"{tmp_path / 'outside.py'}:outside", "label": "outside"}],
         }
     )  # fmt: skip
-    run(study, tmp_path / "odd", jobs=1)
+    run(study, tmp_path / "odd", n_jobs=1)
     (row,) = load_results(tmp_path / "odd").to_dict("records")
     assert (row["status"], row["fun"], row["error"]) == ("ok", np.inf, None)
 

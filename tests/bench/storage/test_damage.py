@@ -81,7 +81,7 @@ def test_a_sound_store_stays_as_it_is(spoilt):
 
 def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(small_study, tmp_path):
     folder, other = Folder(tmp_path / "out"), tmp_path / "other"
-    run(small_study, folder.path, jobs=1)
+    run(small_study, folder.path, n_jobs=1)
     before = load_results(folder.path)
     change(
         folder.store.path,
@@ -89,9 +89,9 @@ def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(sm
         "UPDATE results SET trace = NULL WHERE trial = 2",
     )
     with pytest.raises(BenchError, match=r"12 of 18 trials are damaged \(.*into another folder with --reuse"):
-        run(small_study, folder.path, jobs=1)
+        run(small_study, folder.path, n_jobs=1)
     made = []
-    run(small_study, other, jobs=1, reuse=[folder.path], on_trial=lambda trial, _: made.append(trial.key))
+    run(small_study, other, n_jobs=1, reuse=[folder.path], on_trial=lambda trial, _: made.append(trial.key))
     assert len(made) == len(set(made)) == 12
     times = ["wall_s", "cpu_s", "objective_s"]
     pd.testing.assert_frame_equal(load_results(other).drop(columns=times), before.drop(columns=times), check_exact=True)

@@ -19,7 +19,7 @@ STUDY = {
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, testing_plugins):
     path = tmp_path_factory.mktemp("folder") / "out"
-    run(Study.from_dict(STUDY), path, jobs=1)
+    run(Study.from_dict(STUDY), path, n_jobs=1)
     return path
 
 

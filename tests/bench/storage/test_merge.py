@@ -36,9 +36,9 @@ def whole(tmp_path_factory):
          "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}]}
     )  # fmt: skip
     place = tmp_path_factory.mktemp("whole")
-    run(study, place / "whole", jobs=1)
+    run(study, place / "whole", n_jobs=1)
     for number in (1, 2, 3):
-        run(study, place / f"shard-{number}", jobs=1, shard=f"{number}/3")
+        run(study, place / f"shard-{number}", n_jobs=1, shard=f"{number}/3")
     return study, place
 
 
@@ -75,7 +75,7 @@ def test_a_merge_that_was_cut_short_is_continued_by_the_same_call(whole, tmp_pat
 
 def test_the_same_trial_twice_is_taken_once_and_the_most_trials_count(copied, tmp_path):
     study, place = copied
-    run(study.override(trials=4), place / "shard-2", jobs=1, shard="2/3")
+    run(study.override(trials=4), place / "shard-2", n_jobs=1, shard="2/3")
     merged = merge([place / "whole", place / "shard-2"], tmp_path / "united")
     assert (merged.rows, merged.added, merged.same) == (20, 20, 6)
     assert Results(tmp_path / "united").study.trials == 4
@@ -102,7 +102,7 @@ def test_conflicting_trials_are_refused_and_name_the_trial(what, copied, tmp_pat
 
 def test_what_cannot_be_merged_is_refused(whole, tmp_path):
     study, place = whole
-    run(study.override(budget=30, trials=1), tmp_path / "other", jobs=1)
+    run(study.override(budget=30, trials=1), tmp_path / "other", n_jobs=1)
     with pytest.raises(BenchError, match="holds another study than"):
         merge([place / "whole", tmp_path / "other"], tmp_path / "united")
     assert not (tmp_path / "united").exists()
@@ -124,7 +124,7 @@ def test_other_data_is_refused(copied, tmp_path):
 def test_verify_finds_all_trials_repeated_and_notes_it(copied):
     _, place = copied
     steps = []
-    found = verify(place / "whole", jobs=2, on_progress=lambda *step: steps.append(step[1:]))
+    found = verify(place / "whole", n_jobs=2, on_progress=lambda *step: steps.append(step[1:]))
     assert (found.cells, found.trials, found.jobs, found.different) == (6, 12, 2, {})
     assert steps[-1] == (15, 15)  # one of each optimizer first and last
     assert Results(place / "whole").verifications[0]["sentence"] == found.sentence
@@ -134,7 +134,7 @@ def test_verify_finds_all_trials_repeated_and_notes_it(copied):
 def test_verify_reports_what_is_not_repeated(copied):
     _, place = copied
     forged(place / "whole", "fun = fun * (1 + 1e-15) + 1e-300")
-    found = verify(place / "whole", trials=3, jobs=1)
+    found = verify(place / "whole", trials=3, n_jobs=1)
     assert [trial.key for trial in found.different] == [("sphere-2", "scatter", 1)]
     assert "17 of 18 trials" in found.sentence
     assert next(found.lines()).startswith("different: scatter on sphere-2, trial 1: fun was ")
@@ -146,7 +146,7 @@ def test_verify_compares_whole_courses(copied):
     blob = bytearray(store.find("sphere-2", "scatter", 1)["trace"])
     blob[len(blob) // 2] ^= 1  # the last bit of the first value
     forge(store.path, f"UPDATE results SET trace = x'{blob.hex()}' WHERE trial = 1 AND cell = {SCATTER}")
-    found = verify(place / "whole", trials=3, jobs=1)
+    found = verify(place / "whole", trials=3, n_jobs=1)
     assert list(found.different.values()) == ["another course, the same end"]
 
 
@@ -162,8 +162,8 @@ def test_verify_meets_an_optimizer_that_depends_on_the_order_of_sets(tmp_path):
         {"name": "sets", "trials": 2, "budget": 40, "problems": [{"name": "sphere-2"}],
          "optimizers": [{"name": f"{tmp_path / 'sets.py'}:fickle"}, {"name": "scatter"}]}
     )  # fmt: skip
-    run(study, tmp_path / "out", jobs=1)
-    found = verify(tmp_path / "out", jobs=1)
+    run(study, tmp_path / "out", n_jobs=1)
+    found = verify(tmp_path / "out", n_jobs=1)
     assert {trial.optimizer for trial in found.different} == {"fickle"}
 
 
@@ -177,7 +177,7 @@ def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
         verify(place / "whole")
     faulty = Study.from_dict({"name": "f", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
                               "optimizers": [{"name": "faulty"}]})  # fmt: skip
-    run(faulty, tmp_path / "none", jobs=1)
+    run(faulty, tmp_path / "none", n_jobs=1)
     with pytest.raises(BenchError, match="holds no finished trial to verify"):
         verify(tmp_path / "none")
 

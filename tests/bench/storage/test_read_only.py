@@ -21,7 +21,7 @@ def read_only(monkeypatch):
 
 @pytest.mark.slow
 def test_a_read_only_study_can_be_read_and_reported_elsewhere(small_study, tmp_path, read_only):
-    run(small_study, tmp_path / "out", jobs=1)
+    run(small_study, tmp_path / "out", n_jobs=1)
     before = load_results(tmp_path / "out")
     for beside in (tmp_path / "out").glob("trials.sqlite-*"):
         beside.unlink()

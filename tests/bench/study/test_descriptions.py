@@ -99,7 +99,7 @@ def ran(tmp_path_factory, testing_plugins):
         "name": "s", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
         "optimizers": [{"name": f"{place}/mine.py:Mine", "label": "mine"}, {"name": "gwo", "agents": 9}],
     })  # fmt: skip
-    run(study, place / "out", jobs=1)
+    run(study, place / "out", n_jobs=1)
     return place / "out"
 
 
@@ -119,7 +119,7 @@ def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, 
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(WORK, {"agents": "7", "handling": "mirror"}, {"agents": "7", "handling": "mirror"})
     assert gwo.values["agents"] == "9"
-    assert "Doe, Jane" in write_report(made, jobs=1).read_text(encoding="utf-8")
+    assert "Doe, Jane" in write_report(made, n_jobs=1).read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
@@ -130,7 +130,7 @@ def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, 
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description()
     assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
-    page = write_report(made, jobs=1).read_text(encoding="utf-8")
+    page = write_report(made, n_jobs=1).read_text(encoding="utf-8")
     assert "The options of mine are not all known: no run noted them in the folder." in page
 
 

@@ -21,9 +21,9 @@ STUDY = {
 
 
 def test_the_statistics_of_a_report_are_those_of_scipy_and_statsmodels(tmp_path, drawn):
-    folder = run(Study.from_dict(STUDY), tmp_path / "s", jobs=1).folder
+    folder = run(Study.from_dict(STUDY), tmp_path / "s", n_jobs=1).folder
     with drawn():
-        write_report(folder, jobs=1)
+        write_report(folder, n_jobs=1)
     trials, cells, tests, rates, times = (
         pd.read_csv(folder / "tables" / f"{name}.csv", keep_default_na=False, na_values=[""])
         for name in ("trials", "cells", "tests", "success-rates", "running-times")

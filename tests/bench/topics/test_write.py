@@ -106,7 +106,7 @@ def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monk
     contents = []
     for jobs in (1, -1):
         out = tmp_path / str(jobs)
-        write_report(folder, output=out, jobs=jobs)
+        write_report(folder, output=out, n_jobs=jobs)
         contents.append({path.relative_to(out): path.read_bytes() for path in out.rglob("*") if path.is_file()})
     assert contents[0] == contents[1]
     assert Path("figures", "convergence.pdf") in contents[0]

@@ -22,7 +22,7 @@ def folder(tmp_path_factory, testing_plugins):
         "optimizers": [{"name": "scatter", "agents": 5}, {"name": "early"}],
     }  # fmt: skip
     place = tmp_path_factory.mktemp("runs") / "small"
-    run(Study.from_dict(study), place, jobs=1)
+    run(Study.from_dict(study), place, n_jobs=1)
     return place
 
 
@@ -99,7 +99,7 @@ def test_a_figure_that_cannot_be_drawn_costs_its_own_section_alone(folder, monke
 
     monkeypatch.setattr(write, "FEW", 0)
     patch_plugins(monkeypatch, bad=sections)
-    page = text_of(write_report(folder, output=tmp_path / "out", jobs=2))
+    page = text_of(write_report(folder, output=tmp_path / "out", n_jobs=2))
     assert "The report section &#39;bad&#39; failed and is left out" in page
     assert (tmp_path / "out" / "figures" / "convergence.svg").exists()
     assert not list((tmp_path / "out" / "figures").glob("wrong*"))

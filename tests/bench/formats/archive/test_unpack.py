@@ -165,7 +165,7 @@ def test_what_is_no_file_is_refused(tmp_path, file):
 
 @pytest.mark.slow
 def test_an_unpacked_folder_is_verified_and_reported(bench_here, tmp_path, small_study):
-    run(small_study.override(trials=1), tmp_path / "out", jobs=1)
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     pack(tmp_path / "out", tmp_path / "a.zip")
     unpack(tmp_path / "a.zip", tmp_path / "there")
     again = bench_here("verify", tmp_path / "there", "--trials", "1", "--jobs", "1")

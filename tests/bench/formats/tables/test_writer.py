@@ -75,7 +75,7 @@ class TestTables:
 
     @pytest.mark.slow
     def test_a_real_run(self, small_study, tmp_path):
-        bench.run(replace(small_study, trials=1), tmp_path / "s", jobs=1)
+        bench.run(replace(small_study, trials=1), tmp_path / "s", n_jobs=1)
         results = Results(tmp_path / "s")
         folder = exported(results, "csv", tmp_path / "out")
         texts = pd.read_csv(folder / "trials.csv", dtype=str)

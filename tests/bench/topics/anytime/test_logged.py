@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
     (path / "mine.py").write_text(LOGS)
     optimizers = [{"name": f"{path / 'mine.py'}:{name}"} for name in ("logs", "plain")]
     table = {"name": "s", "trials": 2, "budget": 40, "problems": ["classical-sphere-d2-i1"], "optimizers": optimizers}
-    run(Study.from_dict(table), path / "out", jobs=1, verify=False)
+    run(Study.from_dict(table), path / "out", n_jobs=1, verify=False)
     return path / "out"
 
 

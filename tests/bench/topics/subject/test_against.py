@@ -163,7 +163,7 @@ def test_without_a_subject_there_is_no_section(folder):
 
 
 def test_the_report_begins_with_the_subject(folder, tmp_path):
-    page = write_report(folder, output=tmp_path / "out", subject="c", jobs=1)
+    page = write_report(folder, output=tmp_path / "out", subject="c", n_jobs=1)
     assert json.loads((tmp_path / "out" / "answer.json").read_text())["sentence"].startswith("c loses to a and b on")
     assert "against-rivals" in page.read_text()
 

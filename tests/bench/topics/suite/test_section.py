@@ -21,7 +21,7 @@ def findings(tmp_path_factory):
         {"name": "suite", "trials": 3, "budget": "200 * d", "problems": [table],
          "optimizers": [{"name": "cma-es-fast"}, {"name": "random-search"}]}
     )  # fmt: skip
-    return Findings(Results(run(study, tmp_path_factory.mktemp("run") / "s", jobs=1).folder))
+    return Findings(Results(run(study, tmp_path_factory.mktemp("run") / "s", n_jobs=1).folder))
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +158,7 @@ def test_the_running_times_of_two_are_scattered(findings, items):
 @pytest.mark.slow
 def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, monkeypatch):
     monkeypatch.setattr("bench.topics.findings.trials.MANY_PROBLEMS", 3)
-    tables = write_report(findings.results.paths[0], output=tmp_path / "out", jobs=1).parent / "tables"
+    tables = write_report(findings.results.paths[0], output=tmp_path / "out", n_jobs=1).parent / "tables"
     assert (tables / "running-times-d2.tex").exists()
     assert not list(tables.glob("cells-*.tex"))
     figures = tables.with_name("figures")
