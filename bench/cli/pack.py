@@ -16,21 +16,15 @@ def command(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Archive to write; default: FOLDER.zip.")
     ] = None,
-    licence: Annotated[
-        str, typer.Option(help="How the results may be used: an SPDX identifier (CC-BY-4.0) or a URL.")
-    ] = "",
-    author: Annotated[
-        list[str] | None, typer.Option(help="An author of the results, with an ORCID behind the name; repeatable.")
-    ] = None,
 ) -> None:
     """Write a study's folder into one archive, for Zenodo or a paper's supplement.
 
-    The zip file holds trials, frozen study, environments, hashes of data and code, the report, and a description for
-    machines (RO-Crate 1.1) with the SHA-256 of every file. The same folder gives the same bytes.
+    The zip file holds trials, frozen study, environments, hashes of data and code, the report, and the SHA-256 of every
+    file (SHA256SUMS). The same folder gives the same bytes.
     """
     from bench.formats.archive import pack
 
-    packed = pack(folder, output, licence=licence, authors=author or ())
+    packed = pack(folder, output)
     for note in packed.notes:
         print_line(f"note: {note}", "yellow")
     print_line(f"{packed.trials:,} trials in {packed.files:,} files: {packed.path}")

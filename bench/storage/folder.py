@@ -37,7 +37,7 @@ DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
 KILLED = "killed.json"
 ANSWER = "answer.json"  # of the report
-CRATE = "ro-crate-metadata.json"  # of the archive that a folder was unpacked from
+SUMS = "SHA256SUMS"  # of the archive that a folder was unpacked from
 
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
 
@@ -74,7 +74,7 @@ class Folder:
     @property
     def untrusted(self) -> bool:
         """Whether an archive brought the folder here, or its trials were made of code that nobody trusts."""
-        return (self.path / CRATE).exists() or any(record.get("sandbox") for record in self.environments())
+        return (self.path / SUMS).exists() or any(record.get("sandbox") for record in self.environments())
 
     @property
     def _begun(self) -> bool:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import stat
 import tempfile
 import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
-from bench.formats.archive.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
-from bench.formats.archive.crate import describe, stated
+from bench.formats.archive.contents import NOTES, PAGE, SUMS, report_files
 from bench.helpers.atomic import replacing
 from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
@@ -37,28 +35,19 @@ class Packed:
     notes: tuple[str, ...] = ()
 
 
-def pack(
-    path: str | PathLike[str],
-    output: str | PathLike[str] | None = None,
-    *,
-    licence: str = "",
-    authors: Sequence[str] = (),
-) -> Packed:
-    """Write a study's folder into one zip file: trials, frozen study, environments, hashes, report and description.
+def pack(path: str | PathLike[str], output: str | PathLike[str] | None = None) -> Packed:
+    """Write a study's folder into one zip file: trials, frozen study, environments, report and hashes.
 
     The trials are a consistent copy, also while a run adds to them. The folder is not changed.
 
     Args:
         path: the folder that ``bench.run`` wrote.
         output: the archive; by default a file beside the folder, of its name with ``.zip``.
-        licence: how the results may be used: an SPDX identifier such as "CC-BY-4.0" or a URL.
-        authors: names of the results' authors, each with an ORCID behind it where there is one.
 
     Raises:
-        BenchError: when the licence is another text, the folder holds no study or damaged trials, a part of its report
-            is missing, or the archive cannot be written.
+        BenchError: when the folder holds no study or damaged trials, a part of its report is missing, or the archive
+            cannot be written.
     """
-    licence = stated(licence)
     folder = Folder(path)
     study = folder.study()
     here = folder.path.resolve()
@@ -81,18 +70,11 @@ def pack(
                 )
             trials = sum(cell.done + cell.failed for cell in copy.store.cells())
             with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
-                files = [_add(archive, name, sources[name]) for name in sorted(sources)]
-                frozen = datetime.fromtimestamp((folder.path / STUDY).stat().st_mtime, UTC)
-                crate = describe(
-                    study, files, copy.environments(), trials=trials, licence=licence, authors=authors,
-                    fallback_date=frozen.isoformat(timespec="seconds"),
-                )  # fmt: skip
-                (copy.path / CRATE).write_bytes(json.dumps(crate, indent=1, ensure_ascii=False).encode())
-                files.append(_add(archive, CRATE, copy.path / CRATE))
-                (copy.path / SUMS).write_bytes("".join(f"{file.sha256}  {file.name}\n" for file in files).encode())
+                sums = {name: _add(archive, name, sources[name]) for name in sorted(sources)}
+                (copy.path / SUMS).write_bytes("".join(f"{sha256}  {name}\n" for name, sha256 in sums.items()).encode())
                 _add(archive, SUMS, copy.path / SUMS)
-    notes = _notes(folder, study, trials, reported=bool(reported), licence=licence)
-    return Packed(target, len(files) + 1, trials, tuple(notes))
+    notes = _notes(folder, study, trials, reported=bool(reported))
+    return Packed(target, len(sums) + 1, trials, tuple(notes))
 
 
 def _copied(folder: Folder, place: Path) -> Folder:
@@ -107,23 +89,22 @@ def _copied(folder: Folder, place: Path) -> Folder:
     return copy
 
 
-def _add(archive: zipfile.ZipFile, name: str, source: Path) -> PackedFile:
-    """Add a file under an entry that depends on name and content alone; return size and hash of the bytes added."""
+def _add(archive: zipfile.ZipFile, name: str, source: Path) -> str:
+    """Add a file under an entry that depends on name and content alone; return the SHA-256 of the bytes added."""
     entry = zipfile.ZipInfo(name, EPOCH)
     entry.create_system = 3  # Unix, on every system
     entry.external_attr = (stat.S_IFREG | 0o644) << 16
     entry.compress_type = zipfile.ZIP_DEFLATED
     entry.file_size = source.stat().st_size  # so that a file of more than 2 GB gets the fields that it needs
-    digest, size = hashlib.sha256(), 0
+    digest = hashlib.sha256()
     with source.open("rb") as file, archive.open(entry, "w") as packed:
         while block := file.read(BLOCK):
             digest.update(block)
-            size += len(block)
             packed.write(block)
-    return PackedFile(name, size, digest.hexdigest())
+    return digest.hexdigest()
 
 
-def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence: str) -> Iterator[str]:
+def _notes(folder: Folder, study: Study, trials: int, *, reported: bool) -> Iterator[str]:
     """Yield a sentence for everything that a reader of the archive would miss."""
     planned = len(study.problems) * len(study.optimizers) * study.trials
     if folder.running():
@@ -134,8 +115,6 @@ def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence
         yield f"the archive has no report, as there is none in the folder; 'bench report {folder.path}' writes it"
     elif _ended(folder.environments()) > (folder.path / PAGE).stat().st_mtime:
         yield f"the report is older than the last run; 'bench report {folder.path}' writes it again"
-    if not licence.strip():
-        yield "the archive states no licence; --licence CC-BY-4.0 states one"
 
 
 def _ended(environments: Sequence[dict[str, Any]]) -> float:

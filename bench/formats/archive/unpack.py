@@ -9,17 +9,15 @@ from os import PathLike
 from pathlib import Path
 
 from bench.errors import BenchError
-from bench.formats.archive.contents import CRATE, REQUIRED, SUMS, belongs
-from bench.formats.archive.crate import listed
+from bench.formats.archive.contents import REQUIRED, SUMS, belongs
 from bench.formats.source import sha256_of
 from bench.formats.unpacking import Member, extract, zip_members
 from bench.helpers.atomic import names_in, replacing
-from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
 from bench.storage.folder import Folder
 
 LARGEST_GB = 20.0  # of all files unpacked, unless a larger limit is given
-LARGEST_LIST = 50_000_000  # bytes of the description and of the checksums, which are read into memory
+LARGEST_LIST = 50_000_000  # bytes of the checksums, which are read into memory
 LONGEST = 100  # characters shown of a name, which may hold anything
 
 _SUM = re.compile(r"([0-9a-f]{64})  (.+)")
@@ -38,7 +36,7 @@ class Unpacked:
 def unpack(file: str | PathLike[str], output: str | PathLike[str], *, limit_gb: float = LARGEST_GB) -> Unpacked:
     """Unpack an archive that :func:`bench.formats.archive.pack` wrote into a new folder, and verify all of it.
 
-    Every file must be listed with its SHA-256 in the checksums and in the description, and have it; the trials must
+    Every file must be listed with its SHA-256 in the checksums, and have it; the trials must
     fit their digests. Where anything was changed, is missing or was added, nothing is unpacked. The checksums are in
     the archive: they show damage and careless changes. Who may have replaced the whole archive is shown by comparing
     its own hash with a published one.
@@ -59,9 +57,8 @@ def unpack(file: str | PathLike[str], output: str | PathLike[str], *, limit_gb: 
     with replacing(target) as temporary:
         temporary.mkdir(parents=True)
         names = extract(source, _ours(zip_members(source), source), temporary, limit_gb, "--limit raises the size")
-        sums = _sums(_read(temporary, SUMS, source), source)
+        sums = _sums(temporary, source)
         _compare(set(names), sums, source)
-        _describes(_read(temporary, CRATE, source), sums, source)
         for name, digest in sums.items():
             if sha256_of(temporary / name) != digest:
                 raise BenchError(f"{source}: {name} was changed: its SHA-256 is not that of {SUMS}")
@@ -74,7 +71,7 @@ def _ours(members: Iterable[Member], source: Path) -> Iterator[Member]:
     folded: set[str] = set()
     for member in members:
         name, shown = member[0], repr(printable(member[0], LONGEST))
-        if name not in (SUMS, CRATE) and not belongs(name):
+        if name != SUMS and not belongs(name):
             raise BenchError(f"{source} holds {shown}, which is no file of an archive of results; it is not unpacked")
         if name.lower() in folded:  # some file systems do not distinguish capitals
             raise BenchError(f"{source} holds {shown} twice; it is not unpacked")
@@ -82,19 +79,14 @@ def _ours(members: Iterable[Member], source: Path) -> Iterator[Member]:
         yield member
 
 
-def _read(folder: Path, name: str, source: Path) -> bytes:
-    """Return the content of one of the two lists."""
-    if not (folder / name).is_file():
-        raise BenchError(f"{source} has no {name}, so it is no archive that 'bench pack' wrote")
-    if (folder / name).stat().st_size > LARGEST_LIST:
-        raise BenchError(f"{source}: {name} is too large to be a list of files")
-    return (folder / name).read_bytes()
-
-
-def _sums(content: bytes, source: Path) -> dict[str, str]:
-    """Return the SHA-256 of every file by name."""
+def _sums(folder: Path, source: Path) -> dict[str, str]:
+    """Return the SHA-256 of every file by name, as the archive lists them."""
+    if not (folder / SUMS).is_file():
+        raise BenchError(f"{source} has no {SUMS}, so it is no archive that 'bench pack' wrote")
+    if (folder / SUMS).stat().st_size > LARGEST_LIST:
+        raise BenchError(f"{source}: {SUMS} is too large to be a list of files")
     sums: dict[str, str] = {}
-    for number, line in enumerate(content.decode(errors="replace").splitlines(), start=1):
+    for number, line in enumerate((folder / SUMS).read_text("utf-8", errors="replace").splitlines(), start=1):
         match = _SUM.fullmatch(line)
         if match is None or match[2] in sums:
             raise BenchError(f"{source}: line {number} of {SUMS} is malformed; get the archive again")
@@ -104,23 +96,10 @@ def _sums(content: bytes, source: Path) -> dict[str, str]:
 
 def _compare(names: Set[str], sums: Mapping[str, str], source: Path) -> None:
     """Raise BenchError where files are missing or were added."""
-    for name in sorted({*REQUIRED, CRATE, *sums} - names):
+    for name in sorted({*REQUIRED, *sums} - names):
         raise BenchError(f"{source}: {printable(name, LONGEST)} is missing; get the archive again")
     for name in sorted(names - {SUMS, *sums}):
         raise BenchError(f"{source}: {name} was added, as {SUMS} does not list it; get the archive again")
-
-
-def _describes(content: bytes, sums: Mapping[str, str], source: Path) -> None:
-    """Raise BenchError where the description does not list the files of the checksums, with the same hashes."""
-    try:
-        described: dict[str, str] = listed(parse_json(content))
-    except ValueError as error:
-        raise BenchError(f"{source}: {CRATE} is no JSON; get the archive again") from error
-    payload = {name: digest for name, digest in sums.items() if name != CRATE}
-    if different := sorted({name for name, _ in described.items() ^ payload.items()}):
-        raise BenchError(
-            f"{source}: {CRATE} and {SUMS} disagree on {printable(different[0], LONGEST)}; get the archive again"
-        )
 
 
 def _read_whole(temporary: Path, source: Path) -> tuple[int, str]:

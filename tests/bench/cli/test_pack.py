@@ -2,8 +2,6 @@
 
 import zipfile
 
-import pytest
-
 from bench import Study
 from bench.storage.folder import Folder
 from tests.bench.storage.filled import OPTIMIZERS, PROBLEMS, TRIALS, add_missing
@@ -15,10 +13,10 @@ def test_pack_and_unpack_print_what_they_did(bench_here, tmp_path):
     study = {"name": "small", "trials": TRIALS, "problems": [{"names": [*PROBLEMS]}]}
     folder.claim(Study.from_dict(study | {"optimizers": [{"name": name} for name in OPTIMIZERS]}))
     add_missing(folder)
-    done = bench_here("pack", folder.path, "--author", "Ada Lovelace")
+    done = bench_here("pack", folder.path)
     assert done.returncode == 0
-    assert "note: the archive states no licence" in done.stdout
-    assert f"{4 * TRIALS} trials in 5 files: " in done.stdout
+    assert "note: the archive has no report" in done.stdout
+    assert f"{4 * TRIALS} trials in 4 files: " in done.stdout
     assert zipfile.is_zipfile(tmp_path / "copy.zip")
     done = bench_here("unpack", tmp_path / "copy.zip", "-o", tmp_path / "there")
     assert f"all {4 * TRIALS} trials are as they were written" in done.stdout
@@ -29,10 +27,3 @@ def test_an_archive_that_was_changed_costs_one_sentence(bench_here, tmp_path):
     done = bench_here("unpack", tmp_path / "a.zip", "-o", tmp_path / "there")
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize("licence", ["foo", "CC BY 4.0", "Ask me."])
-def test_a_text_that_is_no_licence_is_refused(bench_here, tmp_path, licence):
-    done = bench_here("pack", tmp_path, "--licence", licence)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert f"the licence {licence!r} is no SPDX identifier, such as CC-BY-4.0" in done.stderr

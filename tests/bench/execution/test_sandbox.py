@@ -18,7 +18,7 @@ from bench.execution.job import MEMORY, TIMEOUT, Task, sandbox
 from bench.execution.verify import verify
 from bench.sandbox import bubblewrap, namespaces
 from bench.sandbox.process import Process
-from bench.storage.folder import CRATE
+from bench.storage.folder import SUMS
 
 TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
 
@@ -378,7 +378,7 @@ def test_a_folder_from_an_archive_is_run_verified_and_read_without_loading_its_f
              "optimizers": [{"name": "beside.py:stroll"}]}  # fmt: skip
     run(Study.from_dict(study), "out", n_jobs=1)
     assert load_problem_of("out") is not None
-    Path("out", CRATE).touch()  # as 'bench unpack' leaves it
+    Path("out", SUMS).touch()  # as 'bench unpack' leaves it
     for command in (("run", "out/study.toml", "-o", "out"), ("verify", "out")):
         done = bench_here(*command, cwd=shadows)
         assert (done.returncode, done.stdout) == (2, "")

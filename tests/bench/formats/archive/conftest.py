@@ -40,8 +40,7 @@ def copied(whole, tmp_path):
 @pytest.fixture(scope="session")
 def packed(whole, tmp_path_factory):
     """An archive of it, which no test changes."""
-    authors = ("Ada Lovelace 0000-0002-1825-0097", "Somebody Else")
-    return pack(whole.path, tmp_path_factory.mktemp("archive") / "small.zip", licence="CC-BY-4.0", authors=authors).path
+    return pack(whole.path, tmp_path_factory.mktemp("archive") / "small.zip").path
 
 
 @pytest.fixture(scope="session")

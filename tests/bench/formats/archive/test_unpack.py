@@ -1,7 +1,7 @@
 import hashlib
-import json
 import stat
 import zipfile
+from importlib import import_module
 
 import pandas as pd
 import pytest
@@ -11,20 +11,16 @@ from bench.formats import unpacking
 from bench.formats.archive import pack, unpack
 from bench.storage.folder import Folder
 
-CRATE, SUMS = "ro-crate-metadata.json", "SHA256SUMS"
+reading = import_module("bench.formats.archive.unpack")  # whose name in the package is the function's
+
+SUMS = "SHA256SUMS"
 
 
-def write(path, content, *, lists=False, kinds=None):
-    """Write an archive; with ``lists``, its checksums and description agree with its content, as a forger's do."""
-    if lists:
-        digests = {
-            name: hashlib.sha256(each).hexdigest() for name, each in content.items() if name not in (CRATE, SUMS)
-        }
-        graph = [{"@id": name, "@type": "File", "sha256": each} for name, each in digests.items()]
-        crate = json.dumps({"@graph": graph}).encode()
-        digests[CRATE] = hashlib.sha256(crate).hexdigest()
-        sums = "".join(f"{each}  {name}\n" for name, each in digests.items()).encode()
-        content = content | {CRATE: crate, SUMS: sums}
+def write(path, content, *, listed=False, kinds=None):
+    """Write an archive; with ``listed``, its checksums agree with its content, as a forger's do."""
+    if listed:
+        digests = {name: hashlib.sha256(each).hexdigest() for name, each in content.items() if name != SUMS}
+        content = content | {SUMS: "".join(f"{each}  {name}\n" for name, each in digests.items()).encode()}
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, each in content.items():
             entry = zipfile.ZipInfo(name)
@@ -54,8 +50,7 @@ def test_what_was_packed_is_unpacked(packed, content, whole, tmp_path):
 
 def test_an_unpacked_folder_is_packed_to_the_same_bytes(packed, tmp_path):
     unpack(packed, tmp_path / "there")
-    authors = ("Ada Lovelace 0000-0002-1825-0097", "Somebody Else")
-    again = pack(tmp_path / "there", tmp_path / "again.zip", licence="CC-BY-4.0", authors=authors)
+    again = pack(tmp_path / "there", tmp_path / "again.zip")
     assert again.path.read_bytes() == packed.read_bytes()
 
 
@@ -67,17 +62,29 @@ def test_an_empty_folder_is_filled_and_any_other_is_kept(packed, tmp_path):
     assert (tmp_path / "empty" / "study.toml").exists()
 
 
-@pytest.mark.parametrize("name", ["trials.sqlite", "study.toml", "tables/cells.csv", "environment.json", CRATE])
+@pytest.mark.parametrize("name", ["trials.sqlite", "study.toml", "tables/cells.csv", "environment.json"])
 def test_a_changed_file_is_named(content, tmp_path, name):
     changed = content[name].replace(b"e", b"f", 1)
-    where = "was changed|disagree on" if name != CRATE else f"{CRATE} is no JSON|{CRATE} was changed|disagree on"
-    assert_refused(write(tmp_path / "a.zip", content | {name: changed}), where)
+    assert_refused(write(tmp_path / "a.zip", content | {name: changed}), f"{name} was changed")
 
 
-@pytest.mark.parametrize("name", ["trials.sqlite", "study.toml", "tables/cells.csv", CRATE, SUMS])
+@pytest.mark.parametrize("name", ["trials.sqlite", "study.toml", "tables/cells.csv", SUMS])
 def test_a_missing_file_is_named(content, tmp_path, name):
     left = {each: value for each, value in content.items() if each != name}
     assert_refused(write(tmp_path / "a.zip", left), f"{name} is missing|has no {name}")
+
+
+@pytest.mark.parametrize(
+    "line", ["", "0" * 64, f"{'0' * 63}  study.toml", f"{'0' * 64} *study.toml", f"{'0' * 64}  study.toml"]
+)
+def test_checksums_that_are_malformed_or_name_a_file_twice_are_refused(content, tmp_path, line):
+    sums = content[SUMS] + line.encode() + b"\n"
+    assert_refused(write(tmp_path / "a.zip", content | {SUMS: sums}), "line 7 of SHA256SUMS is malformed")
+
+
+def test_a_list_that_fills_the_memory_is_not_read(content, tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "LARGEST_LIST", 10)
+    assert_refused(write(tmp_path / "a.zip", content), "SHA256SUMS is too large to be a list of files")
 
 
 def test_an_added_file_is_named(content, tmp_path):
@@ -92,27 +99,29 @@ def test_an_added_file_is_named(content, tmp_path):
     ],
 )  # fmt: skip
 def test_a_name_that_we_do_not_write_is_refused(content, tmp_path, name):
-    assert_refused(write(tmp_path / "a.zip", content | {name: b""}, lists=True), "which is no file of an archive")
+    assert_refused(write(tmp_path / "a.zip", content | {name: b""}, listed=True), "which is no file of an archive")
 
 
 @pytest.mark.parametrize("kind", [stat.S_IFLNK, stat.S_IFDIR, stat.S_IFIFO, stat.S_IFCHR])
 def test_links_folders_and_devices_are_refused(content, tmp_path, kind):
-    path = write(tmp_path / "a.zip", content | {"report.html": b"/etc/passwd"}, lists=True, kinds={"report.html": kind})
+    path = write(
+        tmp_path / "a.zip", content | {"report.html": b"/etc/passwd"}, listed=True, kinds={"report.html": kind}
+    )
     assert_refused(path, r"'report.html', which is a link, a folder or a device")
 
 
 def test_a_name_that_occurs_twice_is_refused(content, tmp_path):
-    path = write(tmp_path / "a.zip", content | {"tables/Cells.csv": b""}, lists=True)
+    path = write(tmp_path / "a.zip", content | {"tables/Cells.csv": b""}, listed=True)
     assert_refused(path, r"'tables/Cells.csv' twice")
 
 
 def test_a_bomb_is_refused(content, tmp_path):
-    path = write(tmp_path / "a.zip", content | {"tables/more.csv": bytes(300_000_000)}, lists=True)
+    path = write(tmp_path / "a.zip", content | {"tables/more.csv": bytes(300_000_000)}, listed=True)
     assert_refused(path, "times its size, as no results do")
 
 
 def test_size_and_number_of_files_are_limited(content, tmp_path, monkeypatch):
-    path = write(tmp_path / "a.zip", content, lists=True)
+    path = write(tmp_path / "a.zip", content, listed=True)
     assert_refused(path, r"or 1e-06 GB; --limit raises the size", limit_gb=1e-6)
     monkeypatch.setattr(unpacking, "MOST_FILES", 3)
     assert_refused(path, "holds more than 3 files")
@@ -137,23 +146,23 @@ def test_damaged_bytes_are_noticed_wherever_a_file_is_changed(packed, content, t
             assert all((found.path / name).read_bytes() == each for name, each in content.items())
 
 
-def test_trials_that_do_not_fit_their_digests_are_refused_although_the_lists_do(content, copied, tmp_path):
+def test_trials_that_do_not_fit_their_digests_are_refused_although_the_checksums_do(content, copied, tmp_path):
     store = content["trials.sqlite"]
     place = store.index(b"RuntimeError")
     forged = store[:place] + b"rUNTIME" + store[place + 7 :]
     (tmp_path / "x").mkdir()
-    path = write(tmp_path / "x" / "a.zip", content | {"trials.sqlite": forged}, lists=True)
+    path = write(tmp_path / "x" / "a.zip", content | {"trials.sqlite": forged}, listed=True)
     assert_refused(path, r"1 of 120 trials are damaged")
 
 
 def test_a_study_that_is_none_is_refused(content, tmp_path):
-    path = write(tmp_path / "a.zip", content | {"study.toml": b"name = 3"}, lists=True)
+    path = write(tmp_path / "a.zip", content | {"study.toml": b"name = 3"}, listed=True)
     assert_refused(path, r"a.zip: ")
 
 
 def test_a_study_of_other_optimizers_is_refused(content, tmp_path):
     study = content["study.toml"].replace(b'"scatter"', b'"hill-climber"')
-    path = write(tmp_path / "a.zip", content | {"study.toml": study}, lists=True)
+    path = write(tmp_path / "a.zip", content | {"study.toml": study}, listed=True)
     assert_refused(path, "study.toml was changed: the trials beside it were made with the study of hash")
 
 
