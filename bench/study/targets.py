@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from bench.errors import BenchError
-from bench.helpers.text import joined, listing
+from bench.helpers.text import joined
 from bench.numbers import is_finite
 from bench.study.values import Value
 from bench.typing import Floats
@@ -93,8 +93,7 @@ class Targets(Value, ABC):
     absolute = rising = by_best = by_metric = False
     restarts = True
     without = "on which no trial found a finite value"
-    _meaning: str  # of a target, and what methods say of all; {0} is the set, {1} what values are beside
-    _method: str
+    _meaning: str  # of a target; {0} is the set, {1} what values are beside
 
     @staticmethod
     def read(value: object, what: str = "the targets") -> Targets:
@@ -138,10 +137,6 @@ class Targets(Value, ABC):
             found = "the known optimum, or the lowest value found where the optimum is unknown or beaten"
         return self._meaning.format(self, "the known optimum" if all(known) else found)
 
-    def method(self, reference: str) -> str:
-        """Return the sentence of the methods on the targets; ``reference`` is the value beside which others are set."""
-        return self._method.format(self, reference)
-
     def level_text(self, level: float) -> str:
         """Return a level as readers are shown it, such as ``"1e-08"``."""
         return f"{1 / level if self.rising else level:g}"
@@ -176,7 +171,6 @@ class _Relative(Targets):
         "A target is the objective value f_L + tau (f_0 − f_L), where f_0 is the median of the first values of the "
         "trials and f_L is {1} (Moré and Wild 2009)."
     )
-    _method = "We measure progress by targets between the median first value of the trials and {1} [@more2009]."
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:
         distance = found.first - found.reference
@@ -201,9 +195,6 @@ class _Precisions(Targets):
         "The targets are 51 precisions from 1e2 to 1e-8, five a decade, as in COCO (Hansen et al. 2021): the best "
         "value less {1}."
     )
-    _method = (
-        "We measure progress by the 51 target precisions of COCO from 100 to 1e-8 [@hansen2021], differences from {1}."
-    )
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:
         return COCO_PRECISIONS, found.reference + COCO_PRECISIONS
@@ -226,11 +217,6 @@ class _RunLengths(Targets):
         "hardest. So an optimizer as fast as the best algorithm of 2009 on each function needs slightly more "
         "evaluations than the budget, or fewer where 1e-8 is reached within it."
     )
-    _method = (
-        f"We measure progress by targets by running length: for budgets of {_LENGTHS} times the dimension, the next of "
-        "COCO's precisions after the hardest that the best algorithm of BBOB 2009 reached within that budget "
-        "[@hansen2010; @hansen2021], at least one step harder than that of the budget before."
-    )
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:  # noqa: ARG002 - they follow from no trial
         return np.empty(0), np.empty(0)
@@ -247,9 +233,6 @@ class _Quantiles(Targets):
     _meaning = (
         "The targets of a problem are quantiles of the best values of all its trials, from 0.95 to 0.05: that of 0.1 "
         "is the value that a tenth of all trials reached. They depend on the optimizers compared."
-    )
-    _method = (
-        "We measure progress by quantiles of the best values of all trials on a problem, from 0.95 to 0.05, as targets."
     )
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:
@@ -271,10 +254,6 @@ class _Tolerance(Targets):
         "A trial reaches a target when the expected metrics of its best point are within a multiple of their "
         "tolerances, from 8 to 1/8; its time is the evaluation that found this point. Metrics of points on the way are "
         "not recorded."
-    )
-    _method = (
-        "We measure success by multiples of the tolerance of the expected metrics, which the best point of a trial has "
-        "to meet; its running time is the evaluation that found this point."
     )
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:  # noqa: ARG002 - the same on all problems
@@ -302,10 +281,6 @@ class _List(Targets):
     def taus(self) -> Floats:
         return np.array([_percent(each) / 100 if isinstance(each, str) else each for each in self.plain])
 
-    @property
-    def listed(self) -> str:
-        return listing([str(each) for each in self.plain])
-
 
 class _OwnPrecisions(_List):
     """Precisions, the best value less the optimum."""
@@ -313,16 +288,11 @@ class _OwnPrecisions(_List):
     unit, short = "precision", "these precisions"
     absolute = True
     _meaning = "The targets are {0.described}: the best value less {1}."
-    _method = "We measure progress by {0.cited} ({0.listed}), differences from {1}."
 
     @property
     def described(self) -> str:
         first, last = self.level_text(self.tabled[0]), self.level_text(self.tabled[-1])
         return f"{len(self.plain)} precisions from {first} to {last}" if first != last else f"the precision {first}"
-
-    @property
-    def cited(self) -> str:
-        return f"{len(self.plain)} target precision{'s' * (len(self.plain) > 1)}"
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:
         return self.taus, found.reference + self.taus
@@ -334,7 +304,6 @@ class _Percentages(_List):
     unit, short = "share of the optimum", "percentages"
     without = "where no trial found a finite value or the optimum is 0"
     _meaning = "The targets are values within {0.all} of {1}; a value of 0 has none."
-    _method = "We measure progress by values within {0.listed} of {1}."
 
     @property
     def all(self) -> str:

@@ -1,4 +1,4 @@
-"""The methods section of a paper about a study: sentences that hold for the actual run, and the works they cite."""
+"""One paragraph for the methods section of a paper: what was run and tested, and the works that it cites."""
 
 from __future__ import annotations
 
@@ -6,57 +6,35 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
 
-from bench.analysis import ALPHA
-from bench.analysis.across import FEWER, MANY
-from bench.analysis.cells import NEAR, scores, stopped_early
-from bench.analysis.certainty import resamples as rank_resamples
-from bench.analysis.instances import SOLVED
-from bench.analysis.integrity import undeclared
-from bench.analysis.kolmogorov_smirnov import TIED
-from bench.analysis.pairwise import RESAMPLES
+from bench.analysis.cells import scores, stopped_early
 from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
 from bench.report.latex import prose
 from bench.report.wording import count, listing, options
-from bench.scoring.constraints import COEFFICIENT
 from bench.study import Study
 from bench.study.descriptions import Description
-from bench.topics.conditions.conditions import conditions
-from bench.topics.findings import Findings
-from bench.topics.findings.replication import Replication, each_problem
-from bench.topics.methods import problem_words
-from bench.topics.subject.against import against, subject_methods
-from bench.topics.verdict.winner import winner_rule
+from bench.topics.findings import Final, Findings, Trials
+from bench.topics.findings.replication import each_problem
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
+NEUTRAL = ("joblib", "matplotlib", "pandas", "seaborn")  # packages on which no trial's result depends
+MOST_OPTIMIZERS, MOST_PROBLEMS, MOST_PACKAGES, MOST_WORDS = 6, 4, 6, 30  # named, and words on parameters
 
-NEUTRAL = ("joblib", "matplotlib", "pandas", "seaborn")
-"""Packages on which no trial's result depends: they schedule trials, keep tables and draw."""
 
-_CITATION = re.compile(r" \[@([^]]+)\]")
+Keys = dict[str, list[str]]  # of works, by optimizer
+Piece = str | tuple[str, ...]  # a text, or the keys of works that are cited after it
 
 
 @dataclass(frozen=True)
 class Methods:
-    """The same sentences in three formats.
+    """The paragraph as text, Markdown and LaTeX, the BibTeX of what it cites, and a warning for each unreadable one."""
 
-    Attributes:
-        text: plain paragraphs, which cite by author and year.
-        markdown: paragraphs with citations and front matter for pandoc.
-        latex: paragraphs for ``\\input``.
-        bibtex: the works cited, in alphabetical order of their keys.
-        warnings: a sentence for each optimizer that is not cited, because its BibTeX cannot be read.
-    """
-
-    text: tuple[str, ...]
+    text: str
     markdown: str
     latex: str
     bibtex: str
@@ -64,253 +42,157 @@ class Methods:
 
 
 def methods(findings: Findings) -> Methods:
-    """Return the methods section of a run; every sentence in it holds for that run."""
-    return write(findings.study, findings.descriptions, facts(findings))
+    """Return the methods of a run; every sentence holds for that run."""
+    study, trials, anytime = findings.study, findings.trials, findings.anytime
+    works, works_of, warnings = bibliography(study, findings.descriptions)
+    pieces = [*compared(study, trials, works_of), findings.selection, parameters(study), *runs(trials)]
+    pieces += [scored(study, trials), *(tested(findings.final, findings.subject) if len(study.optimizers) > 1 else [])]
+    if len(anytime.targets):
+        pieces += ["We report expected running times", ("hansen2021",), f" (targets: {anytime.target_set.short})."]
+    pieces += machine(findings.results.environments)
+    title = json.dumps(_markdown(f"Methods: {study.title or study.name}"), ensure_ascii=False)
+    keys = sorted({key for piece in pieces if isinstance(piece, tuple) for key in piece})
+    text = _written(pieces, str, lambda keys: f" ({'; '.join(works[key].author_year for key in keys)})")
+    markdown = _written(pieces, _markdown, lambda keys: " [" + "; ".join(f"@{key}" for key in keys) + "]")
+    markdown = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---\n\n{markdown}\n"
+    latex = _written(pieces, prose, lambda keys: f"~\\cite{{{','.join(keys)}}}")
+    latex = f"% {BIBLIOGRAPHY} has the works cited\n{{\\emergencystretch=1em\n\n{latex}\\par}}\n"
+    return Methods(text, markdown, latex, "\n".join(works[key].bibtex + "\n" for key in keys), warnings)
 
 
-def facts(findings: Findings) -> dict[str, Any]:
-    """Return the facts about a run that its methods state, by the name that the template gives them."""
-    results = findings.results
-    trials, final, anytime = findings.trials, findings.final, findings.anytime
-    early = stopped_early(trials.frame)
-    return {
-        "selection": findings.selection,
-        "replications": trials.replications,
-        "within": len(trials.stratified),  # problems compared instance by instance
-        "known": trials.known,  # facts of the problems, by label
-        "suites": problem_words.suites(trials.known),
-        "empty": int((trials.coverage["stored"] == 0).sum()),
-        "failed": int(np.isinf(scores(trials.comparable.working)).sum()),
-        "not_compared": trials.comparable,
-        "environments": results.environments,
-        "tests": final.tests if final.levels.problems else 0,  # of which one can be significant
-        "pairs": final.tests,
-        "levels": final.levels,
-        "level_on_problems": final.level_on_problems,
-        "permutation_tests": int(final.tested_pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties
-        "ranked_problems": len(final.medians),
-        "known_optima": int(anytime.targets.drop_duplicates("problem")["known"].sum()),
-        "targets": anytime.targets["problem"].nunique(),
-        "target_set": anytime.target_set,
-        "aocc": anytime.aocc["problem"].nunique() if anytime.target_set.absolute else 0,
-        "early": {label: int((early & (trials.frame["optimizer"] == label)).sum()) for label in trials.optimizers},
-        "checks": results.checks,
-        "subject": subject_methods(findings.of(against)) if findings.subject and len(final.medians) else "",
-        "subject_tested": final.subject,
-        "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,
-        "budgets": {label: budget.words for label, budget in results.budgets.items()},
-        "common": trials.common_words,
-        "confined": len({problem for (problem, _), by in trials.shifts.items() if by}),  # optimum out of reach
-        "best2009": anytime.best_times.dropna()["problem"].nunique(),
-        "extensions": undeclared(trials.extensions),
-        "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),
-        "stability": len(final.stability) > 0,
-    }
+def compared(study: Study, trials: Trials, works_of: Mapping[str, Sequence[str]]) -> list[Piece]:
+    """Return the sentence on the problems, and on the optimizers with their works."""
+    suites = {str(trials.known[label].features.get("suite", "")) for label in trials.problems}
+    whole = len(trials.problems) > MOST_PROBLEMS and "" not in suites
+    where = f"of {listing(sorted(suites))}" if whole else f"({listing(trials.problems, at_most=MOST_PROBLEMS)})"
+    dimensions = [str(d) for d in sorted(set(trials.dimensions.values()))]
+    where += f" in dimension {listing(dimensions).replace(' and ', ' or ')}" if dimensions else ""
+    begin, more = f"We ran {count(len(study.optimizers), 'optimizer')}", len(study.optimizers) - MOST_OPTIMIZERS
+    pieces: list[Piece] = [f"{begin} on {count(len(trials.problems), 'problem')} {where}:"]
+    for place, entry in enumerate(study.optimizers[:MOST_OPTIMIZERS]):
+        last = place and more <= 0 and place == len(study.optimizers) - 1
+        pieces += [f"{' and' if last else ',' * bool(place)} {entry.label}", tuple(works_of[entry.label])]
+    return [*pieces, f" and {count(more, 'other')}." if more > 0 else "."]
 
 
-def write(study: Study, descriptions: Mapping[str, Description], stated: Mapping[str, Any]) -> Methods:
-    """Return the methods section of a study with the facts of :func:`facts`."""
-    works, works_of, warnings = _bibliography(study, descriptions)
-    context = _context(study, descriptions, stated)
-    written = paragraphs(templates().get_template("methods.j2").render(context, own=works_of))
-    title = json.dumps(MARKDOWN.plain(f"Methods: {study.title or study.name}"), ensure_ascii=False)
-    front = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---"
-    comment = f"% {BIBLIOGRAPHY} has the works cited\n{{\\emergencystretch=1em"
-    return Methods(
-        text=tuple(TEXT.write(paragraph, works) for paragraph in written),
-        markdown="\n\n".join([front, *(MARKDOWN.write(paragraph, works) for paragraph in written)]) + "\n",
-        latex="\n\n".join([comment, *(LATEX.write(paragraph, works) for paragraph in written)]) + "\\par}\n",
-        bibtex="\n".join(works[key].bibtex + "\n" for key in cited_keys(written)),
-        warnings=warnings,
-    )
-
-
-def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values that the template refers to, by name."""
+def parameters(study: Study) -> str:
+    """Return the sentences on parameters that have not their default values, and on results of others."""
     alike: dict[str, list[str]] = {}
     for entry in study.optimizers:
         alike.setdefault(options(entry.options), []).append(entry.label)
-    budgets: dict[str, list[str]] = {}
-    for label, words in stated["budgets"].items():
-        budgets.setdefault(words, []).append(label)
-    problem_facts, replications = stated["known"], stated["replications"]
-    pooled = [cells for cells in replications if cells.instances > 1]
-    return {
-        **stated,
-        "study": study,
-        "pooled": sum(cells.problems for cells in pooled),
-        "instances": listing([f"{cells.instances}" for cells in pooled]) if pooled else "",
-        "fewest": min((cells.fewest for cells in replications), default=0),
-        "most": max((cells.most for cells in replications), default=0),
-        "made": _made(replications),
-        "constrained": sum(bool(problem.constraints) for problem in problem_facts.values()),
-        "noisy": sum(problem.noisy for problem in problem_facts.values()),
-        "mixed": sum(bool(problem.integers) for problem in problem_facts.values()),
-        "dimensions": problem_words.dimensions(problem_facts),
-        "boxes": problem_words.boxes(problem_facts),
-        "optima": problem_words.optima(problem_facts),
-        "unknown_optima": sum(problem.optimum is None for problem in problem_facts.values()),
-        "measures": problem_words.measures(problem_facts),
-        "handling": _handling(study, descriptions),
-        "tested": {name: _tested(stated["checks"], name) for name in ("centre bias", "structural bias")},
-        "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],
-        "count": count,
-        "listing": listing,
-        "alpha": ALPHA,
-        "near": NEAR,
-        "tied": TIED,
-        "solved": SOLVED,
-        "fewer": len(study.optimizers) > MANY,
-        "winner_rule": winner_rule(),
-        "fewer_resamples": FEWER,
-        "resamples": RESAMPLES,
-        "rank_resamples": rank_resamples(len(study.optimizers)),
-        "coefficient": COEFFICIENT,
-        "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
-        "early": [f"{count(number, 'trial')} of {label}" for label, number in stated["early"].items() if number],
-        "versions": _versions(stated["environments"]),
-        "commits": _commits(stated["environments"]),
-        "processors": _distinct(environment.get("processor") for environment in stated["environments"]),
-    }
+    given = "; ".join(f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text)
+    made = f"The results of {listing(study.imported)} were made elsewhere and imported." if study.imported else ""
+    if len(study.imported) == len(study.optimizers):
+        return made
+    if len(given.split()) > MOST_WORDS:
+        return f"{made} The study's file has every parameter that has not its default value.".lstrip()
+    own = f"We ran {given}; all other" if given else "All other" if study.imported else "All"
+    return f"{made} {own} parameters have their default values.".lstrip()
 
 
-def _made(replications: Sequence[Replication]) -> str:
-    """Return how many independent trials were made of an optimizer on a problem."""
-    noun = "independent trial"
-    if len(replications) > 1:
-        return each_problem(replications, noun)
-    return "".join(cells.words(noun) for cells in replications)
+def runs(trials: Trials) -> list[str]:
+    """Return the sentences on trials, budgets and seed, and on trials that failed, ended early or are not compared."""
+    study, skipped = trials.study, trials.comparable
+    budgets = {label: budget.words for label, budget in trials.results.budgets.items()}
+    each = listing([f"{words} for {label}" for label, words in budgets.items()], at_most=3)
+    budget = each if len(set(budgets.values())) > 1 else study.budget_words
+    made = each_problem(trials.replications, "independent trial").removesuffix(" each")
+    made += " on each problem" * (len(trials.replications) == 1)
+    said = [f"Of each optimizer we have {made}, each with a budget of {budget}."]
+    if len(study.imported) < len(study.optimizers):
+        said.append(f"The seed of the study is {study.seed}.")
+    if trials.common:
+        said.append(f"As budgets differ, we compare values {trials.common_words}.")
+    if skipped.failed:
+        said.append(f"Not compared, as the problem's own code raised in a trial: {listing(list(skipped.failed))}.")
+    early = trials.frame.loc[stopped_early(trials.frame), "optimizer"].astype(object).value_counts(sort=False)
+    if len(early):
+        stopped = listing([f"{count(number, 'trial')} of {label}" for label, number in early.items()], at_most=4)
+        said.append(f"{stopped} met a stopping criterion of the optimizer before the budget was spent.")
+    if failed := int(np.isinf(scores(skipped.working)).sum()):
+        said.append(f"{count(failed, 'trial')} failed or found no finite value, which is worse than any value.")
+    return said
 
 
-def _handling(study: Study, descriptions: Mapping[str, Description]) -> dict[str, str]:
-    """Return the optimizers by their ``handling``, ``box`` or ``repair``, in words; "" if none has the option."""
-    handling = conditions(study, descriptions)["handling"]
-    owners = {value: [str(label) for label in handling.index[handling == value]] for value in ("box", "repair")}
-    return {value: listing(labels) if labels else "" for value, labels in owners.items()}
+def scored(study: Study, trials: Trials) -> str:
+    """Return the sentence on the value of a trial: what is minimised, under which constraints and noise."""
+    known = [trials.known[label] for label in trials.problems]
+    measures = {problem.measure for problem in known}
+    said = "The score of a trial is the lowest objective value that it found"
+    said += f", {measures.pop()}" if len(measures) == 1 and all(measures) else ""
+    said += ", less the optimum where instances are pooled" if trials.precisions else ""
+    said += ", without noise" if any(problem.noisy for problem in known) else ""
+    handled = any(problem.constraints for problem in known)
+    return f"{said}; the handling of constraints is {study.constraints}." if handled else f"{said}."
 
 
-def _tested(checks: Mapping[str, Sequence[Mapping[str, Any]]], check: str) -> list[str]:
-    """Return the optimizers that ``bench check`` tested for a bias."""
-    return [label for label, results in checks.items() if any(result["check"] == check for result in results)]
+def tested(final: Final, subject: str) -> list[Piece]:
+    """Return the sentences on the comparison of optimizers, on each problem and over all."""
+    pairs = f"{final.subject} with each other optimizer" if final.subject else "every pair of optimizers"
+    late = f"No run named {subject} before the first trial. " * (subject != final.subject)
+    chance = ", the chance that a trial of one ends lower than one of the other, ties half"
+    said: list[Piece] = [f"{late}We compare {pairs} by A12", ("vargha2000",), chance]
+    if not final.levels.problems:
+        said.append("; no test on a problem is made, as none could be significant.")
+    else:
+        said += ["; on each problem we test A12 = 0.5 for unequal spreads", ("delong1988", "schuurhuis2025")]
+        said += [
+            ", by Holm's method",
+            ("holm1979",),
+            f" over {count(final.tests, 'test')} at {final.levels.problems:g}.",
+        ]
+    if len(final.medians) > 1 and final.levels.across:
+        said.append(f"Over all problems we test the mean of A12 likewise, at {final.levels.across:g}.")
+    return said
 
 
-def _versions(environments: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
-    """Return the versions that made the trials, by package."""
-    versions: dict[str, list[str]] = {}
-    for environment in environments:
-        for name, version in {"Python": environment.get("python"), **(environment.get("packages") or {})}.items():
-            if version and name not in NEUTRAL:
-                versions[name] = _distinct([*versions.get(name, []), str(version)])
-    return versions
+def machine(environments: Sequence[Mapping[str, Any]]) -> list[Piece]:
+    """Return the sentence on versions and processors."""
+    records = [{"Python": each.get("python"), **(each.get("packages") or {})} for each in environments]
+    versions = {name: _distinct(each.get(name) for each in records) for record in records for name in record}
+    used = [f"{name} {' and '.join(found)}" for name, found in versions.items() if found and name not in NEUTRAL]
+    if not used:
+        return []
+    cited = [key for name, key in (("numpy", "harris2020"), ("scipy", "virtanen2020")) if versions.get(name)]
+    processors = listing(_distinct(each.get("processor") for each in environments), at_most=3)
+    named = listing(used[:MOST_PACKAGES], at_most=MOST_PACKAGES)
+    return [f"The trials used {named}", tuple(cited), " on " * bool(processors) + f"{processors}."]
 
 
-def _commits(environments: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return a clause on the commits of each checkout that has any."""
-    states: dict[str, list[Mapping[str, Any]]] = {}
-    for environment in environments:
-        for name, git in {"source code": environment.get("git"), **(environment.get("checkouts") or {})}.items():
-            states.setdefault(name, []).extend([git] if git else [])
-    clauses = []
-    for name, of_checkout in states.items():
-        if commits := _distinct(str(state.get("commit") or "")[:10] for state in of_checkout):
-            changed = ", with local changes" if any(state.get("dirty") for state in of_checkout) else ""
-            clauses.append(f"{name} at commit {listing(commits)}{changed}")
-    return clauses
+def bibliography(study: Study, found: Mapping[str, Description]) -> tuple[dict[str, Work], Keys, tuple[str, ...]]:
+    """Return all works by key, the keys of each optimizer's works, and warnings; a taken key gets a number."""
+    taken = {key.lower(): work for key, work in read(Path(__file__).with_name(BIBLIOGRAPHY)).items()}
+    works_of, warnings = {entry.label: list[str]() for entry in study.optimizers}, []
+    for label, keys in works_of.items():
+        try:
+            own = parse(found.get(label, Description()).bibtex)
+        except BenchError as error:
+            warnings.append(f"{label} is not cited: {error}.")
+            continue
+        for work in own:
+            number, candidate = 1, work
+            while not taken.get(candidate.key.lower(), candidate).is_same(candidate):
+                number += 1
+                candidate = replace(work, key=f"{work.key}-{number}")
+            taken[candidate.key.lower()] = candidate
+            keys.append(candidate.key)
+    return {work.key: work for work in taken.values()}, works_of, tuple(warnings)
+
+
+def _written(pieces: Sequence[Piece], plain: Callable[[str], str], cite: Callable[[Sequence[str]], str]) -> str:
+    """Return the paragraph, with a space before a piece that begins a sentence."""
+    written = ""
+    for piece in filter(None, pieces):
+        if isinstance(piece, str):
+            written += " " * (bool(written) and piece[0] not in " ,.;") + plain(re.sub(r"\s+", " ", piece))
+        else:
+            written += cite(piece)
+    return written
 
 
 def _distinct(values: Iterable[Any]) -> list[str]:
-    return list(dict.fromkeys(filter(None, values)))
+    return list(dict.fromkeys(map(str, filter(None, values))))
 
 
-def library() -> dict[str, Work]:
-    """Return the works whose methods the reports use, by key."""
-    return read(Path(__file__).with_name(BIBLIOGRAPHY))
-
-
-def _bibliography(
-    study: Study, descriptions: Mapping[str, Description]
-) -> tuple[dict[str, Work], dict[str, list[str]], tuple[str, ...]]:
-    """Return all works by key, the keys of each optimizer's works by label, and warnings."""
-    works, works_of, warnings = list(library().values()), {}, []
-    for entry in study.optimizers:
-        try:
-            references = parse(descriptions.get(entry.label, Description()).bibtex)
-        except BenchError as error:
-            references = []
-            warnings.append(f"{entry.label} is not cited: {error}.")
-        works, named = merge_works(works, references)
-        works_of[entry.label] = [work.key for work in named]
-    return {work.key: work for work in works}, works_of, tuple(warnings)
-
-
-def merge_works(works: list[Work], added: list[Work]) -> tuple[list[Work], list[Work]]:
-    """Return ``works`` with those of ``added`` that they lack, and ``added`` under their keys in that list.
-
-    BibTeX ignores the case of keys, so a number is appended to the key of another work whose key is taken.
-    """
-    taken = {work.key.lower(): work for work in works}
-    named = []
-    for work in added:
-        number, candidate = 1, work
-        while not taken.get(candidate.key.lower(), candidate).is_same(candidate):
-            number += 1
-            candidate = replace(work, key=f"{work.key}-{number}")
-        taken[candidate.key.lower()] = candidate
-        named.append(candidate)
-    return list(taken.values()), named
-
-
-@cache
-def templates() -> Environment:
-    """Return the templates of prose; ``[@key; @key]`` after a space in their text cites works."""
-    return Environment(
-        loader=PackageLoader("bench.topics.methods", ""),
-        undefined=StrictUndefined,
-        finalize=_data,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-
-def _data(value: Any) -> str:
-    """Return a value for a template such that no part of it reads as a citation or ends the paragraph."""
-    return value if isinstance(value, Markup) else _one_line(str(value)).replace("[", "[[")
-
-
-def paragraphs(filled: str) -> list[str]:
-    """Return the paragraphs of a filled template, each as one line; blank lines separate them, 1e-08 is 1e-8."""
-    filled = re.sub(r"(?<![\w.=])(\d[\d.]*e-)0(?=\d\b)", r"\1", filled)  # not in labels
-    return [" ".join(text.split()) for text in re.split(r"\n\s*\n", filled) if text.strip()]
-
-
-def cited_keys(prose: Sequence[str]) -> list[str]:
-    """Return the keys that the paragraphs cite, in alphabetical order."""
-    return sorted({key for text in prose for keys in _CITATION.findall(text) for key in keys.split("; @")})
-
-
-@dataclass(frozen=True)
-class Style:
-    """A way to write prose: how plain text is escaped and how one or more works are cited."""
-
-    plain: Callable[[str], str]
-    cite: Callable[[list[Work]], str]
-
-    def write(self, prose: str, works: Mapping[str, Work]) -> str:
-        """Return a paragraph of a filled template; ``works`` are those it may cite, by key."""
-        pieces = _CITATION.split(prose)  # every second piece holds keys
-        pieces[::2] = [self.plain(piece.replace("[[", "[")) for piece in pieces[::2]]
-        pieces[1::2] = [self.cite([works[key] for key in keys.split("; @")]) for keys in pieces[1::2]]
-        return "".join(pieces)
-
-
-def _one_line(text: str) -> str:
-    return re.sub(r"\s+", " ", text)
-
-
-def _escape_markdown(text: str) -> str:
-    return re.sub(r"([\\`*_{}\[\]<>#@~^$|&\"'])", r"\\\1", _one_line(text))
-
-
-TEXT = Style(str, lambda works: f" ({'; '.join(work.author_year for work in works)})")
-MARKDOWN = Style(_escape_markdown, lambda works: f" [{'; '.join(f'@{work.key}' for work in works)}]")
-LATEX = Style(prose, lambda works: f"~\\cite{{{','.join(work.key for work in works)}}}")
+def _markdown(text: str) -> str:
+    return re.sub(r"([\\`*_{}\[\]<>#@~^$|&\"'])", r"\\\1", text)

@@ -1,4 +1,4 @@
-"""The methods of this run as a paper describes them."""
+"""The methods of this run as a paper describes them, its problems and conditions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from bench.report.parts import File, Section
 from bench.topics.conditions.conditions import conditions_table
 from bench.topics.findings import Findings
 from bench.topics.methods.methods import methods
-from bench.topics.methods.problem_words import problems_table
+from bench.topics.methods.problems import problems_table
 from bench.topics.topic import Topic
 
 TITLE = "Methods"
@@ -19,7 +19,7 @@ ABOUT = "The works cited in the methods; join the files of two studies such that
 
 
 def section(findings: Findings) -> Section:
-    """Return paragraphs that are true of this run, with the BibTeX of the works they cite."""
+    """Return the paragraph that is true of this run, with the BibTeX of the works they cite."""
     if findings.trials.whole.empty:
         return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
     stated = findings.of(methods)
@@ -27,7 +27,7 @@ def section(findings: Findings) -> Section:
         problems_table(findings.trials.known, findings.trials.pooled.members),
         conditions_table(findings.study, findings.descriptions),
     )
-    return Section(TITLE, stated.text, tables, stated.warnings, code=stated.bibtex)
+    return Section(TITLE, (stated.text,), tables, stated.warnings, code=stated.bibtex)
 
 
 def texts(findings: Findings) -> list[File]:

@@ -257,8 +257,3 @@ def _short(say: Any, name: str, most: int) -> str:
 def subject_rule(known: Against) -> str:
     """Return when the subject is called better or worse."""
     return speaker(__package__, it=known, NAMED=NAMED)("rule")
-
-
-def subject_methods(known: Against) -> str:
-    """Return sentences for methods on the tested pairs and on the rule by which the subject is called better."""
-    return f"{speaker(__package__, it=known, NAMED=NAMED)('named')} {subject_rule(known)}"

@@ -111,10 +111,10 @@ class TestUnited:
         assert not found.trials.coverage["missing"].any()
 
     def test_the_methods_give_each_budget_and_say_what_was_imported(self, mine, archive):
-        text = methods(Findings(Results(mine, archive))).text[0]
+        text = methods(Findings(Results(mine, archive))).text
         assert "each with a budget of 120 evaluations for own and 801 evaluations at d = 2" in text
         assert "The results of archived were made elsewhere and imported." in text
-        assert "All parameters of the optimizers that we ran have their default values." in text
+        assert "All other parameters have their default values." in text
         assert "planned" not in text
 
     def test_folders_without_a_problem_in_common_are_refused(self, tmp_path, archive):

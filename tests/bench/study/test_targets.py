@@ -46,7 +46,6 @@ def test_every_kind_is_explained_and_shows_its_own_levels(given):
     assert list(targets.tabled) == sorted(targets.tabled, reverse=True)
     for known in ([True], [False], [True, False]):
         assert targets.meaning(known).endswith(".")
-    assert targets.method("the known optimum").endswith(".")
 
 
 @pytest.mark.parametrize(
@@ -70,7 +69,6 @@ def test_long_lists_show_some_of_their_levels():
     targets = Targets.read([10.0**-step for step in range(20)])
     assert (len(targets.levels), len(targets.tabled)) == (3, 8)
     assert (targets.levels[0], targets.levels[-1], targets.tabled[-1]) == (1.0, 1e-19, 1e-19)
-    assert "20 target precisions (1.0, 0.1, 0.01, 0.001, 0.0001, 1e-05, 1e-06 and 13 more)" in targets.method("it")
 
 
 def test_targets_of_a_problem_are_beside_what_was_found_there():

@@ -161,7 +161,7 @@ class TestRunLengths:
         (problem,) = [each for each in datasets.section(found).sections[0].items if "running-times" in each.name]
         assert list(problem.frame)[:5] == ["0.5", "1.2", "3", "10", "50"]
         assert "trials that reached 50." in problem.note
-        assert "by running length: for budgets of 0.5, 1.2, 3, 10 and 50 times" in " ".join(methods(found).text)
+        assert "(targets: running lengths)" in methods(found).text
 
     def test_the_tables_have_the_precision_behind_each_running_length(self, small):
         """Within 0.5, 1.2, 3, 10 and 50 d evaluations the best reached 10^2 … 10^1.2; the targets are a step harder."""

@@ -5,7 +5,6 @@ import pytest
 from bench import Results
 from bench.topics.comparison import dominance
 from bench.topics.findings import Findings
-from bench.topics.methods.methods import methods
 
 
 def findings(folder, functions=("p", "q"), **optima):
@@ -50,11 +49,9 @@ def test_without_a_problem_to_score_there_is_a_sentence_and_no_table(make, tmp_p
     section = dominance.section(found)
     assert "2 problems of 2 are left out" in section.text[1]
     assert section.items == ()
-    assert "U-score" not in "".join(methods(found).text)
 
 
 def test_there_is_no_ranking_of_one_optimizer_or_without_a_suite(make, tmp_path):
     one = findings(make(tmp_path / "one", optimizers=("a",), trials=2))
     assert dominance.section(one) is None
-    assert "U-score" not in "".join(methods(one).text)
     assert dominance.section(findings(make(tmp_path / "s", trials=2), functions=())) is None

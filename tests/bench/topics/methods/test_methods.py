@@ -1,253 +1,125 @@
-"""The methods section: sentences follow the facts, three ways say the same, and every citation has its work."""
+"""The methods: at most 250 words that follow from the facts, in three formats, and every citation has its work."""
 
 import re
 import shutil
 import subprocess
-from dataclasses import replace
-from difflib import unified_diff
+from pathlib import Path
 
-import pandas as pd
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.analysis import Levels
-from bench.analysis.comparable import Comparable
-from bench.helpers.bibtex import parse
+from bench import Results
+from bench.helpers.bibtex import parse, read
 from bench.plugins import registry
-from bench.results.results import ProblemFacts
+from bench.report.latex import prose
 from bench.study import Entry, Study
 from bench.study.descriptions import Description
-from bench.study.targets import KINDS, Targets
-from bench.topics.findings.replication import Replication
+from bench.topics.findings import Findings
+from bench.topics.methods import methods as module
 from bench.topics.methods import section
-from bench.topics.methods.methods import (
-    LATEX,
-    MARKDOWN,
-    TEXT,
-    cited_keys,
-    library,
-    merge_works,
-    paragraphs,
-    templates,
-    write,
-)
+from bench.topics.methods.methods import bibliography, machine, methods, parameters
 
 ENVIRONMENT = {
     "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},
-    "processor": "A & B processor", "git": {"commit": "0123456789abcdef", "dirty": False},
+    "processor": "A & B processor",
 }  # fmt: skip
+HOSTILE = "50% of_$wölves$ & #1 {~^\\} [@a]"
+LATEX = shutil.which("pdflatex") and shutil.which("bibtex")
 
 
-def study(optimizers=("gwo", "alo", "cma-es"), problems=("p", "q", "r"), **options):
-    entries = [
-        [each if isinstance(each, Entry) else Entry(each, each) for each in some] for some in (problems, optimizers)
-    ]
-    return Study("s", *map(tuple, entries), **options)
+def study(*optimizers):
+    return Study("s", (Entry("p", "p"),), tuple(optimizers))
 
 
-KNOWN = {label: ProblemFacts(constraints="lexicographic") for label in ("p", "q")} | {"r": ProblemFacts()}
-CENTRE, STRUCTURE = ({"check": name, "passed": False} for name in ("centre bias", "structural bias"))
-ONE = [Replication(3, 1, 30, 30, 30)]
+@pytest.fixture(scope="module")
+def found(make, tmp_path_factory):
+    """Return the methods of a study in which much can be said: hostile names, options, a failed trial, a short one."""
+    labels = ("gwo", "alo", "cma-es", HOSTILE)
+    folder = make(
+        tmp_path_factory.mktemp("methods") / "s", ("p", "q"), labels, trials=20, fail=[("p", "alo", 1)],
+        options={"gwo": {"agents": 7}}, changes={"cma-es": {"stop": "tolfun", "nfev": 50}}, record=ENVIRONMENT,
+    )  # fmt: skip
+    findings = Findings(Results(folder))
+    described = {label: Description(registry.load("optimizers", label).bibtex) for label in labels[:3]}
+    findings.__dict__["descriptions"] = described
+    return methods(findings)
 
 
-def described(*names):
-    return {name: Description(registry.load("optimizers", name).bibtex) for name in names}
+def test_every_sentence_follows_from_the_study(found):
+    for said in (
+        "We ran 4 optimizers on 2 problems (p and q)", "gwo (Mirjalili et al., 2014), alo (Mirjalili, 2015), cma-es",
+        "We ran gwo with agents = 7; all other parameters have their default values.",
+        "Of each optimizer we have 20 independent trials on each problem, each with a budget of 100 evaluations.",
+        "40 trials of cma-es met a stopping criterion", "1 trial failed or found no finite value",
+        "We compare every pair of optimizers by A12", "by Holm's method (Holm, 1979) over 12 tests",
+        "numpy 2.4.6 and scipy 1.17.1 (Harris et al., 2020; Virtanen et al., 2020) on A & B processor.",
+    ):  # fmt: skip
+        assert said in found.text
+    assert len(found.text.split()) <= 250
+    assert not re.search(r" [,.;:)]|[,;:]\.|\.\.|,,|\( ", found.text.replace(HOSTILE, "wolf"))
 
 
-NOTHING = {
-    "study": study(), "descriptions": {}, "selection": "", "replications": ONE, "known": {}, "empty": 0, "failed": 0,
-    "not_compared": Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {}), "environments": [],
-    "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "permutation_tests": 0, "ranked_problems": 0,
-    "known_optima": 0, "targets": 0, "target_set": KINDS["relative"], "aocc": 0, "early": {}, "checks": {},
-    "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
-    "suites": "", "extensions": [], "needed": "", "stability": False,
-    "subject": "", "subject_tested": "", "within": 0, "level_on_problems": 0.01,
-}  # fmt: skip
+def test_nothing_is_said_of_what_was_not_done(make, tmp_path):
+    one = methods(Findings(Results(make(tmp_path / "one", ("p",), ("a",), trials=2)))).text
+    few = methods(Findings(Results(make(tmp_path / "few", trials=2)))).text
+    for test in ("Friedman", "A12", "Holm", "failed", "constraints", "noise", "The trials used"):
+        assert test not in one
+    assert "no test on a problem is made" in few
+    assert "Holm" not in few
 
 
-def full(**changes):
-    """Return facts of which every sentence can be said."""
-    return NOTHING | {
-        "study": study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]),
-        "replications": [Replication(3, 1, 28, 30, 30)], "known": KNOWN, "failed": 2,
-        "descriptions": described("gwo", "alo", "cma-es"), "environments": [ENVIRONMENT], "tests": 9, "pairs": 9,
-        "levels": Levels(0.01, 0.035, 0.005), "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1,
-        "targets": 3, "early": {"cma-es": 3, "gwo": 0},
-        "checks": {"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
-        "dominance": 2, "common": "at 400 evaluations", "confined": 2,
-    } | changes  # fmt: skip
+def test_many_optimizers_and_problems_stay_within_the_words(make, tmp_path):
+    labels = tuple(f"o{number}" for number in range(15))
+    many = make(tmp_path / "many", tuple(f"p{number}" for number in range(9)), labels, trials=2, record=ENVIRONMENT,
+                options={label: {"an_option": number} for number, label in enumerate(labels)})  # fmt: skip
+    text = methods(Findings(Results(many))).text
+    assert "o5 and 9 others." in text
+    assert "The study's file has every parameter that has not its default value." in text
+    assert len(text.split()) <= 250
 
 
-def methods(given):
-    return write(given["study"], given["descriptions"], given)
+def test_results_of_others_are_said_to_be_theirs():
+    ours, theirs = Entry("gwo", "gwo"), Entry("imported:A", "A")
+    made = "The results of A were made elsewhere and imported."
+    assert parameters(study(theirs)) == made
+    assert parameters(study(ours, theirs)) == f"{made} All other parameters have their default values."
 
 
-def said(facts):
-    return "\n".join(methods(facts).text)
+def test_versions_of_several_machines():
+    other = {"python": "3.12.1", "packages": {"numpy": None}, "processor": "C"}
+    assert machine([ENVIRONMENT, other])[0].startswith("The trials used Python 3.11.7 and 3.12.1, backlash-bench 0.1.0")
+    assert machine([]) == []
 
 
-def cited(found):
-    return {key for keys in re.findall(r"\\cite\{([^}]*)\}", found.latex) for key in keys.split(",")}
+def test_every_citation_has_its_work_and_every_work_is_complete(found):
+    keys = [work.key for work in parse(found.bibtex)]
+    in_latex = {key for each in re.findall(r"\\cite\{([^}]*)\}", found.latex) for key in each.split(",")}
+    assert keys == sorted(in_latex)
+    assert set(re.findall(r"[\[ ]@([a-z0-9]+)(?=[\];])", found.markdown)) == set(keys)
+    assert read(Path(module.__file__).with_name(module.BIBLIOGRAPHY)).keys() <= set(keys)
 
 
-FIT = ProblemFacts(
-    2.0, box={"A": (-1.0, 1.0), "t0": (0.0, 4.0)}, measure="the RMSE in rpm",
-    optimum_source="a fit",
-)  # fmt: skip
-FUNCTION = ProblemFacts(0.0, box={"x1": (-5, 5), "x2": (-5, 5)}, optimum_source="the definition of the suite")
-MANY = {"study": study([f"o{place}" for place in range(33)])}
-OTHER = ENVIRONMENT | {"python": "3.12.1", "processor": "C", "git": {"commit": "f" * 40, "dirty": True}}
-UNKNOWN = {"python": None, "packages": {"numpy": None}, "git": None}
-MINE = ENVIRONMENT | {
-    "git": None, "checkouts": {"mine": {"commit": "c" * 40, "dirty": True, "diff": "d" * 64}}
-}  # fmt: skip
-ACCEPTED = {"gwo": {"handling": "box"}, "alo": {"handling": "repair"}, "cma-es": {}}
-
-CASES = {
-    "extended": {"extensions": [(10, 30)], "needed": "simulation", "stability": True},
-    "needed by a formula": {"needed": "formula"},
-    **{
-        f"targets {chosen}": {"target_set": Targets.read(chosen), "aocc": 2}
-        for chosen in ("relative", "precisions", [1.0, 0.1], ["5%", "1%"], "quantiles", "tolerance")
-    },
-    "no trial failed": {"failed": 0}, "no permutation test": {"permutation_tests": 0}, "no target": {"targets": 0},
-    "no check for centre bias": {"checks": {"gwo": [STRUCTURE]}},
-    "no check for structural bias": {"checks": {"gwo": [CENTRE]}},
-    "nobody stopped": {"early": {"gwo": 0}}, "no environment": {"environments": ()},
-    "not described": {"descriptions": {}},
-    "one problem ranked": {"ranked_problems": 1}, "all problems ranked": {"ranked_problems": 3},
-    "all trials there": {"replications": ONE}, "no test": {"tests": 0}, "usual options": {"study": study()},
-    "one problem": {"study": study(problems=["p"]), "ranked_problems": 1},
-    "two optimizers": {"study": study(["gwo", "alo"])},
-    "all optima known": {"known_optima": 3}, "no optimum known": {"known_optima": 0}, "nothing known": {"known": {}},
-    "equal budgets": {"common": ""}, "no repaired optimum": {"confined": 0}, "no U-scores": {"dominance": 0},
-    "U-scores of all problems": {"dominance": 3},
-    **{each: {"study": study(constraints=each)} for each in ("death", "penalty", "repair")},
-    "constraints everywhere": {"study": study(constraints="death"), "known": dict.fromkeys("pqr", KNOWN["p"])},
-    "instances": {"known": dict.fromkeys("pqr", FUNCTION), "replications": [Replication(3, 3, 9, 9, 3)]},
-    "instances compared within": {"replications": [Replication(3, 3, 9, 9, 3)], "within": 3},
-    "a subject": {"subject": "The first run named gwo.", "subject_tested": "gwo"},
-    "some instances": {"within": 2, "replications": [Replication(2, 3, 15, 15, 5), Replication(1, 1, 5, 5, 5)]},
-    "many problems of a suite": {
-        "study": study(problems=[f"p{number}" for number in range(21)]),
-        "suites": "7 functions of bbob in dimensions 2, 5 and 10",
-    },
-    "few problems of a suite": {"suites": "3 functions of bbob in dimension 2"},
-    "fits": {"known": dict.fromkeys("pqr", FIT)},
-    "problems of several kinds": {
-        "known": {"p": FIT, "q": replace(FIT, features={}, measure=""), "r": ProblemFacts(box={"x": (-5, 5)})}
-    },
-    "box and repair": {"descriptions": {name: Description("", own, {}) for name, own in ACCEPTED.items()}},
-    "many optimizers": MANY, "one trial": {"replications": [Replication(3, 1, 1, 30, 30)]},
-    "several machines": {"environments": [ENVIRONMENT, OTHER, UNKNOWN]},
-    "a plug-in's own checkout": {"environments": [ENVIRONMENT, MINE]},
-    "one of everything": NOTHING | {
-        "study": study([Entry("gwo", "wolf")], ["p"], trials=1), "replications": [Replication(1, 1, 1, 1, 1)]
-    },
-    "imported": NOTHING | {"study": study((Entry("imported:A", "A"), Entry("imported:B", "B")))},
-    "imported beside others": NOTHING | {"study": study((Entry("imported:A", "A"), "gwo"))},
-}  # fmt: skip
-
-
-BEGINNING = 70  # letters of a sentence that a case does not have
-
-
-def sentences(facts):
-    return re.split(r"(?<=[a-z)]\.) (?=[A-Z])", said(facts).replace("\n", " "))
-
-
-def test_the_sentences_of_every_case_are_the_committed_ones(committed):
-    usual = sentences(full())
-    lines = ["## everything", *usual]
-    for name, changes in CASES.items():
-        changed = [*unified_diff(usual, sentences(full(**changes)), lineterm="", n=0)][2:]
-        changed = [line for line in changed if not line.startswith("@@")]
-        lines += ["", f"## {name}", *(f"{line[:BEGINNING]} …" if line[0] == "-" else line for line in changed)]
-    committed("methods-cases", "\n".join([*lines, ""]))
-
-
-@pytest.mark.parametrize("changes", CASES.values(), ids=CASES)
-def test_no_sentence_has_a_stray_space_or_comma(changes):
-    assert not re.search(r" [,.;:)]|[,;:]\.|\.\.|,,|\( ", said(full(**changes)))
-
-
-class TestMethods:
-    def test_every_work_of_the_library_is_complete_and_cited_by_some_report(self):
-        for key, work in library().items():
-            assert re.fullmatch(r"[a-z]+\d{4}", key)
-            assert work.author_year.endswith(key[-4:])
-            assert re.search(r"\btitle = ", work.fields)
-            place = {"article": "journal", "inproceedings": "booktitle", "misc": "howpublished", "phdthesis": "school"}
-            place |= {"incollection": "booktitle", "book": "publisher"}
-            assert f"  {place[work.kind]} = " in work.bibtex
-            assert work.kind != "article" or "pages = " in work.fields
-        fields_own = full(extensions=[(10, 30)], target_set=KINDS["precisions"], aocc=2, best2009=2)
-        many = full(**MANY, needed="formula", stability=True)
-        known = [cited(methods(facts)) for facts in (full(), fields_own, many)]
-        assert library().keys() <= set.union(*known)
-
-    @pytest.mark.parametrize("changes", CASES.values(), ids=CASES)
-    def test_every_citation_has_its_work_and_every_work_is_cited(self, changes):
-        found = methods(full(**changes))
-        keys = [work.key for work in parse(found.bibtex)]
-        assert keys == sorted(cited(found))
-        assert set(re.findall(r"@([a-z0-9]+)[];]", found.markdown)) == set(keys)
-        names = [work.author_year for work in parse(found.bibtex)]
-        assert all(re.search(rf"[(;] ?{re.escape(name)}[);]", "".join(found.text)) for name in names)
-
-    def test_unreadable_bibtex_is_told_and_costs_nothing_else(self):
-        found = methods(full(descriptions=described("gwo") | {"alo": Description("@misc{a, title={")}))
-        assert len(found.warnings) == 1
-        assert found.warnings[0].startswith("alo is not cited: ")
-        assert "gwo (Mirjalili et al., 2014), alo and cma-es." in found.text[0]
-
-    @settings(max_examples=30)
-    @given(st.text())
-    def test_any_label_leaves_the_rest_as_it_is(self, label):
-        entries = study([Entry("x", label, {"o": label}), "b"], [label])
-        known = {label: ProblemFacts(measure=label, optimum_source=label, optimum=0.0, box={label: (0, 1)})}
-        hostile = full(study=entries, known=known, descriptions={}, tests=1)
-        found = methods(hostile)
-        assert cited(found) == {work.key for work in parse(found.bibtex)}
-        assert found.latex.replace("\n", "").isascii()
-        assert found.latex.count("\n\n") == len(found.text)
-        assert found.markdown.count("\n---\n") == 1
+def test_unreadable_bibtex_is_told_and_costs_nothing_else():
+    works, of, warnings = bibliography(study(Entry("x", "x"), Entry("y", "y")), {"x": Description("@misc{a, title={")})
+    assert warnings[0].startswith("x is not cited: ")
+    assert of == {"x": [], "y": []}
+    assert "holm1979" in works
 
 
 def test_works_under_one_key_are_told_apart():
-    ours = parse("@misc{a, year=1} @misc{b, year=2}")
-    works, named = merge_works(ours, parse("@misc{a, year=1} @misc{A, year=3} @misc{c, year=4}"))
-    assert [work.key for work in named] == ["a", "A-2", "c"]
-    assert [work.key for work in works] == ["a", "b", "A-2", "c"]
+    told = {"x": Description("@misc{a, year=1}"), "y": Description("@misc{A, year=3} @misc{a, year=1}")}
+    works, of, _ = bibliography(study(Entry("x", "x"), Entry("y", "y")), told)
+    assert of == {"x": ["a"], "y": ["A-2", "a"]}
+    assert works["A-2"].author_year != works["a"].author_year
 
 
-def filled(template, **values):
-    return paragraphs(templates().from_string(template).render(values))
-
-
-def test_three_ways():
-    works = {work.key: work for work in parse("@misc{a, author={A}, year=1} @misc{b, author={B}, year=2}")}
-    (prose,) = filled(
-        "Of {{ x }} we say\n[@a; @b].\n{% if x %}\nSo p [@{{ key }}], q and r.\n{% endif %}", x="x_1", key="a"
-    )
-    assert cited_keys([prose]) == ["a", "b"]
-    assert TEXT.write(prose, works) == "Of x_1 we say (A, 1; B, 2). So p (A, 1), q and r."
-    assert MARKDOWN.write(prose, works) == r"Of x\_1 we say [@a; @b]. So p [@a], q and r."
-    assert LATEX.write(prose, works) == r"Of x\_1 we say~\cite{a,b}. So p~\cite{a}, q and r."
-
-
-def test_blank_lines_separate_paragraphs_and_none_is_empty():
-    assert filled("a\nb\n\n{% if no %}\nc\n{% endif %}\n\n{{ x }} d", no=0, x="x\n\ny") == ["a b", "x y d"]
-
-
-@given(st.text())
-@example(" [@a] {{ y }}")
-@example("[[ [@a]")
-def test_data_is_never_read_as_a_template(label):
-    (prose,) = filled("a {{ x }}.", x=label)
-    assert cited_keys([prose]) == []
-    assert TEXT.write(prose, {}) == " ".join(f"a {label}.".split())
+@settings(max_examples=30)
+@given(st.text(min_size=1))
+def test_a_text_is_never_read_as_a_citation_or_as_markup(text):
+    written = module._written(["We ran ", text], prose, lambda _: "CITED")
+    assert "CITED" not in written
+    assert written.replace("\n", "").isascii()
 
 
 def run(folder, *command):
@@ -258,10 +130,8 @@ def run(folder, *command):
     return done.stdout
 
 
-@pytest.mark.skipif(not (shutil.which("pdflatex") and shutil.which("bibtex")), reason="pdflatex or bibtex is missing")
-def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
-    names = [Entry("gwo", "50% of_$wölves$ & 日本 #1 {~^\\}", {"agents": "[x]"}), "alo", "cma-es", "da", "goa"]
-    found = methods(full(study=study(names), descriptions=described("alo", "cma-es", "da", "goa")))
+@pytest.mark.skipif(not LATEX, reason="pdflatex or bibtex is missing")
+def test_latex_and_bibtex_compile_without_a_warning(found, tmp_path):
     (tmp_path / "methods.tex").write_text(found.latex, encoding="utf-8")
     (tmp_path / "references.bib").write_text(found.bibtex, encoding="utf-8")
     body = "\\input{methods}\n\\bibliographystyle{plain}\n\\bibliography{references}"
