@@ -33,14 +33,21 @@ def sections(results: StoredResults, frame: pd.DataFrame) -> list[Section]:
     problems = signature_problems(results, frame)
     if not problems:
         return []
-    every = all(problem.constrained for problem in problems.values())
-    constrained = {label: kept or every for label, kept in repairing(results.study).items()}
-    fits = reference_fits(problems, constraints=any(constrained.values()))
-    trials = beside_reference(frame, fits, constrained)
+    trials, fits, constrained = compared(results, frame, problems)
     if trials.empty:
         return []
     text = tuple(filter(None, (*sentences(trials, fits, constrained), beside_authors(trials, results.study))))
     return [Section(TITLE, text, (_by_optimizer(trials, constrained), _by_dataset(trials), _fits(fits, problems)))]
+
+
+def compared(
+    results: StoredResults, frame: pd.DataFrame, problems: dict[str, SignatureFit]
+) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, bool]]:
+    """Return the trials beside the best fits, these fits, and by optimizer whether it ran under the constraints."""
+    every = all(problem.constrained for problem in problems.values())
+    constrained = {label: kept or every for label, kept in repairing(results.study).items()}
+    fits = reference_fits(problems, constraints=any(constrained.values()))
+    return beside_reference(frame, fits, constrained), fits, constrained
 
 
 def signature_problems(results: StoredResults, frame: pd.DataFrame) -> dict[str, SignatureFit]:

@@ -48,9 +48,9 @@ ENTRIES = {
 
 ALIKE = 0.08  # the largest difference of two frictions, as parts of gravity's torque, that counts as none
 # What a recording shows of its joint's load, stiffness and controller, in words, and the largest relative difference
-# that counts as none: noise changes the ringing by up to 1%, and 5% in it go with 17% in the half-gap.
+# that counts as none: noise changes the ringing by up to 1%, and 4.6% in it go with up to 20% in the half-gap.
 SHOWN = {
-    "ringing": ("the impacts ring at {:.3g} Hz, the calibration's at {:.3g}", 0.05),
+    "ringing": ("the impacts ring at {:.3g} Hz, the calibration's at {:.3g}", 0.03),
     "decay": ("they decay by {:.3g} a second, the calibration's by {:.3g}", 0.3),
     "ripple": ("the load's ripple is {:.3g} rpm, the calibration's {:.3g}", 0.2),
 }

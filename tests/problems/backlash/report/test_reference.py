@@ -9,7 +9,7 @@ from bench import Results, Study, load_problem
 from bench.report.write import save_table
 from bench.study import Entry
 from bench.topics import Findings, repairing
-from problems.backlash.report import reference, sections
+from problems.backlash.report import reference, sections, shares
 from problems.backlash.signature.problem import TOLERANCE_RPM, Fit, SignatureFit
 from tests.bench import reports
 from tests.bench.storage.filled import change_data
@@ -115,3 +115,22 @@ def test_a_problem_whose_data_changed_is_left_out(tmp_path):
     shown = section(Results(tmp_path / "s"))
     assert table(shown, "reference-fit").index.tolist() == ["set 12"]
     assert table(shown, "reference-fit-by-optimizer")["trials"].tolist() == [1, 1]
+
+
+def test_the_first_screen_has_the_shares_of_the_best_fit_and_of_amplitude_and_gap_within_their_bands(tmp_path):
+    truth = {k: load_problem(f"signature-{k:02d}").expected for k in (3, 12)}
+    problems = tuple(Entry(f"signature-{k:02d}", f"set {k}", {"unit": "rpm"}) for k in truth)
+
+    def row_of(trial):
+        if trial.optimizer == "wolves" and trial.number == 3:
+            return reports.FAILED
+        off = 5.0 if trial.number == 2 else 0.5
+        (amplitude, _), (gap, _) = (truth[int(trial.problem[-2:])][name] for name in ("amplitude_rpm", "backlash_rad"))
+        far = 3e-4 if trial.number else 0.0
+        return reports.ended(BOX + off - 0.5, metrics={"amplitude_rpm": amplitude - off, "backlash_rad": gap + far})
+
+    results = Results(reports.store(tmp_path / "s", Study("s", problems, (CMA, GWO), trials=4), row_of))
+    made = shares.shares(results)
+    assert made.columns.tolist() == ["best fit", "amplitude within the band", "gap within the band"]
+    assert made.loc["cma"].tolist() == [0.75, 0.75, 0.25]
+    assert made.loc["wolves"].tolist() == [0.5, 0.5, 0.25]
