@@ -4,7 +4,7 @@
     python validation/thesis.py --runs
 
 The first command reads the committed trials of the thesis's comparison and the printed tables (seconds). The second one
-makes runs (some ten minutes): CMA-ES on the noisy recordings of Table 7.3, from starts that differ slightly and with the
+makes runs (ten minutes or so): CMA-ES on the noisy recordings of Table 7.3, from starts that differ a little and with the
 first setting (7.1.1); joints with the gaps of 7.1.2, joints with other gears (chapter 4), and the wrist (8.3).
 """
 
@@ -114,7 +114,8 @@ def second_half(swarms):
     yield "  that start within a quarter of one, or up to 20 ms before: " + words(
         100 * near.groupby(low["optimizer"]).mean(), ".0f", "%"
     )
-    yield "  their median damping, 1/s: " + words(low.groupby("optimizer")["x_tau"].median(), ".1f")
+    damping = words(low.groupby("optimizer")["x_tau"].median(), ".1f")
+    yield f"  their median damping, 1/s: {damping}; of the best fits {np.median([best[level][2] for level in PEAK]):.1f}"
 
 
 def printed():
