@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from bench.errors import nearest
 
 ELSEWHERE = {
+    "blocks": "reports make claims on these problems alone",
     "controls": "write one study for each set of conditions, with the same options for all [[optimizers]] in each",
     "looks": "'trials' is fixed before the first one; 'bench plan' says how many a difference needs",
     "registered": "a study file in git has a date; docs/how-to/publish.md says how to archive one",
