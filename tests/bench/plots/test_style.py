@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from bench import BenchError, plots
 from bench.plots import style
-from tests.bench.plots.frames import axes, clock, curves, fractions, improvements, ranks_of, times, trials
+from tests.bench.plots.frames import axes, clock, curves, fractions, improvements, times, trials
 
 
 @pytest.mark.parametrize(("count", "length"), [(1, 3), (7, 3), (30, 20)])
@@ -86,7 +86,7 @@ def test_log_axes_have_plain_numbers_or_powers_alone(limits, wanted):
 def test_functions_draw_on_the_axes_given_or_on_new_ones():
     from matplotlib import pyplot
 
-    frame, ranks = trials({("p", "a"): [1.0, 2.0]}), ranks_of(["a", "b"])
+    frame = trials({("p", "a"): [1.0, 2.0]})
     draw = [
         lambda ax: plots.box_plot(frame, "p", ax=ax),
         lambda ax: plots.convergence(curves(["p"], ["a"]), "p", ax=ax),
@@ -94,8 +94,6 @@ def test_functions_draw_on_the_axes_given_or_on_new_ones():
         lambda ax: plots.ert(times(["p"], ["a"]), "p", ax=ax),
         lambda ax: plots.ecdf(fractions(["a"]), ax=ax),
         lambda ax: plots.data_profile(fractions(["a"], "groups"), ax=ax),
-        lambda ax: plots.performance_profile(fractions(["a"], "ratio"), ax=ax),
-        lambda ax: plots.cd_diagram(ranks, ax=ax),
         lambda ax: plots.a12_forest(improvements(["a", "b"]), ax=ax),
         lambda ax: plots.timing(clock(["a"]), ax=ax),
     ]

@@ -15,7 +15,7 @@ from bench.topics.anytime.figures import convergence_figure, ecdf_figure, ert_fi
 from bench.topics.datasets.figures import distribution_figure
 from bench.topics.figures import at_round_numbers
 from bench.topics.findings import BEST
-from bench.topics.ranks.figures import forest_figure, rank_figure
+from bench.topics.ranks.figures import forest_figure
 from bench.topics.suite.figures import reached_figure, scatter_figure
 from bench.topics.time.figures import timing_figure
 from tests.bench.plots.frames import (
@@ -24,7 +24,6 @@ from tests.bench.plots.frames import (
     curves,
     fractions,
     improvements,
-    ranks_of,
     strict,
     svg,
     times,
@@ -51,7 +50,6 @@ def strictly():
 
 def every_figure(optimizers, problems=("p", "q")):
     frame = trials({(p, o): [1.0, 2.0, 4.0] for p in problems for o in optimizers})
-    ranks = ranks_of(optimizers)
     shares = fractions([*optimizers, BEST]).rename(columns={"evaluations": "per_dimension"})
     reached = pd.concat([shares.assign(problem=f"{each}, d = 2") for each in problems])
     ends = {f"{each}, d = 2": dict.fromkeys(optimizers, 10.0) for each in problems}
@@ -67,8 +65,6 @@ def every_figure(optimizers, problems=("p", "q")):
         reached_figure("targets", reached, optimizers, ends=ends),
         reached_figure("targets-of-all", reached, optimizers, ends=ends, columns=2),
         scatter_figure(erts, optimizers[0], "another"),
-        rank_figure(ranks, [list(ranks.index)]),
-        rank_figure(ranks, [list(ranks.index)], 1.5),
         forest_figure(improvements(optimizers)),
         timing_figure(clock(optimizers)),
     ]
@@ -143,7 +139,6 @@ class TestEveryFigure:
             ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], target="tau = 0.01"),
             forest_figure(improvements(["a"])),
             timing_figure(clock([])),
-            rank_figure(pd.Series(dtype=float), []),
         ]
         for each in empty:
             svg(each.figure)
