@@ -46,9 +46,9 @@ def command(
         ),
     ] = None,
     targets: Targets = None,
-    journal: Annotated[
-        str, typer.Option(metavar="NAME", help="Fit tables and figures to a class: plain, ieee, acm, elsevier or lncs.")
-    ] = "plain",
+    columns: Annotated[
+        int, typer.Option(min=1, max=2, help="Fit LaTeX tables and figures to a text of one column or of two.")
+    ] = 1,
     open_: Open = False,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
@@ -63,7 +63,7 @@ def command(
         "n_jobs": jobs,
         "targets": targets,
         "subject": subject,
-        "journal": journal,
+        "columns": columns,
     }
     report_on([*folders, *beside], Console(), open_, beside_best=best, versions=versions or (), **settings, **chosen)
 

@@ -22,18 +22,9 @@ def test_a_legend_above_takes_the_height_it_says(count, length):
     style.legend_above(figure, ax.get_legend_handles_labels()[0])
     figure.draw_without_rendering()
     box = figure.legends[0].get_window_extent().transformed(figure.dpi_scale_trans.inverted())
-    assert box.x1 <= style.page_width()
+    assert box.x1 <= style.PAGE
     assert box.y0 >= figure.get_figheight() - style.legend_height(texts)
     assert [text.get_text() for text in figure.legends[0].texts] == texts
-
-
-def test_a_document_decides_the_widths():
-    usual = style.column_width(), style.page_width()
-    with style.context(style.Widths(2.0, 4.0)):
-        with style.context():
-            assert (style.column_width(), style.page_width()) == (2.0, 4.0)
-        assert style.grid(1, height=1.0, left=0.5)[0].get_figwidth() == 4.0
-    assert (style.column_width(), style.page_width()) == usual
 
 
 def test_a_title_has_as_many_letters_as_its_panel_has_room_for():

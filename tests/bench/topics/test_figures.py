@@ -94,7 +94,7 @@ class TestEveryFigure:
         figures = every_figure(optimizers, ("p", "$q$ 日本" * 20))
         for each in figures:
             assert svg(each.figure).startswith("<?xml")
-            assert each.figure.get_figwidth() in (style.column_width(), style.page_width())
+            assert each.figure.get_figwidth() in (style.COLUMN, style.PAGE)
             assert each.table.rows or optimizers == ["one"]
         assert len({each.name for each in figures}) == len(figures)
 
@@ -159,8 +159,8 @@ def test_a_panel_for_each_figure_whose_truth_is_known():
     frame = trials({("p", "a"): [1.0, 2.0]})
     wide = distribution_figure(frame, "p", None, {"speed_rpm": (1.0, 2.0), "unknown": (1.0, 1.0)})
     assert [ax.get_xlabel() for ax in wide.figure.axes] == ["objective value", "speed_rpm"]
-    assert wide.figure.get_figwidth() == style.page_width()
-    assert distribution_figure(frame, "p", None, {}).figure.get_figwidth() == style.column_width()
+    assert wide.figure.get_figwidth() == style.PAGE
+    assert distribution_figure(frame, "p", None, {}).figure.get_figwidth() == style.COLUMN
     assert wide.data["speed_rpm"].tolist() == [101.0, 102.0]
 
 
