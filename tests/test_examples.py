@@ -161,6 +161,9 @@ def test_a_new_package_builds_installs_and_passes_its_tests(kind, name, checks, 
 
 # Beside another package with a module of the same name
 
+NEEDED = ("cloudpickle", "joblib", "numpy", "packaging", "tomli-w", "typer")
+"""The packages that every command imports."""
+
 
 @pytest.fixture
 def alone(wheels, tmp_path):
@@ -168,7 +171,7 @@ def alone(wheels, tmp_path):
     place = tmp_path / "venv"
     uv = [sys.executable, "-m", "uv"]
     succeed(*uv, "venv", "--python", sys.executable, place)
-    succeed(*uv, "pip", "install", "--python", place, "typer", "packaging")
+    succeed(*uv, "pip", "install", "--python", place, *NEEDED)
 
     def install(*packages, command="install", options=("--no-deps", "--force-reinstall")):
         succeed(*uv, "pip", command, "--python", place, *options, *packages)
