@@ -90,6 +90,10 @@ COLUMNS = (
         "environment", int, "number of the record of the run that made the trial", table="environments", frame=False,
         repeats=False,
     ),
+    Column(
+        "inputs", int, "number of the record of what the trial was made from", table="inputs", frame=False,
+        repeats=False,
+    ),
     Column("seed", int, "seed that repeats the trial", least=0, most=LARGEST_SEED),
     Column("status", str, "`ok`, `failed` or `timeout`", required=True),
     *MEASURED,

@@ -92,10 +92,9 @@ def _listed(given: Any) -> list[Any]:
 
 def _temporary(study: Study) -> Path:
     """Return the folder of this session for a study of these objects, so that the same call continues it."""
-    entries = [("optimizers", entry.name) for entry in study.optimizers]
-    entries += [("problems", entry.name) for entry in study.problems]
-    identity = repr([study.identity(), *(objects.identity(*entry) for entry in entries)])
-    return Path(_place().name, short_hash(identity), study.name)
+    optimizers, problems = ([entry.name for entry in every] for every in (study.optimizers, study.problems))
+    held = {key: each.digest for key, each in objects.among(optimizers, problems).items()}
+    return Path(_place().name, short_hash(repr([study.identity(), held])), study.name)
 
 
 @cache

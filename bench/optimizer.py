@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import types
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -59,8 +58,6 @@ class Optimizer(ABC):
             ``("cma",)`` for a wrapper of pycma.
         invariances: the changes of a problem under which a run is the same, or has the same law: some of
             "translation", "scale", "monotone", "budget", "order" and "rotation", which ``bench check`` tests.
-        fingerprint: hashes, by name, of what else decides its trials, such as a program that it runs; the harness sets
-            it for an optimizer in a file.
     """
 
     bibtex: ClassVar[str] = ""
@@ -68,7 +65,6 @@ class Optimizer(ABC):
     unmapped: ClassVar[tuple[str, ...]] = ()
     libraries: ClassVar[tuple[str, ...]] = ()
     invariances: ClassVar[tuple[str, ...]] = ()
-    fingerprint: ClassVar[Mapping[str, str]] = {}
 
     def __post_init__(self) -> None:
         """Check every parameter; raises BenchError naming the first that does not fit."""

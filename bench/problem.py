@@ -117,10 +117,6 @@ class Problem(ABC):
         The problem may be evaluated again afterwards. By default nothing is held.
         """
 
-    def fingerprint(self) -> str:
-        """Return a hash of the data that the problem is made of, or "" where its name identifies it."""
-        return ""
-
 
 class FunctionProblem(Problem):
     """A user's own function as a problem.

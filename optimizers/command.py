@@ -107,8 +107,7 @@ class Command:
             json.dumps(options, allow_nan=False)
         except (TypeError, ValueError) as error:
             raise BenchError(f"the options of {name!r} must be texts, numbers, lists or tables of these") from error
-        attributes = {"command": command, "fingerprint": command.hashes}
-        made = derive(Program, name, {key: (Any, value) for key, value in options.items()}, self.load, **attributes)
+        made = derive(Program, name, {key: (Any, value) for key, value in options.items()}, self.load, command=command)
         return build(made, name, options)
 
 

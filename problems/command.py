@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import subprocess
 from collections.abc import Mapping
@@ -72,10 +70,6 @@ class Program(FunctionProblem):
         """Return the coordinates of a (d,) point, those of integer variables as whole numbers."""
         whole = np.zeros(self.dimension, bool) if self.integer is None else self.integer
         return [int(value) if flag else float(value) for value, flag in zip(row, whole, strict=True)]
-
-    def fingerprint(self) -> str:
-        """Return a hash of the files that the command names."""
-        return hashlib.sha256(json.dumps(self._command.hashes, sort_keys=True).encode()).hexdigest()[:16]
 
 
 class Conversation(Program):

@@ -16,7 +16,8 @@ from bench.errors import BenchError
 from bench.execution.job import sandbox
 from bench.helpers.text import short_hash
 from bench.optimizer import Optimizer
-from bench.plugins import code
+from bench.plugins import loading
+from bench.plugins.inputs import Inputs, Present
 from bench.storage import provenance
 from bench.storage.folder import CHECKS, Folder
 from bench.storage.versions import package_versions
@@ -53,6 +54,7 @@ def diagnose_folder(
     """
     study, noted = folder.study(), folder.checks()
     noted = {entry.label: noted[entry.label] for entry in study.optimizers if entry.label in noted}
+    held = folder.store.held()
     changed: dict[str, tuple[Optimizer | Subject, str]] = {}  # with the key of its verdicts
     apart = sandbox(entry.name for entry in study.optimizers) if untrusted else None
     for entry in study.optimizers:
@@ -61,12 +63,12 @@ def diagnose_folder(
             continue
         try:
             optimizer = study.optimizer(entry.label)
-            code = key(entry, optimizer)
+            code = key(entry, optimizer, held.made.get(held.optimizers.get(entry.label, ""), {}))
         except BenchError as error:  # the other optimizers get their verdicts all the same
             noted.pop(entry.label, None)
             yield Diagnosis(entry.label, [], str(error))
             continue
-        kept = [] if anew else _kept([dict(record) for record in noted.get(entry.label, [])], code)
+        kept = [] if anew or not code else _kept([dict(record) for record in noted.get(entry.label, [])], code)
         if kept:
             yield Diagnosis(entry.label, kept, kept=True)
         else:
@@ -84,14 +86,17 @@ def diagnose_folder(
     folder.note(CHECKS, noted)
 
 
-def key(entry: Entry, optimizer: Optimizer) -> str:
+def key(entry: Entry, optimizer: Optimizer, made: Inputs) -> str:
     """Return a hash of all that verdicts on an optimizer depend on: its code, its parameters, and the checks' code.
 
-    The code is that of this package and what decides the optimizer's trials, with the versions of what both use.
+    The code is what its trials were ``made`` from, with the versions of what it and this package use; "" where that is
+    not known, or is other code now.
     """
+    if not made or Present().changed(made):
+        return ""
     about: list[Any] = [
-        provenance.package(), platform.python_version(), package_versions(code.defining([optimizer])),
-        code.identity(optimizer), entry.name, entry.options,
+        provenance.package(), platform.python_version(), package_versions(loading.defining([optimizer])),
+        {name: state for name, (state, _) in made.items()}, entry.name, entry.options,
     ]  # fmt: skip
     return short_hash(json.dumps(about, sort_keys=True, default=str))
 

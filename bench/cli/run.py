@@ -162,9 +162,9 @@ def command(
             "end; 'bench verify' makes some again",
             console=console,
         )
-    for file in outcome.edited:
-        said = "was edited during the run: all its trials were made with the file as it was at the start"
-        print_line(f"{file} {said}; 'bench run' makes no more of them with the new one", "yellow", console)
+    for what, trials in outcome.edited.items():
+        said = f"changed during the run: {count(trials, 'trial')} made with the new one are kept as another version"
+        print_line(f"{what} {said}; the same command makes the others of it", "yellow", console)
     if outcome.failed:
         print_error(f"{count(outcome.failed, 'trial')} failed; see the report or 'bench status {outcome.folder}'")
     if outcome.different:

@@ -37,9 +37,9 @@ class Repetition:
         self.expensive: set[str] = set()
         self._chosen: dict[str, tuple[tuple[int, float], Trial]] = {}
 
-    def consider(self, trial: Trial, row: Row) -> None:
-        """Take note of a trial, and take from its row how many kinds of trials came before it in its process."""
-        rank = -row.pop("after", 0), row.get("wall_s", 0.0)
+    def consider(self, trial: Trial, row: Row, after: int) -> None:
+        """Take note of a trial, and of how many kinds of trials came before it in its process."""
+        rank = -after, row.get("wall_s", 0.0)
         if row["status"] == "ok" and row["objective_s"] * self._study.parallel >= EXPENSIVE * row["nfev"]:
             self.expensive.add(trial.optimizer)
             return
@@ -57,6 +57,7 @@ class Repetition:
             return []
         made, different = 0, []
         for trial, row, _ in answers(lambda: chosen):
+            row.pop("inputs", None)
             if row["status"] != "timeout" and not by_the_clock(row, self._study):
                 made += 1
                 if what := difference(folder.store, trial, row):

@@ -74,7 +74,7 @@ def _probed(study: Study, untrusted: bool) -> dict[str, float] | str:
     task = Task.of(study, untrusted)
     found: dict[str, float] = {}
     with root(task) as server:
-        server.call(trial_process.begin, study, task.files, task.objects, {}, seconds=LOADING)
+        server.call(trial_process.begin, *task.beginning, seconds=LOADING)
         for entry in study.problems:
             server.call(trial_process.load_problem, entry.label, seconds=LOADING)
             process = server.process()

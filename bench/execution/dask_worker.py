@@ -13,8 +13,6 @@ from bench.columns import Row
 from bench.errors import BenchError
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor, check
-from bench.helpers.text import listed
-from bench.plugins.code import differences
 from bench.storage import provenance
 from bench.trial import Trial
 
@@ -48,7 +46,7 @@ def work(run: str, task: Task, trial: Trial) -> tuple[Row, str]:
         trial: the trial.
 
     Raises:
-        BenchError: when this worker has another version of the package or other code of an optimizer than the parent.
+        BenchError: when this worker has another version of the package than the parent.
         KilledError: when the parent no longer waits for the trial.
     """
     if (version := provenance.package()) != task.package:
@@ -99,15 +97,8 @@ def _watch() -> None:
 
 
 def _machine(task: Task) -> str:
-    """Return this machine's record, with the packages of the study's plug-ins; raises BenchError for other code."""
+    """Return this machine's record, with the packages of the study's plug-ins."""
     try:
-        checked = check(task)
+        return check(task).machine
     except BenchError:  # the trials will fail with the reason
         return json.dumps(provenance.machine())
-    for label, expected in task.code.items():
-        if different := differences(expected, checked.fingerprints.code[label]):
-            raise BenchError(
-                f"a worker on {provenance.host()} has other code of optimizer {label!r} than the run itself "
-                f"({listed(different)}); install the same versions on all and restart them"
-            )
-    return checked.machine

@@ -32,14 +32,14 @@ from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
 from bench.objective import OUT_OF_TIME
 from bench.plugins import from_file, loading, objects, registry
-from bench.plugins.code import Code
-from bench.plugins.files import Files
+from bench.plugins.inputs import Inputs, named
 from bench.plugins.objects import Objects
+from bench.plugins.observing import PARTS, Signature
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
 from bench.storage import provenance
-from bench.study import Study
+from bench.study import Entry, Study
 from bench.trial import Trial
 
 LOADING = 300.0  # seconds for loading plug-ins, for a warm-up, and for evaluating a point
@@ -62,21 +62,20 @@ class Task:
     untrusted: bool = False  # whether they are, all processes run in a sandbox, and trials have limits by default
     kept: int = KEPT  # warmed-up optimizers of a job at most
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
-    files: Files = field(default_factory=dict)  # of plug-ins: every process loads what :meth:`of` has read
+    output: str = ""  # the folder of results, which are no inputs
+    known: dict[str, tuple[str, Signature]] = field(default_factory=dict)  # hashes of large files, with signatures
     objects: Objects = field(default_factory=dict)  # of a session, which every process takes
-    data: dict[str, str] = field(default_factory=dict)  # hashes of the problems' data, where they have been checked
-    code: dict[str, Code] = field(default_factory=dict)  # likewise what decides the optimizers' trials
 
     @classmethod
     def of(cls, study: Study, untrusted: bool = False) -> Task:
-        """Return the task of a study with the content of the plug-ins' files as it is now.
-
-        Raises:
-            BenchError: for a file that cannot be read.
-        """
+        """Return the task of a study, with those of its plug-ins that are objects of this session."""
         optimizers, problems = ([entry.name for entry in every] for every in (study.optimizers, study.problems))
-        files, held = from_file.contents(optimizers, problems), objects.among(optimizers, problems)
-        return cls(study, untrusted=untrusted, files=files, objects=held)
+        return cls(study, untrusted=untrusted, objects=objects.among(optimizers, problems))
+
+    @property
+    def beginning(self) -> tuple[Any, ...]:
+        """The arguments of :func:`bench.execution.trial_process.begin`."""
+        return self.study, self.objects, self.output, self.known
 
     def __post_init__(self) -> None:
         if self.untrusted:
@@ -103,6 +102,8 @@ class Job:
         self._root = root(task)
         self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
+        self._read: dict[str, dict[str, Inputs]] = {}  # what processes have read, by its digest
+        self._named = {entry.label: named_by(entry) for entry in (*study.problems, *study.optimizers)}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
         self._ready: OrderedDict[tuple[ForkServer, str], _Ready] = OrderedDict()  # by the problems and the optimizer
@@ -160,6 +161,7 @@ class Job:
             limits = self._limits | {"seconds": LOADING + BATCHES * took}
             again = ready.process.call(trial_process.confirm, trial.problem, **limits)
             answer = answer | again if isinstance(again, dict) else again
+            self._note(answer, trial, ready.process)
         if not sound or ready.left <= 0:
             ready.process.close()
         return answer
@@ -180,6 +182,8 @@ class Job:
             began = monotonic()
             answer = process.finish(**self._limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
+            if isinstance(answer, dict):
+                self._note(answer, trial, process)
             process.close()  # before the server is asked, as a thread may go on
             lost = not isinstance(answer, dict) or "error" in answer
             kept = None
@@ -190,18 +194,38 @@ class Job:
             if lost:  # its problem denies that it has failed
                 return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
             if isinstance(kept, dict):
+                self._note(kept, trial, server)
+                ends = zip(PARTS, (kept, answer), strict=True)
+                kept["inputs"] = {part: each["inputs"].get(part, {}) for part, each in ends}
                 kept |= {key: answer.get(key) for key in ("cpu_s", "log")}
                 if kept.get("stop") not in ("budget", OUT_OF_TIME):
                     declared = answer.get("stop")
                     kept["stop"] = "undeclared" if declared == OUT_OF_TIME else declared
             return kept
 
+    def _note(self, answer: dict[str, Any], trial: Trial, process: Process) -> None:
+        """Put what a trial was made from in the place of its digest; the process is asked for what is not known."""
+        digest = str(answer.get("inputs"))
+        if digest not in self._read:
+            found = process.call(trial_process.inputs, **self._loading)
+            self._read[digest] = {part: named(found.get(part, {})) for part in PARTS}
+        others = {
+            file: label
+            for label, files in self._named.items()
+            for file in files
+            if file not in self._named[trial.problem] | self._named[trial.optimizer]
+        }
+        answer["inputs"] = {
+            part: {name: known for name, known in inputs.items() if name not in others}
+            for part, inputs in self._read[digest].items()
+        }
+
     def _with_problem(self, problem: str) -> ForkServer:
         """Return the server of processes that have loaded a problem, and the others of its family where they can."""
         task = self._task
         if problem not in self._problems:
             for trusted in (self._root, self._alone):
-                trusted.ensure(trial_process.begin, task.study, task.files, task.objects, task.data, **self._loading)
+                trusted.ensure(trial_process.begin, *task.beginning, **self._loading)
             server = self._root.branch()
             self._load_problem(problem, server)
             for label, family in self._families.items():
@@ -225,6 +249,16 @@ class Job:
             server.ensure(apart.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
+
+
+def named_by(entry: Entry) -> set[str]:
+    """Return the files that an entry of a study names, as inputs: no other entry is made from them."""
+    name = entry.name
+    words = [name.partition(":")[2], name.rpartition(":")[0], *map(str, entry.options.values()), *entry.files]
+    with suppress(OSError, ValueError):  # of a word that is no name of a file
+        files = [Path(word).absolute() for word in words if word and Path(word).is_file()]
+        return {*named({"files": {str(file): ["", False, []] for file in files}})}
+    return set()
 
 
 @dataclass
@@ -278,6 +312,4 @@ def _files(names: Iterable[str]) -> Iterator[Path]:
         path = named[0] if named else Path(name.partition(":")[2])
         if path.is_file():
             yield path.absolute()
-            yield from path.absolute().parent.glob("*.py")
-            read = from_file.contents([name] if named else []).values()
-            yield from (module.path for found in read for module in found.values())
+            yield from path.absolute().parent.rglob("*.py")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
@@ -24,11 +25,11 @@ from bench.helpers.console import duration
 from bench.helpers.text import count
 from bench.numbers import require_jobs, require_positive
 from bench.plugins import loading
-from bench.plugins.files import changed
+from bench.plugins.inputs import Present, large, shown
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path
-from bench.storage.merge import reusable, take
+from bench.storage.merge import Reusable, reusable, take
 from bench.storage.selection import Selection
 from bench.study import Study
 from bench.trial import Trial
@@ -47,8 +48,8 @@ class Outcome:
         failed: the trials of the study that failed.
         undeclared: the trials of the study, by optimizer, that ended before the budget and did not declare why.
         different: a line for each trial that differed when it was made again at the end.
-        edited: the files of plug-ins that were edited during the run, all of whose trials were made with the files as
-            they were before.
+        edited: what was changed during the run, by name, with the number of trials that were made after that, and are
+            another version.
         spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
     """
 
@@ -57,7 +58,7 @@ class Outcome:
     failed: int
     undeclared: dict[str, int]
     different: list[str]
-    edited: list[str]
+    edited: dict[str, int]
     spared: list[str]
 
 
@@ -116,21 +117,21 @@ def run(
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             checked = prepare(study, folder, untrusted)
-            _, selection = folder.select(study, checked.fingerprints)  # raises before the folder is begun
-            reused = _reusable(folder, selection, others)
+            _, selection = folder.select(study, checked.dimensions, checked.present)
+            reused = _reusable(folder, selection, others, checked.present)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
         folder.require_sound()
-        study, selection = folder.select(study, checked.fingerprints)
+        study, selection = folder.select(study, checked.dimensions, checked.present)
         asked = [record.get("trials") for record in folder.environments()]
         before = max((number for number in asked if isinstance(number, int)), default=0)
         folder.claim(study, selection)
-        for other in others:
+        for other, found in zip(others, _reusable(folder, selection, others, checked.present), strict=True):
             with folder.store.writer() as writer:
-                take(other, writer, selection.cells.values(), where=other.path.name)
+                take(other, writer, found.cells, where=other.path.name)
         beside = at_a_time(study, pool.jobs, backend)
-        plan = _plan(study, folder, part, selection, [*reused, beside], verify)
+        plan = _plan(study, folder, part, selection, [*(found.sentence for found in reused), beside], verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -153,14 +154,13 @@ def run(
             return pool.answers(task, checked.machine, missing, under_way.begin)
 
         repetition = Repetition(study)
-        made = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
+        made, edited = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
         with interrupts.allowed():
             different = repetition.make(folder, make) if verify else []
         failed = sum(cell.failed for cell in folder.store.cells())
-        edited = changed(task.files)
         spared = sorted(repetition.expensive) if verify else []
         return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared)
 
@@ -179,11 +179,14 @@ def plan(
     folder.require_sound()
     checked = prepare(study, folder, untrusted)
     others = [Folder(path) for path in reuse]
-    study, selection = folder.select(study, checked.fingerprints)
-    reused = _reusable(folder, selection, others)
-    plan = _plan(study, folder, part, selection, reused, verify)
-    for other in others:
-        plan.finished.update(other.store.keys(finished_only=True, shown=selection.labels_in(other.store.held())))
+    study, selection = folder.select(study, checked.dimensions, checked.present)
+    reused = _reusable(folder, selection, others, checked.present)
+    plan = _plan(study, folder, part, selection, [found.sentence for found in reused], verify)
+    labels = {cell: labels for labels, cell in selection.cells.items()}
+    for other, found in zip(others, reused, strict=True):
+        numbers = {number: cell for number, cell in other.store.held().all.items() if cell in found.cells}
+        shown = {number: labels[found.cells[cell]] for number, cell in numbers.items()}
+        plan.finished.update(other.store.keys(finished_only=True, shown=shown))
     return plan
 
 
@@ -200,7 +203,8 @@ def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Loaded:
             f"{folder.path} comes from an archive, or was made with --untrusted, and names {foreign[0]!r}, whose code "
             "nobody trusts: add --untrusted"
         )
-    return check(Task.of(study, untrusted))
+    known = large(folder.store.held().made.values())
+    return check(replace(Task.of(study, untrusted), output=str(folder.path.absolute()), known=known))
 
 
 def _resolved(
@@ -238,11 +242,11 @@ def _plan(
     return Plan(study, shard, finished, store.cells(shown), notes, selection.seeds, verify)
 
 
-def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder]) -> list[str]:
-    """Return in sentences what other folders hold of a selection's cells; raises BenchError as :func:`reusable`."""
+def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder], present: Present) -> list[Reusable]:
+    """Return what other folders hold of a selection's cells; raises BenchError as :func:`reusable`."""
     if any(other.path.resolve() == folder.path.resolve() for other in others):
         raise BenchError(f"{folder.path} is the folder to write; leave it out of what is reused")
-    return [reusable(other, selection.cells) for other in others]
+    return [reusable(other, selection.cells, present) for other in others]
 
 
 def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:
@@ -258,23 +262,27 @@ def _make(
     interrupts: Interrupts,
     repetition: Repetition,
     listeners: Sequence[Listener],
-) -> int:
-    """Commit the missing trials as they are made; return their number."""
+) -> tuple[int, dict[str, int]]:
+    """Commit the missing trials as they are made; return their number, and what was edited (:class:`Outcome`)."""
     numbers: dict[str, int] = {}  # of environments, by the machine's record
-    made = 0
+    made, edited = 0, Counter[str]()
     with folder.store.writer() as writer:
         try:
             while True:
                 with interrupts.allowed():
                     answer = next(answers, None)
                 if answer is None:
-                    return made
+                    return made, dict(edited)
                 trial, row, machine = answer
                 if machine not in numbers:
                     numbers[machine] = writer.environment(json.loads(machine) | about)
                     folder.write_environments()
-                repetition.consider(trial, row)
-                writer.add(trial, row, numbers[machine])
+                made_from, after = row.pop("inputs", None), row.pop("after", 0)
+                if others := writer.conflicts(trial, made_from):
+                    edited.update(map(shown, others))
+                else:
+                    repetition.consider(trial, row, after)
+                writer.add(trial, row, numbers[machine], made_from)
                 plan.finished.add(trial.key)
                 made += 1
                 for listener in listeners:

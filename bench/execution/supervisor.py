@@ -6,7 +6,7 @@ import json
 import signal
 import threading
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from bench.columns import Row
@@ -15,8 +15,7 @@ from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
 from bench.execution.job import LOADING, PRINTED, Job, Task, root
 from bench.helpers.text import printable
-from bench.plugins import from_file, objects
-from bench.plugins.code import Code, versions
+from bench.plugins.inputs import Present
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
     FAILURES,
@@ -29,7 +28,6 @@ from bench.sandbox.process import (
 )
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
-from bench.study import Fingerprints
 from bench.study.descriptions import Description, Descriptions, describe, read
 from bench.trial import Trial
 
@@ -43,12 +41,10 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 
 @dataclass(frozen=True)
 class Loaded:
-    """A study whose plug-ins can be loaded: its fingerprints, the machine's record as JSON, and its optimizers.
+    """A study whose plug-ins can be loaded: its dimensions, what they load, the machine (JSON) and its optimizers."""
 
-    ``task`` has the files that were checked and the hashes of data and code, so that no trial is made with others.
-    """
-
-    fingerprints: Fingerprints
+    dimensions: dict[str, int]
+    present: Present
     machine: str
     descriptions: Descriptions
     task: Task
@@ -65,7 +61,7 @@ class WorkerDiedError(RuntimeError):
 def check(task: Task) -> Loaded:
     """Load all plug-ins of a study (:meth:`bench.study.Study.check`), the optimizers of each package in their own copy.
 
-    So no package's code can change the fingerprints of the data, or of another package.
+    So no module's code can change what is found of another one.
 
     Raises:
         BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
@@ -107,32 +103,24 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     study = task.study
-    problems.call(trial_process.begin, study, task.files, task.objects, {}, seconds=LOADING)
+    problems.call(trial_process.begin, *task.beginning, seconds=LOADING)
     answer = ask(problems, trial_process.check_problems)
-    data = {entry.label: str(answer["hashes"][entry.label]) for entry in study.problems}
+    modules = {entry.label: dict(answer["modules"]) for entry in study.problems}
     dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}
-    code: dict[str, Code] = {}
     machine = dict(answer["machine"])
     packages: dict[str, ForkServer] = {}
     for package, labels in study.packages().items():
         packages[package] = problems.branch()
         answer = ask(packages[package], trial_process.check_optimizers, labels, dimensions)
         machine = provenance.united(machine, dict(answer["machine"]))
-        for label in labels:
-            code[label] = {printable(what, 300): printable(is_, 300) for what, is_ in answer["hashes"][label].items()}
+        modules |= {label: dict(answer["modules"]) for label in labels}
 
     described = {entry.label: Description() for entry in study.optimizers}
     for package, labels in study.packages().items():
         with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
             answer = packages[package].call(describe, study, labels, seconds=DESCRIBING)
             described |= read(answer, labels)
-    for entry in study.optimizers:
-        if from_file.split(entry.name) or objects.is_object(entry.name):  # whose own process names packages alone
-            code[entry.label] = versions(code[entry.label])
-        code[entry.label] |= from_file.fingerprint(entry.name, task.files)
-        code[entry.label] |= objects.identity("optimizers", entry.name, task.files, task.objects)
-    fingerprints = Fingerprints(data, code, dimensions)
-    return Loaded(fingerprints, json.dumps(machine), described, replace(task, data=data, code=code))
+    return Loaded(dimensions, Present(modules), json.dumps(machine), described, task)
 
 
 def failed(reason: str) -> Row:
@@ -217,7 +205,8 @@ class Supervisor:
     def _made(self, trial: Trial, job: Job) -> Row:
         """Have a trial made; return its row once its answer is checked.
 
-        The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`.
+        The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`. Its
+        ``inputs`` are what it was made from, as JSON.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
@@ -229,7 +218,8 @@ class Supervisor:
         answer = job.make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        return answers.row(answer, box, self._task.study.evaluations(len(box.lower))) | {"after": after}
+        row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
+        return row | {"after": after, "inputs": json.dumps(answer.get("inputs"))}
 
 
 def make_one(task: Task, trial: Trial) -> Row:

@@ -24,10 +24,10 @@ from bench.execution.answers import Box
 from bench.execution.side_by_side import evaluated, require_possible
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
-from bench.plugins import objects
-from bench.plugins.code import defining
-from bench.plugins.files import Files, take
+from bench.plugins import objects, observing
+from bench.plugins.loading import defining
 from bench.plugins.objects import Objects
+from bench.plugins.observing import Signature, reading
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
@@ -38,44 +38,45 @@ from bench.study import Study
 from bench.trial import Result, Trial, doubt, measured, numbers, result, search
 
 
-def begin(study: Study, files: Files, held: Objects, data: dict[str, str]) -> None:
-    """Set the study of all other calls in this process and its copies, its plug-ins and its data's hashes.
+def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, Signature]]) -> None:
+    """Set the study of all other calls in this process and its copies, and observe from now on what they read.
 
     Args:
         study: the study.
-        files: of its plug-ins.
         held: its plug-ins that are objects of a session.
-        data: hashes of its problems' data, by label.
+        output: the folder of results.
+        known: hashes of large files by path, with their signatures.
     """
     global _study
     _study = study
-    take(files)
     objects.held.update(held)
-    _data.update(data)
+    observing.observe(output, known)
 
 
 def check_problems() -> dict[str, Any]:
-    """Load all problems; return the hashes of their data, their dimensions and the machine.
+    """Load all problems; return their dimensions, the files of their modules and the machine.
 
     The machine's record is that of :func:`bench.storage.provenance.machine`. Where one cannot be loaded, return a
     sentence on why.
     """
     try:
-        hashes, dimensions = _study.data(_problem)
-        for label in hashes:
-            require_possible(_problem(label), *_study.evaluation)
-        modules = defining([_problem(entry.label).unscored for entry in _study.problems])
-        return {"hashes": hashes, "dimensions": dimensions, "machine": provenance.machine(modules)}
+        with reading("problem"):
+            dimensions = _study.dimensions(_problem)
+            for label in dimensions:
+                require_possible(_problem(label), *_study.evaluation)
+        about = provenance.machine(defining([_problem(entry.label).unscored for entry in _study.problems]))
+        return {"dimensions": dimensions, "machine": about, "modules": observing.modules()}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 
 
 def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str, Any]:
-    """Load the optimizers of one package; return what decides their trials and the machine, as for problems."""
+    """Load the optimizers of one module; return the files of modules and the machine, as for problems."""
     try:
-        hashes = _study.code(labels, dimensions)
-        modules = defining([_study.optimizer(label) for label in labels])
-        return {"hashes": hashes, "machine": provenance.machine(modules)}
+        with reading("optimizer"):
+            _study.check_optimizers(labels, dimensions)
+        about = provenance.machine(defining([_study.optimizer(label) for label in labels]))
+        return {"machine": about, "modules": observing.modules()}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 
@@ -87,6 +88,13 @@ def load_problem(label: str) -> dict[str, Any] | str:
     compiled code alone; no other problem is evaluated, as that may take long, but for the call by which a function is
     found to take one point or many.
     """
+    with reading("problem"):
+        described = _load_problem(label)
+    _settle()
+    return described
+
+
+def _load_problem(label: str) -> dict[str, Any] | str:
     try:
         problem = _problem(label)
         compiles = problem.unscored.compiles or "numba" in sys.modules
@@ -107,7 +115,6 @@ def load_problem(label: str) -> dict[str, Any] | str:
             counted = scoring.objective(problem, 1, np.random.default_rng(0))
             counted(points := counted.initial(1))
             problem.describe(points[0])
-    _settle()
     return described
 
 
@@ -124,8 +131,11 @@ def probe(label: str) -> float:
 
 def load_optimizer(label: str) -> None:
     """Load an optimizer, so that its modules are imported; its trials report errors."""
-    with contextlib.suppress(BaseException):
-        _study.optimizer(label)
+    with contextlib.suppress(BaseException), reading("optimizer"):
+        optimizer = _study.optimizer(label)
+        observing.declare(_study.files(label))
+        for name in optimizer.libraries:
+            observing.note("libraries", str(name), "named")
     _settle()
 
 
@@ -135,7 +145,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
     Return whether one was made, which is once. The problem itself stays unseen, as what an optimizer keeps from here
     reaches all its trials.
     """
-    with contextlib.suppress(BaseException):  # the trial itself will report the error
+    with contextlib.suppress(BaseException), reading("optimizer"):  # the trial itself will report the error
         budget = _study.evaluations(len(box.lower))
         is_warm = optimizer in _warm
         _warm.add(optimizer)
@@ -171,7 +181,8 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
             problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation)
         else:
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
-        with effects, problem as minimized:
+        with effects, problem as minimized, reading("optimizer"):
+            observing.declare((*_study.files(trial.optimizer), *(_study.files(trial.problem) if box is None else ())))
             budget = _study.evaluations(minimized.dimension)
             limit = _study.time if box is None else None  # else the other process has it
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit)
@@ -179,7 +190,12 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
         reason = _failure(error)
-    return ({"error": reason} if reason else answer) | {"altered": effects.any}
+    return ({"error": reason} if reason else answer) | {"altered": effects.any, "inputs": observing.digest()}
+
+
+def inputs() -> dict[str, Any]:
+    """Return what this process has read."""
+    return observing.observed()
 
 
 def serve(trial: Trial, end: int) -> dict[str, Any]:
@@ -189,7 +205,8 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
     problem.
     """
     problem = _problem(trial.problem)
-    with evaluated(problem, *_study.evaluation) as minimized:
+    with evaluated(problem, *_study.evaluation) as minimized, reading("problem"):
+        observing.declare(_study.files(trial.problem))
         budget = _study.evaluations(problem.dimension)
         objective = scoring.objective(minimized, budget, streams(trial.seed)[0], seconds=_study.time)
         seconds = apart.serve(objective, end)
@@ -197,12 +214,13 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
         kept = result(objective, trial.seed, seconds, 0.0)
     except ProblemError as error:
         return {"error": _failure(error)}
-    return as_answer(kept) | _confirmed(kept, problem)
+    return as_answer(kept) | _confirmed(kept, problem) | {"inputs": observing.digest()}
 
 
 def confirm(label: str) -> dict[str, Any]:
     """Evaluate the best point of the trial that this process has made once more; return its metrics, or an error."""
-    return _confirmed(_found, _problem(label))
+    with reading("problem"):
+        return _confirmed(_found, _problem(label)) | {"inputs": observing.digest()}
 
 
 def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
@@ -254,16 +272,10 @@ def _settle() -> None:
 
 @cache
 def _problem(label: str) -> Problem:
-    problem = _study.problem(label)
-    if _data.get(label, "") not in ("", problem.fingerprint()):
-        raise BenchError(
-            f"the data of problem {label!r} changed while the study ran, so none of its trials is made with the new "
-            "data; restore them, or run the study into another folder"
-        )
-    return problem
+    observing.declare(_study.files(label))
+    return _study.problem(label)
 
 
 _study: Study
 _found: Result  # of the last trial
-_data: dict[str, str] = {}  # hashes by label
 _warm: set[type | str] = set()  # kinds of problems, and optimizers

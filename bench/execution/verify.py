@@ -86,7 +86,7 @@ def verify(
     study = folder.study()
     store = folder.check_store()
     checked = prepare(study, folder, untrusted)
-    folder.require_unchanged(study, checked.fingerprints)
+    folder.require_unchanged(study, checked.present)
     chosen = _chosen(folder, study, store, trials)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]

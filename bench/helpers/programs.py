@@ -16,7 +16,6 @@ from threading import Thread
 from typing import IO, Any, NamedTuple, cast
 
 from bench.errors import BenchError, explained
-from bench.helpers.text import short_hash
 
 LONGEST = 2**26  # bytes of a line
 GRACE = 1.0  # seconds in which a program may end by itself
@@ -28,11 +27,9 @@ class ProgramCommand(NamedTuple):
 
     Attributes:
         words: its absolute path, and its arguments, in which those that are files are absolute paths.
-        hashes: of all files among the words, by their names.
     """
 
     words: tuple[str, ...]
-    hashes: dict[str, str]
 
     @classmethod
     def read(cls, name: str) -> ProgramCommand:
@@ -57,13 +54,8 @@ class ProgramCommand(NamedTuple):
                 f"{name!r} names no program that can be run; write command:./mine, or command:'Rscript mine.R' with an "
                 "interpreter that is on the path"
             )
-        hashes: dict[str, str] = {}
-        for file in (Path(word) for word in (program, *words[1:])):
-            if file.is_file():
-                shown = file.name if file.name not in hashes else str(file)
-                hashes[shown] = short_hash(file.read_bytes())
         places = [str(Path(word).absolute()) if Path(word).is_file() else word for word in words[1:]]
-        return cls((str(Path(program).absolute()), *places), hashes)
+        return cls((str(Path(program).absolute()), *places))
 
     @property
     def title(self) -> str:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import ast
 import inspect
-import json
 import sys
-from collections.abc import Callable, Iterable
-from functools import cache, partial
+from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -17,9 +15,6 @@ from bench.errors import BenchError, explained, nearest
 from bench.families import derive
 from bench.helpers.text import listed, short_hash
 from bench.optimizer import Optimizer, build, is_frozen
-from bench.plugins import code, objects, registry
-from bench.plugins.code import Module
-from bench.plugins.files import ContentLoader, Files, taken
 from bench.plugins.functions import asks_and_tells, optimizer_of
 from bench.problem import Problem
 
@@ -80,22 +75,20 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         BenchError: where the file is missing or fails to run, or holds no such class or function, and for options that
             are no parameters or out of range.
     """
-    path, _, attribute = name.rpartition(":")
-    return build(_optimizer(name, attribute, tuple(_modules(Path(path), "optimizer").items())), name, options)
+    file, _, attribute = name.rpartition(":")
+    path = Path(file)
+    return build(_optimizer(name, attribute, path, _content(path, "optimizer")), name, options)
 
 
 def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that file: an instance, or what a class or a function makes of these options.
-
-    Its fingerprint is a hash of the file, of the modules that it imports and of the problem's own fingerprint.
 
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
     """
     file, _, attribute = name.rpartition(":")
     path = Path(file)
-    found = _modules(path, "problem")
-    module = _imported(next(iter(found.values())), "problem")
+    module = _imported(path, _content(path, "problem"), "problem")
     if attribute not in vars(module):
         names = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
         raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, names)}")
@@ -105,110 +98,70 @@ def load_problem(name: str, /, **options: Any) -> Problem:
             problem = problem(**options)
     if not isinstance(problem, Problem):
         raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
-    own = type(problem).fingerprint(problem)  # one that stands in the file may be loaded once more
-    digest = short_hash(json.dumps([code.hashes(found), own]))
-    object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
     return problem
 
 
-def contents(optimizers: Iterable[str], problems: Iterable[str] = ()) -> Files:
-    """Return the files of such names with all that they import, and those of optimizers that are installed as a link.
-
-    Each file is read once, and nothing of it is run.
-
-    Raises:
-        BenchError: for a file that cannot be read, and where a problem's file and another one import different modules
-            of one name, of which a process can load one alone.
-    """
-    once = cache(Path.read_bytes)
-
-    def read(path: Path) -> bytes:
-        return once(path.resolve())
-
-    files: Files = {}
-    for name, kind in [(name, "optimizers") for name in optimizers] + [(name, "problems") for name in problems]:
-        if parts := split(name):
-            files[str(parts[0])] = _modules(parts[0], kind[:-1], read)
-            continue
-        modules = objects.modules(kind, name) or ([_module(name)] if kind == "optimizers" else [])
-        for module in {*modules} - {"", *files}:
-            files |= {module: linked} if (linked := code.linked(module, read)) else {}
-    for parts in filter(None, map(split, problems)):  # whose files are loaded in the processes of all optimizers, too
-        _refuse_namesakes(str(parts[0]), files)
-    return files
-
-
-def _refuse_namesakes(problem: str, files: Files) -> None:
-    imported = [*files[problem].items()][1:]
-    for other, found in files.items():
-        for shown, module in imported:
-            if shown in [*found][1:] and found[shown].path != module.path:
-                raise BenchError(
-                    f"{problem} imports {module.path} and {other} imports {found[shown].path}, but a process loads one "
-                    "module of a name alone; rename one of them"
-                )
-
-
-def fingerprint(name: str, files: Files) -> code.Code:
-    """Return the hashes of an optimizer's code that :func:`contents` has read; none for an installed one."""
-    parts = split(name)
-    return code.hashes(files.get(str(parts[0]) if parts else _module(name), {}))
-
-
-def _module(optimizer: str) -> str:
-    """Return the module of an installed optimizer, "" where there is none."""
-    entry = registry.entry("optimizers", optimizer)
-    return entry.module if entry else ""
-
-
-def _content(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> bytes:
+def _content(path: Path, kind: str) -> bytes:
     with explained(f"the {kind} file {path} cannot be read"):
-        return read(path)
-
-
-def _modules(path: Path, kind: str, read: Callable[[Path], bytes] = Path.read_bytes) -> dict[str, Module]:
-    """Return the modules of a plug-in's file, which is the first of them."""
-    return taken.get(str(path)) or code.modules(path, _content(path, kind, read), read)
+        return path.read_bytes()
 
 
 @cache
-def _optimizer(name: str, attribute: str, found: tuple[tuple[str, Module], ...]) -> type[Optimizer]:
-    (_, file), *_ = found
-    module, fingerprint = _imported(file), code.hashes(dict(found))
+def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Optimizer]:
+    module = _imported(path, content)
     plugin = vars(module).get(attribute)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer):
         if not is_frozen(plugin):
             return plugin  # build() refuses it
-        return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__, fingerprint=fingerprint)
+        return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
     if inspect.isfunction(plugin) or (isinstance(plugin, type) and asks_and_tells(plugin)):
-        return optimizer_of(plugin, name, load_optimizer, fingerprint=fingerprint)
+        return optimizer_of(plugin, name, load_optimizer)
     if attribute in vars(module):
         raise BenchError(
-            f"{attribute!r} of {file.path} is neither an Optimizer subclass nor a function, nor a class with ask and "
-            "tell"
+            f"{attribute!r} of {path} is neither an Optimizer subclass nor a function, nor a class with ask and tell"
         )
     names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
-    raise BenchError(f"{file.path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
+    raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
 
 
 @cache
-def _imported(file: Module, kind: str = "optimizer") -> ModuleType:
+def _imported(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType:
     """Import a plug-in's file as a module of its own, which can import the modules beside it."""
-    path, content = file
     name = f"bench_file_{path.stem}_{short_hash(content)}"  # an edited file is another module
-    spec = spec_from_file_location(name, path, loader=ContentLoader(name, str(path), content))
-    if spec is None or spec.loader is None:
+    spec = spec_from_file_location(name, path)
+    if spec is None:
         raise BenchError(f"the {kind} file {path} cannot be read as Python")
+    folder = path.resolve().parent
     module = module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look up annotations there
-    if str(path.parent) not in sys.path:
-        sys.path.append(str(path.parent))
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
     try:
-        spec.loader.exec_module(module)
+        code = compile(content, str(path), "exec")  # not bytecode of what the file held before
+        _refuse_namesakes(ast.parse(content), path, folder)
+        exec(code, vars(module))
     except (Exception, SystemExit) as error:  # the file may raise anything
         del sys.modules[name]
+        if isinstance(error, BenchError):
+            raise
         raise BenchError(f"the {kind} file {path} failed to load: {type(error).__name__}: {error}") from error
     return module
+
+
+def _refuse_namesakes(tree: ast.Module, path: Path, folder: Path) -> None:
+    """Raise BenchError where a file imports a module beside it, and one of that name is loaded from elsewhere."""
+    for node in ast.walk(tree):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom) and not node.level:
+            names = [node.module or ""]
+        for name in names:
+            loaded = getattr(sys.modules.get(name), "__file__", None)
+            beside = next(filter(Path.exists, (folder / f"{name}.py", folder / name / "__init__.py")), None)
+            if beside and loaded and Path(loaded).resolve() != beside.resolve():
+                raise BenchError(
+                    f"{path} imports {beside} and another plug-in imports {loaded}, but a process loads one module of "
+                    "a name alone; rename one of them"
+                )
 
 
 def _is_own_optimizer(module: ModuleType, value: object) -> bool:

@@ -40,9 +40,7 @@ def asks_and_tells(plugin: object) -> bool:
     return isinstance(plugin, type) and all(callable(getattr(plugin, name, None)) for name in ("ask", "tell"))
 
 
-def optimizer_of(
-    function: Callable[..., Any], name: str, load: Callable[..., Optimizer], **attributes: Any
-) -> type[Optimizer]:
+def optimizer_of(function: Callable[..., Any], name: str, load: Callable[..., Optimizer]) -> type[Optimizer]:
     """Return the optimizer class of a function, or of a class that asks and tells.
 
     What it takes after ``objective`` and ``rng`` becomes parameters.
@@ -51,7 +49,6 @@ def optimizer_of(
         function: the function or the class.
         name: the full name that ``load`` takes, for messages, too.
         load: see :func:`bench.families.derive`.
-        attributes: class attributes, such as ``fingerprint``.
 
     Raises:
         BenchError: for arguments that do not begin with the objective and the stream, or that have no default.
@@ -70,4 +67,4 @@ def optimizer_of(
     parameters = {argument.name: (kinds.get(type(argument.default), Any), argument.default) for argument in keywords}
     base = AskingOptimizer if asks_and_tells(function) else FunctionOptimizer
     doc = inspect.getdoc(function) or f"The function {name}."
-    return derive(base, name, parameters, load, function=staticmethod(function), __doc__=doc, **attributes)
+    return derive(base, name, parameters, load, function=staticmethod(function), __doc__=doc)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -140,14 +141,27 @@ def is_problem(name: str) -> bool:
 
 
 def package(optimizer: str) -> str:
-    """Return the file, object, family or installed package that an optimizer's name points to, without loading it."""
+    """Return the file, object, family or module that an optimizer's name points to, without loading it."""
     if parts := from_file.split(optimizer):
         return str(parts[0])
     if objects.is_object(optimizer):
         return optimizer
     prefix, colon, _ = optimizer.partition(":")
-    installed = registry.package("optimizers", optimizer)
-    return prefix if colon or not installed else installed
+    installed = registry.entries("optimizers").get(optimizer)
+    return prefix if colon or installed is None else installed.module
+
+
+def defining(plugins: Iterable[object]) -> list[str]:
+    """Return the names of the modules that define the plug-ins' classes and the functions they hold."""
+    names: set[str] = set()
+    for plugin in plugins:
+        kind = type(plugin)
+        held = [*vars(kind).values(), *getattr(plugin, "__dict__", {}).values()]
+        owners = [*kind.__mro__, *(value for value in held if callable(value) and not isinstance(value, type))]
+        names |= {name for owner in owners if isinstance(name := getattr(owner, "__module__", None), str)}
+    return sorted(
+        name for name in names if name.partition(".")[0] not in {"bench", "__main__", *sys.stdlib_module_names}
+    )
 
 
 def is_built_in(optimizer: str) -> bool:

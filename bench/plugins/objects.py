@@ -6,22 +6,18 @@ study names. No file holds it, so that in another session the same object has to
 
 from __future__ import annotations
 
-import json
+import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from copy import copy
-from functools import partial
 from typing import Any, NamedTuple
 
 from bench.errors import BenchError, explained
-from bench.helpers.text import free, option, short_hash
+from bench.helpers.text import free, option
 from bench.numbers import is_finite
 from bench.optimizer import Optimizer, build, defaults, is_frozen, settings
-from bench.plugins import code, registry, values
-from bench.plugins.code import Code
-from bench.plugins.files import Files
-from bench.plugins.files import taken as files_taken
+from bench.plugins import observing, registry
 from bench.plugins.functions import asks_and_tells, optimizer_of
-from bench.plugins.values import PackedObject
+from bench.plugins.packing import PackedObject, pack, unpack
 from bench.problem import FunctionProblem, Problem, with_own_box
 
 PREFIX = "python:"
@@ -98,32 +94,15 @@ def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str]
             installed, chosen = "", {}
     if installed:
         return Named(installed, own, chosen)
-    packed, base = values.pack(thing), PREFIX + (label or title(thing))
+    packed, base = pack(thing), PREFIX + (label or title(thing))
     others = {name for name in taken if held[f"{kind} {name}"].digest != packed.digest}
     name = free(base, others)
+    if twin := next(
+        (other for other in taken if other != name and held[f"{kind} {other}"].digest == packed.digest), ""
+    ):
+        warnings.warn(f"{name} has the same code and data as {twin}: a loop may give both its last value", stacklevel=3)
     held[f"{kind} {name}"], _own[f"{kind} {name}"] = packed, thing
     return Named(name, own + name.removeprefix(base) if own in NAMELESS else own, chosen)
-
-
-def modules(kind: str, name: str) -> Sequence[str]:
-    """Return the modules that an object imports by name; none of one that is not held here."""
-    packed = held.get(f"{kind} {name}")
-    return packed.modules if packed else ()
-
-
-def identity(kind: str, name: str, files: Files = files_taken, among: Objects = held) -> Code:
-    """Return the hashes of an object's own code and data, and of the files that it imports from.
-
-    Args:
-        kind: "optimizers" or "problems".
-        name: of the object; nothing is known of one that is not ``among`` these.
-        files: what was read of the files, as far as it was.
-        among: objects; by default those that are held here.
-    """
-    if (packed := among.get(f"{kind} {name}")) is None:
-        return {}
-    found = [files.get(module) or code.linked(module) for module in packed.modules]
-    return {name: packed.digest} | {file: each for modules in found for file, each in code.hashes(modules).items()}
 
 
 def _load(kind: str, name: str) -> Any:
@@ -137,10 +116,11 @@ def _load(kind: str, name: str) -> Any:
             f"{name!r} stands for an object of a Python session, and no file holds it: give the same object again, as "
             "to bench.compare with the folder as its output"
         )
+    observing.note("objects", f"{kind} {name}", packed.digest)
     if (own := _own.get(f"{kind} {name}")) is not None:
         return copy(own) if isinstance(own, (Problem, Optimizer)) else own
     with explained(f"{name!r} cannot be loaded here", Exception):  # it may miss a module
-        return values.unpack(packed.content)
+        return unpack(packed.content)
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
@@ -149,11 +129,8 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
 
 
 def load_problem(name: str, /, **options: Any) -> Problem:
-    """Return the problem of that name, whose fingerprint is a hash of its code and data; raises BenchError likewise."""
-    problem = as_problem(_load("problems", name), options=options)
-    digest = short_hash(json.dumps(identity("problems", name)))
-    object.__setattr__(problem, "fingerprint", partial(str, digest))  # also of a frozen dataclass
-    return problem
+    """Return the problem of that name; raises BenchError likewise."""
+    return as_problem(_load("problems", name), options=options)
 
 
 def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None = None) -> Optimizer:

@@ -17,6 +17,7 @@ from importlib.metadata import (
     distribution,
     distributions,
     entry_points,
+    packages_distributions,
 )
 from importlib.util import find_spec
 from pathlib import Path
@@ -112,6 +113,22 @@ def package(group: str, name: str) -> str:
     """Return the name and version of the package that offers an entry point, "" where there is none."""
     entry = entries(group).get(name)
     return f"{entry.dist.name} {entry.dist.version}" if entry is not None and entry.dist is not None else ""
+
+
+def distributions_of(module: str) -> list[str]:
+    """Return the names of the distributions that a module belongs to, none for a file that is not installed."""
+    top = module.partition(".")[0]
+    plugins = (entry for group in ("optimizers", "problems") for entry in entries(group).values())
+    found = {entry.dist.name for entry in plugins if entry.dist and entry.module.partition(".")[0] == top}
+    return sorted(found) or sorted(set(_distributions().get(top, [])))
+
+
+_distributions = cache(packages_distributions)
+
+
+def is_installed(file: Path) -> bool:
+    """Return whether a file is part of an installed package, which is no part of a checkout around it."""
+    return not {"site-packages", "dist-packages"}.isdisjoint(file.parts)
 
 
 def is_family(plugin: Any) -> bool:

@@ -22,6 +22,7 @@ from bench.families import dimension_in
 from bench.numbers import is_whole
 from bench.objective import integer_flags
 from bench.plugins import selection
+from bench.plugins.inputs import Inputs, conflicts, is_data, shown
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
 from bench.results.compared import Compared
@@ -83,7 +84,6 @@ class StoredResults:
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
         versions: which version of an optimizer is shown and how many there are, where some are not shown: it was
             changed after trials of it were made.
-        fingerprints: the hash of each problem's data when it ran, by label; "" where its name determines the data.
 
     Raises:
         BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means,
@@ -106,12 +106,28 @@ class StoredResults:
             label: {entry.label for entry in source.study.problems} for label, (_, source) in shown.items()
         }
         self.differences = differences([source.study for source in self._sources], self.names)
+        _require_one_data([source.folder for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
-        self.fingerprints = _agreed([source.folder.data() for source in self._sources], self.paths)
         self.checks = by_label(self._sources, Folder.checks)
         self.verifications = [source.folder.noted(VERIFICATION) for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
+
+    @cached_property
+    def data(self) -> dict[str, dict[str, str]]:
+        """The hash of each file of data that a problem's trials were made from, by the problem's label."""
+        labels = {entry.label for entry in self.study.problems}
+        data = {label: files for source in self._sources for label, files in source.folder.data().items() if files}
+        return {
+            label: {shown(name): state for name, (state, _) in files.items()}
+            for label, files in data.items()
+            if label in labels
+        }
+
+    @cached_property
+    def changed(self) -> dict[str, list[str]]:
+        """What trials were made from and is another by now, by the label of the problem or optimizer."""
+        return {label: names for source in self._sources for label, names in source.folder.changed().items()}
 
     @property
     def beside(self) -> list[str]:
@@ -141,11 +157,10 @@ class StoredResults:
         chosen = type(self)(*self.paths, versions=self._versions)
         chosen._problem, chosen._facts = self._problem, self._facts
         chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
-        kept, labels = ({entry.label for entry in group} for group in (chosen.study.optimizers, chosen.study.problems))
+        kept = {entry.label for entry in chosen.study.optimizers}
         for by_optimizer in (chosen.budgets, chosen.planned, chosen.checks):
             for label in by_optimizer.keys() - kept:
                 del by_optimizer[label]
-        chosen.fingerprints = {label: chosen.fingerprints[label] for label in chosen.fingerprints if label in labels}
         return chosen
 
     def __repr__(self) -> str:
@@ -277,7 +292,7 @@ class StoredResults:
         Its data may have changed since, or its plug-in may be missing on the machine that reads the results.
         """
         problem = self._problem(label)
-        if self.fingerprints.get(label, "") not in ("", problem.fingerprint()):
+        if any(map(is_data, self.changed.get(label, ()))):
             raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
         return problem
 
@@ -328,14 +343,12 @@ class StoredResults:
             features = {
                 str(name): value if isinstance(value, int) else str(value) for name, value in problem.features.items()
             }
-            # A folder that was begun before constraints were handled notes no hash of the handling.
-            noted = isinstance(problem, Scored) and self.fingerprints.get(label) == problem.fingerprint()
             return ProblemFacts(
                 optimum,
                 expected,
                 dict(zip(problem.variables, box, strict=True)),
                 features,
-                constraints=problem.handling if isinstance(problem, Scored) and noted else "",
+                constraints=problem.handling if isinstance(problem, Scored) else "",
                 noisy=problem.unscored.noisy,
                 integers=tuple(compress(problem.variables, integer_flags(problem))),
                 repaired_optimum=repaired if repaired != optimum else None,
@@ -368,17 +381,16 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     return results.frame
 
 
-def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
-    """Return the fingerprints of all folders; raises BenchError when a problem's data differs between folders."""
-    agreed: dict[str, str] = {}
-    for of_folder, path in zip(fingerprints, paths, strict=True):
-        for label, fingerprint in of_folder.items():
-            if agreed.setdefault(label, fingerprint) != fingerprint:
+def _require_one_data(folders: Sequence[Folder]) -> None:
+    """Raise BenchError when a problem's data differ between folders."""
+    agreed: dict[str, Inputs] = {}
+    for folder in folders:
+        for label, data in folder.data().items():
+            if conflicts(agreed.setdefault(label, data), data):
                 raise BenchError(
-                    f"{path} ran problem {label!r} on other data than {paths[0]}; only runs on the same data can be "
-                    "compared"
+                    f"{folder.path} ran problem {label!r} on other data than {folders[0].path}; only runs on the same "
+                    "data can be compared"
                 )
-    return agreed
 
 
 def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.DataFrame:

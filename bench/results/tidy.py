@@ -16,7 +16,9 @@ from bench.storage.reading import READ
 from bench.storage.rows import TEXTS
 
 COLUMNS = (*(column.name for column in FRAME), "environment")
-NUMBERS = {each.name: each.kind is int for each in STORED if each.kind in (int, float) and each.name != "seed"}
+NUMBERS = {
+    each.name: each.kind is int for each in STORED if each.kind in (int, float) and each.name not in ("seed", "inputs")
+}
 """Whether the numbers of a column are whole, unless some are missing."""
 
 UNKNOWN = -1

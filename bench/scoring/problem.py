@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bench.errors import BenchError, PointError, explained
-from bench.helpers.text import short_hash
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
 from bench.problem import Problem, with_own_box
 from bench.scoring import constraints
@@ -110,12 +109,6 @@ class Scored(Problem):
         """Return the problem's domain metrics of the (d,) point ``x``, and its total ``violation``."""
         metrics = self.problem.describe(x.copy())
         return {**metrics, "violation": float(self._total(x[np.newaxis])[0])} if self.handling else metrics
-
-    def fingerprint(self) -> str:
-        """Return a hash of the problem's data and of the handling, which decides its values."""
-        if not self.handling:
-            return self.problem.fingerprint()
-        return short_hash(f"{self.handling} {self.problem.fingerprint()}")
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""

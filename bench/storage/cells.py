@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import Any
 
+from bench.helpers.parsing import parse_json
+from bench.plugins.inputs import Inputs, conflicts
+from bench.plugins.observing import PARTS
 from bench.storage.rows import binding, decoded, digest
-from bench.study.cell import Cell, Labels
+from bench.study.cell import Cell, Labels, with_inputs
 from bench.study.cell import read as read_record
 
 
@@ -19,11 +24,13 @@ class Cells:
         all: every cell by its number.
         selected: the labels of those that the last study selects, by their number.
         study: the identity of that study (:meth:`bench.study.Study.identity`); "" before the first.
+        made: what the trials of a problem or an optimizer were made from, by its record, as far as that is known.
     """
 
     all: dict[int, Cell] = field(default_factory=dict)
     selected: dict[int, Labels] = field(default_factory=dict)
     study: str = ""
+    made: dict[str, Inputs] = field(default_factory=dict)
 
     @property
     def by_labels(self) -> dict[Labels, Cell]:
@@ -43,7 +50,7 @@ class Cells:
     def versions_of(self, record: str) -> dict[str, list[int]]:
         """Return the versions of an optimizer, by record, the first one first, each with the numbers of its cells.
 
-        An optimizer whose name, options or code changed is another version. One whose trials were removed keeps its
+        An optimizer whose name, options or inputs changed is another version. One whose trials were removed keeps its
         place, so a number goes on meaning the same.
         """
         label = read_record(record)["label"]
@@ -52,6 +59,40 @@ class Cells:
             if read_record(cell.optimizer)["label"] == label:
                 versions.setdefault(cell.optimizer, []).append(number)
         return versions
+
+    def add(self, cell: Cell, inputs: Sequence[Inputs]) -> None:
+        """Take note of what trials of a cell were made from, by the records of its problem and its optimizer."""
+        for text, read_by_it in zip(cell.records, inputs, strict=True):
+            self.made.setdefault(text, {}).update(read_by_it)
+
+    def made_from(self, cell: Cell) -> list[Inputs]:
+        """Return what trials of a cell's problem and of its optimizer were made from."""
+        return [self.made.get(text, {}) for text in cell.records]
+
+    def fitting(self, bare: Cell, inputs: Sequence[Inputs], first: Cell | None = None) -> Cell:
+        """Return the cell to which trials belong that were made from these inputs.
+
+        That is the first whose trials were made from no other state of any of them: ``first``, or the latest; else a
+        cell with the next numbers.
+        """
+        problem, optimizer = (
+            self._fitting(place, text, read_by_it, first and first.records[place])
+            for place, (text, read_by_it) in enumerate(zip(bare.records, inputs, strict=True))
+        )
+        return Cell(problem, optimizer, *bare.conditions)
+
+    def _fitting(self, place: int, text: str, inputs: Inputs, first: str | None) -> str:
+        if first is not None and not conflicts(self.made.get(first, {}), inputs):
+            return first
+        numbers = self.numbers(place, text)
+        known = (with_inputs(text, number) for number in reversed(numbers))
+        fits = (each for each in known if not conflicts(self.made.get(each, {}), inputs))
+        return next(fits, with_inputs(text, max(numbers, default=0) + 1))
+
+    def numbers(self, place: int, text: str) -> list[int]:
+        """Return the numbers of the inputs that cells have of this problem (place 0) or optimizer (1)."""
+        records = {cell.records[place] for cell in self.all.values()}
+        return sorted(read_record(each)["inputs"] for each in records if with_inputs(each, 1) == with_inputs(text, 1))
 
     def display_labels(self, number: int) -> Labels:
         """Return the labels of a cell for people, whether it is selected or not."""
@@ -70,7 +111,12 @@ def read(connection: sqlite3.Connection) -> Cells:
     Raises:
         sqlite3.DatabaseError: where they cannot be read, or the selection is not as it was written.
     """
-    return Cells(_all(connection), *_selected(connection))
+    cells = Cells(_all(connection), *_selected(connection))
+    records = records_of(connection, "inputs")
+    for cell, number in connection.execute("SELECT DISTINCT cell, inputs FROM results WHERE inputs IS NOT NULL"):
+        if cell in cells.all:
+            cells.add(cells.all[cell], split(records.get(number, {})))
+    return cells
 
 
 def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
@@ -83,14 +129,39 @@ def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
 
 def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str]:
     selected = connection.execute("SELECT cell, problem, optimizer FROM selected ORDER BY cell").fetchall()
-    studies = connection.execute("SELECT identity, looks, digest FROM study").fetchall()
-    identity, looks, noted = studies[0] if len(studies) == 1 else (b"", b"", None)
+    studies = connection.execute("SELECT identity, digest FROM study").fetchall()
+    identity, noted = studies[0] if len(studies) == 1 else (b"", None)
     labelled = {number: (decoded(problem), decoded(optimizer)) for number, problem, optimizer in selected}
-    if (labelled or studies) and selection_digest(decoded(identity), decoded(looks), labelled) != noted:
+    if (labelled or studies) and selection_digest(decoded(identity), labelled) != noted:
         error = sqlite3.DatabaseError("the selection of cells is not as it was written")
         error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
         raise error
     return labelled, decoded(identity)
+
+
+def split(record: Mapping[str, Any]) -> list[Inputs]:
+    """Return the inputs of problem and optimizer from a store's record; of a damaged one nothing is known."""
+    parts = [record.get(part) for part in PARTS]
+    return [
+        {str(name): (str(state), known) for name, (state, known) in part.items()} if isinstance(part, dict) else {}
+        for part in parts
+    ]
+
+
+def record_digest(number: int, record: bytes) -> bytes:
+    """Return the digest of a record of environments, inputs or history, whose JSON text is given as UTF-8."""
+    return digest(b"", (number, record))
+
+
+def records_of(connection: sqlite3.Connection, table: str) -> dict[int, dict[str, Any]]:
+    """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
+    found: dict[int, dict[str, Any]] = {}
+    for number, text, noted in connection.execute(f"SELECT id, CAST(record AS BLOB), digest FROM {table} ORDER BY id"):
+        found[number] = {}
+        with suppress(ValueError, TypeError):
+            if record_digest(number, text) == noted and isinstance(record := parse_json(text), dict):
+                found[number] = record
+    return found
 
 
 def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
@@ -98,7 +169,7 @@ def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
     return binding(*(str(part).encode() for part in cell), *names)
 
 
-def selection_digest(identity: str, looks: str, selected: Mapping[int, Labels]) -> bytes:
-    """Return the digest of a study's identity, of a second column and of what it selects."""
+def selection_digest(identity: str, selected: Mapping[int, Labels]) -> bytes:
+    """Return the digest of a study's identity and of what it selects."""
     parts = (part for number in sorted(selected) for part in (number, *selected[number]))
-    return digest(b"", (identity, looks, *parts))
+    return digest(b"", (identity, *parts))

@@ -19,13 +19,13 @@ from bench.errors import BenchError, explained
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
+from bench.plugins.inputs import Inputs, Present, is_data
 from bench.storage import committed, provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.selection import Selection, changed, select
 from bench.storage.store import DamagedStoreError, Store
 from bench.storage.under_way import UnderWay
-from bench.study import Fingerprints, Study
-from bench.study.cell import read
+from bench.study import Study
 
 LOCK = ".lock"  # the file that a run locks
 STUDY = "study.toml"
@@ -93,7 +93,7 @@ class Folder:
         noted = self.environments()
         return provenance.differences(noted[-1], machine) if noted else []
 
-    def select(self, study: Study, found: Fingerprints) -> tuple[Study, Selection]:
+    def select(self, study: Study, dimensions: Mapping[str, int], present: Present) -> tuple[Study, Selection]:
         """Return a study as it is to be run here, and its cells, of which the folder may hold some; write nothing.
 
         Fewer trials than before do not shrink a folder.
@@ -101,7 +101,7 @@ class Folder:
         held, trials, asked = self.store.held(), self.store.trials(), study.trials
         with suppress(BenchError):
             study = study.override(trials=max(asked, Study.load(self.path / STUDY).trials))
-        selection = select(study.cells(found), study.trials, held, trials)
+        selection = select(study.cells(dimensions), study.trials, held, trials, present)
         if asked < study.trials:
             selection.notes.append(
                 f"{self.path} was asked for {study.trials} trials before, so {study.trials} and not {asked} are made "
@@ -109,9 +109,9 @@ class Folder:
             )
         return study, selection
 
-    def require_unchanged(self, study: Study, found: Fingerprints) -> None:
+    def require_unchanged(self, study: Study, present: Present) -> None:
         """Raise BenchError where code, data or options are others now than those that trials here were made with."""
-        if phrases := changed(study.cells(found), self.store.held()):
+        if phrases := changed(study.cells({}), self.store.held(), present):
             raise BenchError(
                 f"trials in {self.path} are not of what would be made now: {listed(phrases, between='; ')}; 'bench "
                 "run' makes the present ones, or put back what was changed"
@@ -120,7 +120,7 @@ class Folder:
     def claim(self, study: Study, selection: Selection | None = None) -> None:
         """Make a study the one of this folder, which must be locked: note in the store the cells that it selects.
 
-        Cells that it does not select keep their trials. Without a selection, nothing is known of code and data.
+        Cells that it does not select keep their trials. Without a selection, the first cells of each are meant.
 
         Raises:
             BenchError: when the folder cannot be written.
@@ -128,7 +128,7 @@ class Folder:
         with replacing(self.path / STUDY) as temporary:
             temporary.write_text(study.to_toml(), encoding="utf-8")
             with self.store.writer() as writer:
-                chosen = selection or Selection(study.cells(Fingerprints({}, {}, {})))
+                chosen = selection or Selection(study.cells({}))
                 writer.select(study.identity(), chosen.cells)
 
     def save(self, path: Path) -> Path:
@@ -145,9 +145,32 @@ class Folder:
         self.store.copy(path / self.store.path.name)
         return path
 
-    def data(self) -> dict[str, str]:
-        """Return the hash of each problem's data that trials were made with, by the label shown; "" for none."""
-        return {labels[0]: read(cell.problem)["data"] or "" for labels, cell in self.store.held().by_labels.items()}
+    def changed(self) -> dict[str, list[str]]:
+        """Return what the shown trials of each problem and optimizer were made from and is another by now, by label.
+
+        What is missing here is left out, as are folders that an archive brought: they may have been made elsewhere.
+        """
+        noted = self.environments()
+        folder = str(noted[-1].get("folder") or "") if noted else ""
+        if self.untrusted or (folder and not Path(folder).is_dir()):
+            return {}
+        held, present = self.store.held(), Present(folder=folder, strict=False)
+        labelled = {pair for labels, cell in held.by_labels.items() for pair in zip(labels, cell.records, strict=True)}
+        found = {label: present.changed(held.made.get(text, {})) for label, text in sorted(labelled)}
+        return {label: names for label, names in found.items() if names}
+
+    def data(self) -> dict[str, Inputs]:
+        """Return the files of data that each problem's shown trials were made from, by the label shown."""
+        held = self.store.held()
+        return {
+            labels[0]: {name: known for name, known in held.made.get(cell.problem, {}).items() if is_data(name)}
+            for labels, cell in held.by_labels.items()
+        }
+
+    def history(self) -> list[dict[str, Any]]:
+        """Return what runs selected here, oldest first."""
+        with self.store.reader() as reader:
+            return reader.history()
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.

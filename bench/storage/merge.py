@@ -6,12 +6,11 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any
 
 from bench.columns import Row
 from bench.errors import BenchError
 from bench.helpers.text import count, listed
-from bench.storage.cells import Cells
+from bench.plugins.inputs import Present, shown
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.rows import disagreement
 from bench.storage.selection import Selection
@@ -72,23 +71,36 @@ def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
 
 def _common(studies: list[tuple[Folder, Study]]) -> tuple[Study, dict[Labels, Cell]]:
     """Return the study of all folders, with the largest number of trials, and its cells."""
-    first, study = studies[0]
-    cells = first.store.held().by_labels
+    (first, study), *_ = studies
+    known = first.store.held()
+    cells = known.by_labels
     for folder, other in studies[1:]:
-        theirs = folder.store.held().by_labels
-        different = any(cells.get(labels, cell) != cell for labels, cell in theirs.items())
-        if different or other.identity() != study.identity():
+        held = folder.store.held()
+        different = other.identity() != study.identity()
+        for labels, cell in held.by_labels.items():
+            theirs = held.made_from(cell)
+            cells.setdefault(labels, fits := known.fitting(cell.bare, theirs, cells.get(labels, cell)))
+            different = different or cells[labels] != fits
+            known.add(fits, theirs)
+        if different:
             raise BenchError(
                 f"{folder.path} holds another study than {first.path}, or trials of other code or data; only parts of "
                 "one study can be merged: run the study with --reuse to take the trials that it shares with others"
             )
-        cells |= theirs
         study = study.override(trials=max(study.trials, other.trials))
     return study, cells
 
 
-def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
-    """Return in a sentence which of these cells another folder holds, and why not the others.
+@dataclass(frozen=True)
+class Reusable:
+    """What another folder holds of a study's cells: the study's cells by those of the folder, and a sentence on it."""
+
+    cells: dict[Cell, Cell]
+    sentence: str
+
+
+def reusable(source: Folder, cells: Mapping[Labels, Cell], present: Present) -> Reusable:
+    """Return which of these cells another folder holds trials of that were made from what is there now.
 
     Raises:
         BenchError: where it holds none of them, or a run is writing to it.
@@ -100,20 +112,22 @@ def reusable(source: Folder, cells: Mapping[Labels, Cell]) -> str:
         raise BenchError(f"process {running['pid']} is writing to {source.path}; reuse its trials when that has ended")
     check = source.store.check()
     there, trials = source.store.held(), source.store.trials()
-    held = {cell: trials[number] for number, cell in there.all.items() if trials.get(number)}
-    shared = [cell for cell in cells.values() if cell in held]
-    by_labels = {cell.labels: cell for cell in held}  # the last version of each
-    reasons = Counter(_difference(cell, by_labels) for cell in cells.values() if cell not in held)
+    run = [cell for number, cell in there.all.items() if trials.get(number)]
+    stale = {text: present.changed(there.made.get(text, {})) for cell in run for text in cell.records}
+    held = {cell.bare: cell for cell in run if not any(stale[text] for text in cell.records)}
+    by_labels = {cell.labels: cell for cell in run}  # the last version of each
+    reasons = Counter(_difference(cell, by_labels, stale) for cell in cells.values() if cell.bare not in held)
     others = listed([f"{reason} ({count(number, 'cell')})" for reason, number in reasons.most_common()], between="; ")
+    shared = {held[cell.bare]: cell for cell in cells.values() if cell.bare in held}
     sentence = f"{len(shared):,} of the study's {count(len(cells), 'cell')} are in {source.path.name}"
     sentence += f"; of the others {others}" if others else ""
     sentence += "" if check.sound else f"; there {check.sentence}"
     if not shared:
         raise BenchError(f"{sentence}; leave out --reuse {source.path.name}")
-    return sentence
+    return Reusable(shared, sentence)
 
 
-def _difference(cell: Cell, there: Mapping[Labels, Cell]) -> str:
+def _difference(cell: Cell, there: Mapping[Labels, Cell], stale: Mapping[str, list[str]]) -> str:
     """Return why a cell is none of those of another folder, which are given by their labels."""
     if (other := there.get(cell.labels)) is None:
         known = cell.labels[1] in {optimizer for _, optimizer in there}
@@ -124,63 +138,73 @@ def _difference(cell: Cell, there: Mapping[Labels, Cell]) -> str:
         if getattr(other, key) != getattr(cell, key)
     ]
     for label, before, now in zip(cell.labels, other.records, cell.records, strict=True):
-        parts += [f"{label} is another one ({how})" for how in differences(before, now)]
+        how = [*dict.fromkeys(map(shown, stale[before])), *differences(before, now)]
+        parts += [f"{label} is another one ({each})" for each in how]
     return ", ".join(parts)
 
 
-def take(source: Folder, writer: Writer, wanted: Iterable[Cell] | None = None, where: str = "") -> tuple[int, int]:
+def take(source: Folder, writer: Writer, wanted: Mapping[Cell, Cell] | None = None, where: str = "") -> tuple[int, int]:
     """Add the sound trials of a folder; return the numbers of those added and of those present already.
 
     Args:
         source: the folder.
         writer: of the store to add them to.
-        wanted: the cells whose trials are taken; by default all.
+        wanted: the cells whose trials are taken, each with the cell that they belong to; by default all, which belong
+            to where trials were made from the same.
         where: the name of the folder in the environments that are noted here; "" where none is noted.
 
     Raises:
         BenchError: when a trial has two outcomes.
     """
     with source.store.reader() as reader:
-        asked = {*(reader.cells.all.values() if wanted is None else wanted)}
-        chosen = {number for number, cell in reader.cells.all.items() if cell in asked}
+        there = reader.cells
+        chosen: dict[int, Cell] = {}
+        for number, cell in there.all.items():
+            if wanted is None or cell in wanted:
+                theirs = there.made_from(cell)
+                chosen[number] = writer.cells.fitting(cell.bare, theirs, cell) if wanted is None else wanted[cell]
+                writer.cells.add(chosen[number], theirs)
         rows = ((cell, row) for cell, row in reader.whole() if cell in chosen)
         made = {environment for cell, environment in reader.made_by() if cell in chosen}
         environments = {number: record for number, record in reader.environments().items() if number in made}
         if where:
             environments = {number: record | {"reused": where} for number, record in environments.items() if record}
-        return copy(rows, reader.cells, environments, writer, str(source.path))
+        renumbered = {
+            "environment": {n: writer.environment(record) for n, record in environments.items() if record},
+            "inputs": {n: writer.inputs(record) for n, record in reader.inputs().items() if record},
+        }
+        for record in reader.history():
+            writer.history(record | ({"reused": where} if where else {}))
+        return _copy(rows, chosen, renumbered, writer, source)
 
 
-def copy(
+def _copy(
     rows: Iterable[tuple[int, Row]],
-    cells: Cells,
-    environments: Mapping[int, Mapping[str, Any]],
+    chosen: Mapping[int, Cell],
+    renumbered: Mapping[str, Mapping[int, int]],
     writer: Writer,
-    name: str,
+    source: Folder,
 ) -> tuple[int, int]:
-    """Add rows of the cells of another store, called ``name``; return the numbers added and present already.
-
-    Rows refer to an environment only where its record is known.
+    """Add rows of the chosen cells, with the numbers of their records here; return how many, and how many there were.
 
     Raises:
         BenchError: when a trial has two outcomes.
     """
-    numbers = {number: writer.environment(record) for number, record in environments.items() if record}
     added = same = 0
     with writer.transaction():
         for cell, row in rows:
-            number = writer.number(cells.all[cell])
+            number = writer.number(chosen[cell])
             present = writer.find(number, row["trial"])
             if present is None or (present["status"] != "ok" and row["status"] == "ok"):
-                writer.put(row | {"environment": numbers.get(row["environment"])}, number)
+                writer.put(row | {name: numbers.get(row[name]) for name, numbers in renumbered.items()}, number)
                 added += 1
             else:
                 same += 1
                 if row["status"] == "ok" and (different := disagreement(present, row)):
-                    problem, optimizer = cells.display_labels(cell)
+                    problem, optimizer = chosen[cell].labels
                     raise BenchError(
-                        f"trial {row['trial']} of {optimizer} on {problem} has another {different} in {name} than in "
-                        f"{writer.path.parent}, though both were made from one seed; find out which is right ('bench "
-                        "verify') and remove the other ('bench rm')"
+                        f"trial {row['trial']} of {optimizer} on {problem} has another {different} in {source.path} "
+                        f"than in {writer.path.parent}, though both were made from one seed; find out which is right "
+                        "('bench verify') and remove the other ('bench rm')"
                     )
     return added, same

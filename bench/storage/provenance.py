@@ -78,6 +78,7 @@ def run(
         "started": now(),
         "ended": None,
         "command": command(),
+        "folder": str(Path.cwd()),
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),

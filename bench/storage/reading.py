@@ -10,9 +10,8 @@ from functools import cache, partial
 from itertools import islice
 from typing import Any
 
-from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
-from bench.storage.cells import binding_of, read
+from bench.storage.cells import binding_of, read, records_of
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
 from bench.storage.traces import Key
@@ -25,7 +24,7 @@ LONGEST = 100  # characters of a label, which may be damaged too
 READ = ("digest", "cell", "names", "trial", *VALUES)
 """The columns of the rows that are read to be compared with their digests."""
 
-_ENVIRONMENT = READ.index("environment")
+_ENVIRONMENT, _INPUTS = READ.index("environment"), READ.index("inputs")
 
 
 @dataclass
@@ -38,6 +37,7 @@ class StoreCheck:
     trials: int = 0  # rows read, damaged ones included
     damaged: dict[Key, None] = field(default_factory=dict)  # trials, in the order in which they were found
     environments: list[int] = field(default_factory=list)  # numbers of damaged records
+    inputs: list[int] = field(default_factory=list)  # likewise
     missing: int = 0  # rows that were committed and are not there
     lost: int = 0  # commits that the store lacks
     structure: str = ""  # SQLite's words on damage of the file's structure
@@ -45,7 +45,7 @@ class StoreCheck:
     @property
     def sound(self) -> bool:
         """Whether no damage was found."""
-        return not (self.damaged or self.environments or self.missing or self.lost or self.structure)
+        return not (self.damaged or self.environments or self.inputs or self.missing or self.lost or self.structure)
 
     @property
     def sentence(self) -> str:
@@ -61,6 +61,8 @@ class StoreCheck:
             parts.append(f"the last {self.lost:,} commits are lost")
         if self.environments:
             parts.append(f"the record of environment {', '.join(map(str, self.environments))} is damaged")
+        if self.inputs:
+            parts.append(f"the record of inputs {', '.join(map(str, self.inputs))} is damaged")
         if self.structure:
             parts.append(f"the structure of the file is damaged ({self.structure})")
         if not parts:
@@ -146,16 +148,17 @@ class Reader:
         """
         cursor = self._rows()
         rows = 0
-        referred: set[Any] = set()
+        referred: dict[int, set[Any]] = {_ENVIRONMENT: set(), _INPUTS: set()}
         while fetched := cursor.fetchmany(FETCHED):
             rows += len(fetched)
             sound = [row for row in fetched if self._fits(*row)]
             if len(sound) < len(fetched):
                 check.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
-            referred.update(row[_ENVIRONMENT] for row in sound)
+            for place, numbers in referred.items():
+                numbers.update(row[place] for row in sound)
             yield sound
-        records = self.environments()
-        check.environments = sorted(number for number in {*records, *referred} - {None} if not records.get(number))
+        check.environments = _damaged(self.environments(), referred[_ENVIRONMENT])
+        check.inputs = _damaged(self.inputs(), referred[_INPUTS])
         self.check_count(check, rows)
 
     def sound(
@@ -191,11 +194,15 @@ class Reader:
 
     def environments(self) -> dict[int, dict[str, Any]]:
         """Return the environments' records by number, oldest first; a damaged one is empty."""
-        query = "SELECT id, record, digest FROM environments ORDER BY id"
-        return {
-            number: _record(text if isinstance(text, bytes) and record_digest(number, text) == noted else b"")
-            for number, text, noted in self._connection.execute(query)
-        }
+        return records_of(self._connection, "environments")
+
+    def inputs(self) -> dict[int, dict[str, Any]]:
+        """Return the records of what trials were made from, likewise."""
+        return records_of(self._connection, "inputs")
+
+    def history(self) -> list[dict[str, Any]]:
+        """Return the records of what runs selected, oldest first."""
+        return [*records_of(self._connection, "history").values()]
 
     def _rows(self, where: str = "", *values: object) -> sqlite3.Cursor:
         condition = f"WHERE {where}" if where else ""
@@ -219,15 +226,5 @@ def bound(cells: Mapping[int, Cell], names: Mapping[Any, Sequence[bytes]], cell:
     return binding_of(cells[cell], names.get(number, (None, None)))
 
 
-def record_digest(number: int, record: bytes) -> bytes:
-    """Return the digest of an environment's record, whose JSON text is given as UTF-8."""
-    return digest(b"", (number, record))
-
-
-def _record(text: bytes) -> dict[str, Any]:
-    """Return a record from its JSON text, an empty one where that is damaged."""
-    try:
-        record = parse_json(text or b"{}")
-    except ValueError:
-        return {}
-    return record if isinstance(record, dict) else {}
+def _damaged(records: Mapping[int, dict[str, Any]], referred: set[Any]) -> list[int]:
+    return sorted(number for number in {*records, *referred} - {None} if not records.get(number))

@@ -10,7 +10,7 @@ from bench.columns import STORED
 from bench.storage.committed import Committed
 from bench.storage.rows import NAMES, VALUES
 
-VERSION = 5
+VERSION = 6
 """The layout of stores; others are refused."""
 
 SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN names ON names.id = results.names"
@@ -33,6 +33,8 @@ def schema() -> str:
     return f"""
 CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
 CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
+CREATE TABLE inputs (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
+CREATE TABLE history (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
 CREATE TABLE problems (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
 CREATE TABLE optimizers (id INTEGER PRIMARY KEY, record TEXT NOT NULL UNIQUE);
 CREATE TABLE cells (
@@ -40,7 +42,7 @@ CREATE TABLE cells (
     optimizer INTEGER NOT NULL REFERENCES optimizers, evaluations INTEGER NOT NULL, seed INTEGER NOT NULL,
     UNIQUE (problem, optimizer, evaluations, seed)
 );
-CREATE TABLE study (identity TEXT NOT NULL, looks TEXT NOT NULL, digest BLOB NOT NULL);
+CREATE TABLE study (identity TEXT NOT NULL, digest BLOB NOT NULL);
 CREATE TABLE selected (
     cell INTEGER PRIMARY KEY REFERENCES cells, problem TEXT NOT NULL, optimizer TEXT NOT NULL,
     UNIQUE (problem, optimizer)

@@ -8,8 +8,9 @@ from functools import cached_property
 
 from bench.errors import BenchError
 from bench.helpers.text import count, listed
+from bench.plugins.inputs import Present, shown
 from bench.storage.cells import Cells
-from bench.study.cell import Cell, Labels, alike, differences, read, relabelled
+from bench.study.cell import Cell, Labels, alike, differences, read, relabelled, with_inputs
 
 KINDS = "problem", "optimizer"
 
@@ -38,7 +39,9 @@ class Selection:
         return {known[cell]: labels for labels, cell in self.cells.items() if cell in known}
 
 
-def select(wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mapping[int, int]) -> Selection:
+def select(
+    wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mapping[int, int], present: Present
+) -> Selection:
     """Return the selection of a study's cells from a store that holds some of them.
 
     Args:
@@ -46,34 +49,48 @@ def select(wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mappin
         most: the number of trials that each is to have.
         held: the cells of the store.
         trials: the number of trials that each cell of the store has, by its number.
+        present: what trials would be made from now.
 
     Raises:
         BenchError: where a new label may stand for cells of two labels.
     """
     stored = {cell: trials[number] for number, cell in held.all.items() if trials.get(number)}
     renamed = [_seed_labels(place, wanted, held, stored) for place in range(2)]
-    named = {
-        (problem, optimizer): Cell(
-            relabelled(cell.problem, renamed[0][problem]),
-            relabelled(cell.optimizer, renamed[1][optimizer]),
-            *cell.conditions,
-        )
-        for (problem, optimizer), cell in wanted.items()
-    }
-    return Selection(named, [*_Changes(named, most, held, stored).notes()])
+    run = {text for cell in stored for text in cell.records}
+    now = [
+        {
+            label: _present(place, relabelled(cell.records[place], renamed[place][label]), label, held, run, present)
+            for label, cell in {labels[place]: cell for labels, cell in wanted.items()}.items()
+        }
+        for place in range(2)
+    ]
+    named = {labels: Cell(now[0][labels[0]], now[1][labels[1]], *cell.conditions) for labels, cell in wanted.items()}
+    return Selection(named, [*_Changes(named, most, held, stored, present).notes()])
 
 
-def changed(wanted: Mapping[Labels, Cell], held: Cells) -> list[str]:
+def _present(place: int, bare: str, label: str, held: Cells, run: Collection[str], present: Present) -> str:
+    """Return the record of which the trials were made from what is there now; of new inputs where there is none."""
+    numbers = held.numbers(place, bare)
+    for number in reversed(numbers):
+        text = with_inputs(bare, number)
+        if text not in run:
+            if number == numbers[-1]:
+                return text
+        elif not present.changed(held.made.get(text, {}), label):
+            return text
+    return with_inputs(bare, max(numbers, default=0) + 1)
+
+
+def changed(wanted: Mapping[Labels, Cell], held: Cells, present: Present) -> list[str]:
     """Return in phrases how cells that are selected under these labels are others by now, whatever their labels."""
     before = held.by_labels
-    phrases = {
-        f"{label} changed ({'; '.join(differences(*pair))})": None
-        for labels, cell in wanted.items()
-        if labels in before
-        for label, pair in zip(labels, zip(before[labels].records, cell.records, strict=True), strict=True)
-        if not alike(*pair)
-    }
-    return [*phrases]
+    phrases: dict[str, None] = {}
+    for labels in wanted.keys() & before.keys():
+        for label, old, new in zip(labels, before[labels].records, wanted[labels].records, strict=True):
+            names = present.changed(held.made.get(old, {}), label)
+            if how := [*map(shown, names), *([] if alike(old, new) else differences(old, new))]:
+                phrases[f"{label} changed ({'; '.join(how)})"] = None
+    return sorted(phrases)
 
 
 def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored: Iterable[Cell]) -> dict[str, str]:
@@ -109,6 +126,7 @@ class _Changes:
     most: int
     held: Cells
     stored: Mapping[Cell, int]
+    present: Present
 
     @cached_property
     def before(self) -> dict[Labels, Cell]:
@@ -138,7 +156,7 @@ class _Changes:
             old, new = self.before[cells[0]], self.now[cells[0]]
             if old.records[place] != new.records[place]:
                 which = f"of {self._version(old)}" if place else "before"
-                yield f"{label} {self._change(place, old, new)}: {self._numbers(cells, which)}"
+                yield f"{label} {self._change(place, label, old, new)}: {self._numbers(cells, which)}"
         shown = {labels[place] for labels in self.now}
         seeds = {cell.labels[place]: labels for labels, cell in self.now.items()}
         for label in dict.fromkeys(labels[place] for labels in self.before if labels[place] not in shown):
@@ -150,12 +168,15 @@ class _Changes:
             elif self.now[renamed].records[place] == gone[0].records[place]:
                 yield f"the {kind} {label} is called {renamed[place]} now, and keeps its {kept}"
             else:
-                changed = self._change(place, gone[0], self.now[renamed])
+                changed = self._change(place, renamed[place], gone[0], self.now[renamed])
                 yield f"the {kind} {label} is called {renamed[place]} now, and {changed}: its {kept} are kept"
 
-    def _change(self, place: int, old: Cell, new: Cell) -> str:
+    def _change(self, place: int, label: str, old: Cell, new: Cell) -> str:
         """Return how a problem or an optimizer changed, and which version it is by now."""
-        how = "; ".join(differences(old.records[place], new.records[place])) or "its label was that of another one"
+        before = old.records[place]
+        names = self.present.changed(self.held.made.get(before, {}), label)
+        how = "; ".join([*dict.fromkeys(map(shown, names)), *differences(before, new.records[place])])
+        how = how or "its label was that of another one"
         return f"changed ({how})" + (f" and is {self._version(new)} now" if place else "")
 
     def _version(self, cell: Cell) -> str:

@@ -18,7 +18,7 @@ from typing import Any
 from bench.errors import BenchError
 from bench.helpers.text import printable, unique
 from bench.plugins import registry
-from bench.plugins.code import distributions, is_installed
+from bench.plugins.registry import distributions_of, is_installed
 
 PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")
 """Distributions whose versions are always noted."""
@@ -33,7 +33,9 @@ def package_versions(modules: Iterable[str]) -> dict[str, str]:
     """Return the versions of the installed ``PACKAGES``, of the modules' distributions and of their requirements."""
     names = list(PACKAGES)
     for module in modules:
-        names += [needed for name in distributions(module) for needed in (name, *_requirements(name, _extras(module)))]
+        names += [
+            needed for name in distributions_of(module) for needed in (name, *_requirements(name, _extras(module)))
+        ]
     versions = {}
     for name in names:
         with suppress(PackageNotFoundError):
@@ -53,7 +55,7 @@ def checkout_states(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
     homes: dict[Path, str] = {}
     for module in modules:
         if (file := _module_file(module)) and (home := _home(file)) and home != _home(_SELF):
-            homes.setdefault(home, next(iter(distributions(module)), printable(home.name, 255)))
+            homes.setdefault(home, next(iter(distributions_of(module)), printable(home.name, 255)))
     states = zip(unique(homes.values()), map(_state, homes), strict=True)
     return {name: state for name, state in states if state}
 

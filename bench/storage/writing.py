@@ -11,10 +11,10 @@ from typing import Any
 
 from bench.columns import Row
 from bench.errors import BenchError
+from bench.plugins.inputs import Inputs, conflicts
 from bench.storage import committed
-from bench.storage.cells import Cells, binding_of, read, selection_digest
+from bench.storage.cells import Cells, binding_of, read, record_digest, selection_digest, split
 from bench.storage.committed import Committed
-from bench.storage.reading import record_digest
 from bench.storage.rows import NAMES, VALUES, digest, typed
 from bench.study.cell import Cell, Labels
 from bench.trial import Trial
@@ -38,18 +38,33 @@ class Writer:
         self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
         self._names: dict[tuple[str | None, ...], int] = {}
         self._numbers: dict[Cell, int] = {}
+        self._inputs: dict[str, tuple[int, list[Inputs]]] = {}
         self._selected: dict[Labels, int] = {}
         self.cells = Cells()
         self._read()
         self._note()
 
-    def add(self, trial: Trial, row: Row, environment: int | None = None) -> None:
+    def add(self, trial: Trial, row: Row, environment: int | None = None, made_from: str | None = None) -> Cell:
         """Commit one trial's row, as :func:`bench.trial.finished` returns it; missing columns are stored as NULL.
 
-        It replaces a failed row of the same trial, but never a finished one.
+        It replaces a failed row of the same trial, but never a finished one. Return its cell, which is not the selected
+        one where it was made from other inputs than the trials there. ``made_from`` is their record, as JSON.
         """
+        if made_from is not None and made_from not in self._inputs:
+            self._inputs[made_from] = self.inputs(json.loads(made_from)), split(json.loads(made_from))
+        selected = self.cells.all[self._selected[trial.key[:2]]]
+        number, inputs = self._inputs[made_from] if made_from is not None else (None, [{}, {}])
+        cell = self.cells.fitting(selected.bare, inputs, selected)
         with self.transaction():
-            self.put(row | trial.columns | {"environment": environment})
+            self.put(row | trial.columns | {"environment": environment, "inputs": number}, self.number(cell))
+        self.cells.add(cell, inputs)
+        return cell
+
+    def conflicts(self, trial: Trial, made_from: str | None) -> list[str]:
+        """Return the inputs of a trial, as :meth:`add` takes them, that are others than those of the selected cell."""
+        cell = self.cells.all[self._selected[trial.key[:2]]]
+        theirs = split(json.loads(made_from or "{}"))
+        return [name for pair in zip(self.cells.made_from(cell), theirs, strict=True) for name in conflicts(*pair)]
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
@@ -133,27 +148,38 @@ class Writer:
             self._connection.executemany(
                 "INSERT INTO selected VALUES (?, ?, ?)", [(number, *labels) for number, labels in selected.items()]
             )
-            about = identity, "[]"  # a second column that this layout has
             self._connection.execute("DELETE FROM study")
-            self._connection.execute("INSERT INTO study VALUES (?, ?, ?)", (*about, selection_digest(*about, selected)))
+            values = identity, selection_digest(identity, selected)
+            self._connection.execute("INSERT INTO study VALUES (?, ?)", values)
         self._read()
 
     def environment(self, record: Mapping[str, Any]) -> int:
         """Commit an environment's record and return its number; equal records have one number."""
-        text = json.dumps(record)
-        noted = self._connection.execute("SELECT id FROM environments WHERE record = ?", (text,)).fetchone()
-        if noted is not None:
-            return int(noted[0])
-        with self.transaction():
-            made = self._connection.execute("INSERT INTO environments (record) VALUES (?)", (text,))
-            number = int(made.lastrowid or 0)
-            self._record(number, text)
-        return number
+        return self._number("environments", record)
+
+    def inputs(self, record: Mapping[str, Any]) -> int:
+        """Commit what trials were made from, likewise."""
+        return self._number("inputs", record)
+
+    def history(self, record: Mapping[str, Any]) -> None:
+        """Commit what a run selected, unless that is known."""
+        self._number("history", record)
 
     def change(self, number: int, record: Mapping[str, Any]) -> None:
         """Commit a changed record of an environment."""
         with self.transaction():
-            self._record(number, json.dumps(record))
+            self._record("environments", number, json.dumps(record))
+
+    def _number(self, table: str, record: Mapping[str, Any]) -> int:
+        text = json.dumps(record)
+        noted = self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (text,)).fetchone()
+        if noted is not None:
+            return int(noted[0])
+        with self.transaction():
+            made = self._connection.execute(f"INSERT INTO {table} (record) VALUES (?)", (text,))
+            number = int(made.lastrowid or 0)
+            self._record(table, number, text)
+        return number
 
     def remove(self, cells: Iterable[int], *, failed_only: bool = False) -> int:
         """Remove the rows of cells, by their numbers, or only failed rows; return the number of rows."""
@@ -167,9 +193,9 @@ class Writer:
     def _note(self) -> None:
         committed.write(self.path.parent, self._committed)
 
-    def _record(self, number: int, text: str) -> None:
+    def _record(self, table: str, number: int, text: str) -> None:
         values = text, record_digest(number, text.encode()), number
-        self._connection.execute("UPDATE environments SET record = ?, digest = ? WHERE id = ?", values)
+        self._connection.execute(f"UPDATE {table} SET record = ?, digest = ? WHERE id = ?", values)
 
     def _read(self) -> None:
         """Read the cells, the numbers of names, and what was committed."""

@@ -8,8 +8,6 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, NamedTuple
 
-from bench.plugins.code import differences as names_that_differ
-
 Labels = tuple[str, str]
 """The labels of a problem and of an optimizer."""
 
@@ -18,11 +16,10 @@ class Cell(NamedTuple):
     """An optimizer on a problem, as a store keeps it; cells that are equal give equal trials.
 
     Attributes:
-        problem: the record of the problem as JSON: ``label``, ``name``, ``options``, ``data`` (a hash, "" where the
-            name determines it), the handlings ``constraints`` and ``on_error``, and the limits ``evaluation_timeout``
-            and ``time`` where there are any.
-        optimizer: the record of the optimizer: ``label``, ``name``, ``options`` and ``code``, by file its hash and by
-            package its version (:mod:`bench.plugins.code`).
+        problem: the record of the problem as JSON: ``label``, ``name``, ``options``, the handlings ``constraints`` and
+            ``on_error``, the limits ``evaluation_timeout`` and ``time`` where there are any, and ``inputs``, a number:
+            a store counts the sets of inputs (:mod:`bench.plugins.inputs`) that it has trials of, from 1.
+        optimizer: the record of the optimizer: ``label``, ``name``, ``options`` and ``inputs``.
         evaluations: what a trial may spend; 0 where that is not known of imported results.
         seed: the study's, from which with both labels all seeds derive.
     """
@@ -47,10 +44,15 @@ class Cell(NamedTuple):
         """The labels from which seeds are made; a study may show others (:mod:`bench.storage.selection`)."""
         return read(self.problem)["label"], read(self.optimizer)["label"]
 
+    @property
+    def bare(self) -> Cell:
+        """The cell whatever its inputs: with the number 1 for each."""
+        return Cell(with_inputs(self.problem, 1), with_inputs(self.optimizer, 1), *self.conditions)
+
 
 def record(**content: Any) -> str:
     """Return the record of a problem or an optimizer: equal content has equal texts."""
-    return json.dumps(content, sort_keys=True, default=str)
+    return json.dumps({"inputs": 1} | content, sort_keys=True, default=str)
 
 
 @cache
@@ -60,7 +62,7 @@ def read(text: str) -> dict[str, Any]:
     with suppress(ValueError):
         content = json.loads(text)
     known = content if isinstance(content, dict) else {}
-    return {"label": "unknown", "name": "", "options": {}} | known
+    return {"label": "unknown", "name": "", "options": {}, "inputs": 1} | known
 
 
 def relabelled(text: str, label: str) -> str:
@@ -68,18 +70,19 @@ def relabelled(text: str, label: str) -> str:
     return text if read(text)["label"] == label else record(**read(text) | {"label": label})
 
 
+def with_inputs(text: str, number: int) -> str:
+    """Return a record with this number of its inputs."""
+    return text if read(text)["inputs"] == number else record(**read(text) | {"inputs": number})
+
+
 def alike(one: str, other: str) -> bool:
-    """Return whether two records agree in all but their labels."""
-    return relabelled(one, "") == relabelled(other, "")
+    """Return whether two records agree in all but their labels and inputs."""
+    return relabelled(with_inputs(one, 1), "") == relabelled(with_inputs(other, 1), "")
 
 
 def differences(before: str, now: str) -> Iterator[str]:
-    """Yield in phrases how a record differs from the one before: the files that changed, or options."""
+    """Yield in phrases how the options of a record differ from those of the one before."""
     old, new = read(before), read(now)
-    for key in ("data", "code"):
-        if old.get(key) != new.get(key):
-            both = isinstance(old.get(key), Mapping) and isinstance(new.get(key), Mapping)
-            yield ", ".join(names_that_differ(old[key], new[key])) if both else key
     if old["name"] != new["name"]:
         yield f"it is {new['name']!r}, not {old['name']!r}"
     for name in names_that_differ(old["options"], new["options"]):
@@ -90,3 +93,8 @@ def differences(before: str, now: str) -> Iterator[str]:
     for key in ("constraints", "on_error", "evaluation_timeout", "time"):
         if old.get(key) != new.get(key):
             yield f"{key} = {new.get(key)!r}, not {old.get(key)!r}"
+
+
+def names_that_differ(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Return the names that are new, gone or changed."""
+    return [name for name in {**before, **now} if before.get(name) != now.get(name)]

@@ -19,11 +19,15 @@ LONGEST_LABEL = 200
 
 @dataclass(frozen=True)
 class Entry:
-    """A problem or an optimizer of a study: its plug-in name, its label in results, and its options."""
+    """A problem or an optimizer of a study: its plug-in name, its label in results, and its options.
+
+    ``files`` are read by it where nobody sees that, as by a program; their names may hold ``*``.
+    """
 
     name: str
     label: str
     options: dict[str, Any] = field(default_factory=dict)
+    files: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Turn tuples among the options into lists, as a study's file holds them."""
@@ -32,7 +36,8 @@ class Entry:
     def as_dict(self) -> dict[str, Any]:
         """Return the entry as a table of a study file."""
         label = {} if self.label == self.name else {"label": self.label}
-        return {"name": self.name, **label, **self.options}
+        files = {"files": [*self.files]} if self.files else {}
+        return {"name": self.name, **label, **self.options, **files}
 
 
 def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
@@ -55,7 +60,9 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         if key == "problems" and "suite" in options:
             options["names"] = selection.selected(*(options.pop(part, None) for part in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
-        label = options.pop("label", None)
+        label, files = options.pop("label", None), options.pop("files", [])
+        if not (isinstance(files, list) and all(isinstance(file, str) and file for file in files)):
+            raise BenchError(f"study {where}: 'files' of a [[{key}]] table must be a list of files, not {files!r}")
         if key == "optimizers" and names == ["command"]:
             names = [_command("command", options.pop("command", None), where)]
         if isinstance(names, list) and len(names) == 1 and objects.is_plugin(names[0]):
@@ -71,7 +78,7 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         names = [match for name in names for match in expand(name)]
         for name in names:
             combinations = expanded((label or loading.default_label(name)).replace("{name}", name), options, swept)
-            entries += [Entry(name, *combination) for combination in combinations]
+            entries += [Entry(name, *combination, tuple(files)) for combination in combinations]
     check_labels(entries, key, where)
     return tuple(entries)
 

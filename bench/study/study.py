@@ -11,7 +11,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import tomli_w
 
@@ -21,7 +21,6 @@ from bench.helpers.text import html_table, listed, short_hash
 from bench.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
-from bench.plugins.code import Code, identity
 from bench.problem import Problem
 from bench.scoring import constraints as handlings
 from bench.scoring import require_on_error, scored
@@ -40,20 +39,6 @@ LONGEST_NAME, LONGEST_TITLE = 100, 1000
 
 TRIALS = 30
 """The usual number of trials of an optimizer on a problem."""
-
-
-class Fingerprints(NamedTuple):
-    """The hashes and dimensions that decide a study's trials beside its text, by label, as far as they are known.
-
-    Attributes:
-        data: the hash of every problem's data; "" where the problem's name determines its data.
-        code: what decides the trials of every optimizer (:mod:`bench.plugins.code`).
-        dimensions: the number of variables of every problem.
-    """
-
-    data: dict[str, str]
-    code: dict[str, Code]
-    dimensions: dict[str, int]
 
 
 def _whole(value: Any, what: str, *, least: int, most: int) -> int:
@@ -203,6 +188,10 @@ class Study:
         entry = self._named("problem", self.problems, label)
         return scored(loading.load_problem(entry.name, **deepcopy(entry.options)), self.constraints, self.on_error)
 
+    def files(self, label: str) -> tuple[str, ...]:
+        """Return the files that the problem or the optimizer of that label names as read by it."""
+        return next((entry.files for entry in (*self.problems, *self.optimizers) if entry.label == label), ())
+
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
         entry = self._named("optimizer", self.optimizers, label)
@@ -230,62 +219,48 @@ class Study:
             raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, by_label)}")
         return by_label[label]
 
-    def check(self) -> Fingerprints:
-        """Load every problem and optimizer once and check the budget against the largest generation.
+    def check(self) -> dict[str, int]:
+        """Load every problem and optimizer once; return the problems' dimensions by label.
 
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work, and for targets that no
                 problem has.
         """
-        data, dimensions = self.data()
-        return Fingerprints(data, self.code((entry.label for entry in self.optimizers), dimensions), dimensions)
+        dimensions = self.dimensions()
+        self.check_optimizers((entry.label for entry in self.optimizers), dimensions)
+        return dimensions
 
-    def data(self, load: Callable[[str], Problem] | None = None) -> tuple[dict[str, str], dict[str, int]]:
-        """Load every problem; return the hashes of their data and their dimensions; raises as :meth:`check`.
-
-        ``load`` returns the problem of a label.
-        """
+    def dimensions(self, load: Callable[[str], Problem] | None = None) -> dict[str, int]:
+        """Load every problem, by ``load`` with its label; return their dimensions; raises as :meth:`check`."""
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
         if self.targets is not None:
             self.targets.require_metric(any(problem.expected for problem in problems.values()))
         dimensions = {label: problem.dimension for label, problem in problems.items()}
         self._least(dimensions)
-        return {label: problem.fingerprint() for label, problem in problems.items()}, dimensions
+        return dimensions
 
-    def code(self, labels: Iterable[str], dimensions: Mapping[str, int]) -> dict[str, Code]:
-        """Load these optimizers; return what decides the trials of each; raises as :meth:`check`.
+    def check_optimizers(self, labels: Iterable[str], dimensions: Mapping[str, int]) -> None:
+        """Load these optimizers, and check the budget against the largest generation; raises as :meth:`check`.
 
         ``dimensions`` are those of the problems, by label.
         """
-        code, least = {}, self._least(dimensions)
+        least = self._least(dimensions)
         for label in labels:
-            optimizer = self.optimizer(label)
-            optimizer.check_budget(least, label)
-            code[label] = identity(optimizer)
-        return code
+            self.optimizer(label).check_budget(least, label)
 
     def _least(self, dimensions: Mapping[str, int]) -> int:
         """Return the smallest budget of any problem; raises BenchError where a dimension has none."""
         return min(self.evaluations(dimension) for dimension in {*dimensions.values()})
 
-    def cells(self, found: Fingerprints) -> dict[Labels, Cell]:
-        """Return the cells of the study by the labels of problem and optimizer, in their order."""
-        problems = {
-            entry.label: record(
-                label=entry.label, name=entry.name, options=entry.options, data=found.data.get(entry.label, ""),
-                **{"constraints": self.constraints, "on_error": self.on_error} | self._handling(),
-            )
-            for entry in self.problems
-        }  # fmt: skip
-        optimizers = {
-            entry.label: record(
-                label=entry.label, name=entry.name, options=entry.options, code=found.code.get(entry.label, {})
-            )
-            for entry in self.optimizers
-        }
-        evaluations = {
-            label: self.evaluations(found.dimensions[label]) if label in found.dimensions else 0 for label in problems
-        }
+    def cells(self, dimensions: Mapping[str, int]) -> dict[Labels, Cell]:
+        """Return the cells of the study by the labels of problem and optimizer, in their order.
+
+        ``dimensions`` are those of the problems, by label, as far as they are known.
+        """
+        handling = {"constraints": self.constraints, "on_error": self.on_error} | self._handling()
+        problems = {entry.label: record(**_about(entry), **handling) for entry in self.problems}
+        optimizers = {entry.label: record(**_about(entry)) for entry in self.optimizers}
+        evaluations = {label: self.evaluations(dimensions[label]) if label in dimensions else 0 for label in problems}
         return {
             (problem, optimizer): Cell(problems[problem], optimizers[optimizer], evaluations[problem], self.seed)
             for problem in problems
@@ -339,6 +314,8 @@ class Study:
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
         left_out = {*_USUAL, "parallel", "targets", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
+        for entry in (*content["problems"], *content["optimizers"]):
+            del entry["files"]  # whose content decides, and not their names
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 
     def _handling(self) -> dict[str, Any]:
@@ -350,6 +327,10 @@ class Study:
 
 
 _USUAL = {"constraints": handlings.DEFAULT, "on_error": "fail", "evaluation_timeout": None, "time": None}
+
+
+def _about(entry: Entry) -> dict[str, Any]:
+    return {"label": entry.label, "name": entry.name, "options": entry.options}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -10,8 +10,7 @@ from bench import Trace
 from bench.columns import packed
 from bench.report.library import library
 from bench.storage.folder import Folder
-from bench.storage.selection import Selection
-from bench.study import Entry, Fingerprints, Study
+from bench.study import Entry, Study
 
 VOID = {"meta", "link", "input", "img", "br", "hr"}
 
@@ -104,14 +103,14 @@ FAILED = {"status": "failed", "error": "ValueError: <b>boom</b> & more\nTracebac
 RAISED = {"status": "failed", "error": "ProblemError: ValueError: no convergence\nTraceback …"}
 
 
-def store(folder, study, row_of, trials=None, record=None, fingerprints=None):
+def store(folder, study, row_of, trials=None, record=None):
     """Write a study whose trials have the rows that a function returns, None for a trial that is missing.
 
-    ``record`` is that of the run that made them; ``fingerprints`` are those of the problems' data.
+    ``record`` is that of the run that made them.
     """
     place = Folder(folder)
     place.path.mkdir(parents=True, exist_ok=True)
-    place.claim(study, None if fingerprints is None else Selection(study.cells(Fingerprints(fingerprints, {}, {}))))
+    place.claim(study)
     with place.store.writer() as writer:
         run = writer.environment(record) if record else None
         for trial in trials or study.plan():

@@ -134,7 +134,6 @@ def test_points_are_repaired_to_the_box_and_described_by_nothing():
     assert problem.repair(np.array([[-3.0, 2.0], [0.5, 9.0]])).tolist() == [[-1.0, 2.0], [0.5, 4.0]]
     assert problem.dimension == 2
     assert problem.describe(np.zeros(2)) == problem.expected == {}
-    assert problem.fingerprint() == ""
     assert problem.optimum is None
 
 

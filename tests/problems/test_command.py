@@ -242,12 +242,6 @@ def test_what_cannot_be_run_is_one_sentence(tmp_path, name, options, reason):
         load_problem(name.format(file=tmp_path / "data.txt"), **options)
 
 
-def test_a_program_that_changed_is_another_problem(program):
-    before = program("answer(x[0])").fingerprint()
-    assert program("answer(x[1])").fingerprint() != before
-    assert program("answer(x[0])").fingerprint() == before
-
-
 def test_a_study_names_a_program_by_its_words():
     study = {"name": "s", "problems": [{"problem": ["./mine", "--case", "a b"], "label": "p"}], "optimizers": ["gwo"]}
     (entry,) = Study.from_dict(study).problems

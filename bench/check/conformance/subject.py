@@ -16,7 +16,7 @@ from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
 from bench.numbers import require_seed
 from bench.optimizer import Optimizer, build, settings
-from bench.plugins import values
+from bench.plugins import packing
 from bench.plugins.loading import load_optimizer
 from bench.plugins.objects import title
 from bench.sandbox.server import end_if_stuck
@@ -167,7 +167,7 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 def pack(subject: AnySubject) -> bytes:
     """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
     try:
-        return values.pack(dataclasses.replace(subject, packed=None)).content
+        return packing.pack(dataclasses.replace(subject, packed=None)).content
     except BenchError as error:
         raise error.__cause__ or error from None
 
@@ -175,4 +175,4 @@ def pack(subject: AnySubject) -> bytes:
 @lru_cache(maxsize=1)
 def unpack(packed: bytes) -> Any:
     """Return the subject of :func:`pack`."""
-    return dataclasses.replace(values.unpack(packed), packed=packed)
+    return dataclasses.replace(packing.unpack(packed), packed=packed)

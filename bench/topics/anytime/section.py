@@ -25,6 +25,7 @@ from bench.topics.anytime.figures import (
     regret_figure,
 )
 from bench.topics.anytime.leads import SAY, figure, sentences
+from bench.topics.anytime.profiles import sections as profiles
 from bench.topics.findings import Findings, Trials
 from bench.topics.topic import Topic
 
@@ -87,7 +88,7 @@ def section(findings: Findings) -> Section:
         TITLE,
         (*text, SAY("apart", apart[0].name, len(apart))) if apart else text,
         (*course(findings), *figure(findings), together, *rates),
-        sections=own_parts,
+        sections=(*profiles(findings), *own_parts),
         apart=tuple(apart),
     )
 

@@ -10,8 +10,10 @@ from typing import Any
 import pandas as pd
 
 from bench.helpers.text import listed
+from bench.plugins.inputs import shown
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing, options
+from bench.results.results import StoredResults
 from bench.storage.provenance import differences
 from bench.study import Study
 from bench.topics.findings import Findings
@@ -38,16 +40,23 @@ def section(findings: Findings) -> Section:
             "depend on the number of trials or the title."
         )
     items = [_entries(results.study)]
-    if fingerprints := {label: value for label, value in results.fingerprints.items() if value}:
-        hashes = pd.DataFrame({"SHA-256": fingerprints}).rename_axis("problem")
-        items.append(Table("data", "The hash of each problem’s data when its trials ran.", hashes))
+    if data := [(label, file, state) for label, files in results.data.items() for file, state in files.items()]:
+        hashes = pd.DataFrame(data, columns=["problem", "file", "SHA-256"]).set_index("problem")
+        items.append(Table("data", "The files of data that trials were made from, each with its hash.", hashes))
     if not results.environments:
         return Section(TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran it.",))
     origins = _Origins(results.environments, results.frame, results.origins)
     items += [*origins.environments(), origins.runs()]
     if origins.known and len(origins.groups) > 1:
         items.append(origins.trials())
-    return Section(TITLE, tuple(text), tuple(items), tuple(origins.warnings()), on_demand=True)
+    return Section(TITLE, tuple(text), tuple(items), (*_changed(results), *origins.warnings()), on_demand=True)
+
+
+def _changed(results: StoredResults) -> Iterator[str]:
+    """Yield a sentence for each problem or optimizer that is another one by now than that of the trials."""
+    for label, names in results.changed.items():
+        what = listing(list(map(shown, names)), at_most=5)
+        yield f"{label} changed since its trials were made ({what}); the report is of what it was."
 
 
 def _entries(study: Study) -> Table:

@@ -1,7 +1,6 @@
 """The constrained signature fit as a problem (thesis sections 5.3.1, 7.1.1 and 7.2.2)."""
 
 import copy
-import hashlib
 from collections.abc import Iterable
 from functools import cached_property
 from typing import Literal, NamedTuple, get_args
@@ -189,10 +188,6 @@ class SignatureFit(Problem):
         if self.replicas > 1:
             metrics["backlash_rad"] = default_calibration().backlash(amplitude)
         return metrics
-
-    def fingerprint(self) -> str:
-        """Return the SHA-256 of the samples, times and speeds."""
-        return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
 
 
 def _check_recording(name: str, recording: Recording, period: float, *, single: bool) -> None:

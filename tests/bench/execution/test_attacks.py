@@ -16,7 +16,6 @@ import pytest
 from bench import Results, Study, load_results, run
 from bench.execution.job import Task
 from bench.execution.supervisor import check
-from bench.plugins.from_file import contents, fingerprint
 
 pytestmark = [
     pytest.mark.slow,
@@ -97,10 +96,9 @@ FORGER = """
 import bench.plugins.from_file, bench.study, bench.storage.provenance
 from problems.backlash.signature.problem import SignatureFit
 
-SignatureFit.fingerprint = lambda self: "forged"
-bench.study.Study.data = lambda self: {entry.label: "forged" for entry in self.problems}
-bench.study.Study.code = lambda self, labels: {entry.label: "forged" for entry in self.optimizers}
-bench.plugins.from_file.fingerprint = lambda name: "forged"
+SignatureFit.dimension = 99
+bench.study.Study.dimensions = lambda self, load: {entry.label: 99 for entry in self.problems}
+bench.plugins.observing.modules = lambda: {"forged": "forged.py"}
 machine = bench.storage.provenance.machine
 bench.storage.provenance.machine = lambda *_: machine() | {"packages": {"numpy": "0.0"}, "host": "forged"}
 
@@ -109,7 +107,7 @@ def mine(objective, rng):
 """
 
 
-def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
+def test_an_import_forges_nothing_that_is_found_of_others(tmp_path, testing_plugins):
     found = []
     for name, code in (("forger", FORGER), ("other", FORGER[FORGER.index("def") :])):
         (tmp_path / f"{name}.py").write_text(code)
@@ -117,10 +115,10 @@ def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
     for optimizers in (honest, [{"name": f"{tmp_path}/forger.py:mine", "label": "forger"}, *honest]):
         made = {"name": "s", "problems": [{"name": "signature-12"}], "optimizers": optimizers}
         found.append(check(Task.of(Study.from_dict(made))))
-    (alone, beside) = (each.fingerprints for each in found)
-    assert beside.data == alone.data
-    forger = f"{tmp_path}/forger.py:mine"
-    assert beside.code == alone.code | {"forger": fingerprint(forger, contents([forger]))}
+    (alone, beside) = found
+    assert beside.dimensions == alone.dimensions
+    modules = {label: files for label, files in beside.present.modules.items() if label != "forger"}
+    assert modules == alone.present.modules
     assert json.loads(found[0].machine) == json.loads(found[1].machine)
 
 

@@ -17,7 +17,7 @@ import pytest
 from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution import dask as cluster
 from bench.execution import dask_worker
-from bench.execution.supervisor import KilledError, Task, WorkerDiedError, check
+from bench.execution.supervisor import KilledError, Task, WorkerDiedError
 
 distributed = pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
 
@@ -297,13 +297,6 @@ def test_a_worker_with_other_code_is_refused_by_name_first_or_last(module, chang
     with pytest.raises(BenchError, match=said):
         machines.run(slow_study(1), tmp_path / "early")
     assert not (tmp_path / "early").exists()
-
-
-def test_a_worker_with_another_version_of_a_library_is_refused(small_study):
-    task = check(Task.of(small_study)).task
-    there = replace(task, code=task.code | {"scatter": task.code["scatter"] | {"mealpy": "0"}})
-    with pytest.raises(BenchError, match=r"has other code of optimizer 'scatter' than the run itself \(mealpy\)"):
-        dask_worker.work("another run", there, next(small_study.plan()))
 
 
 @pytest.mark.slow

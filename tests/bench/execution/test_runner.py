@@ -8,10 +8,13 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run, solve
+from bench.columns import packed
 from bench.execution.runner import plan
+from bench.plugins.inputs import Present, named
+from bench.plugins.observing import PARTS, hash_of
 from bench.storage.folder import Folder
-from bench.storage.selection import Selection
-from bench.study import Entry, Fingerprints
+from bench.study import Entry
+from tests.bench.reports import finished
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -116,7 +119,7 @@ def test_no_results_are_said_so(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path):
+def test_a_store_whose_table_was_never_made_is_refused_where_trials_were_committed(small_study, tmp_path):
     """A kill between the file's creation and its table's leaves an empty store."""
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     for file in (tmp_path / "out").glob("trials.sqlite*"):
@@ -124,6 +127,9 @@ def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path
     (tmp_path / "out" / "trials.sqlite").touch()
     with pytest.warns(UserWarning, match="6 of 6 committed trials are missing"):
         assert load_results(tmp_path / "out").empty
+    with pytest.raises(BenchError, match="6 of 6 committed trials are missing; restore"):
+        run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
+    (tmp_path / "out" / "committed.json").unlink()
     assert run(small_study.override(trials=1), tmp_path / "out", n_jobs=1).made == 6
 
 
@@ -146,7 +152,7 @@ def test_data_that_changed_under_a_study_make_other_trials(tmp_path):
             run(study, tmp_path / "out", n_jobs=1)
         else:
             assert any(
-                "changed (data): 7 trials to make; the 5 before are kept" in note
+                f"changed ({tmp_path / 'a.csv'}): 7 trials to make; the 5 before are kept" in note
                 for note in plan(study, tmp_path / "out").notes
             )
 
@@ -169,14 +175,31 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
 
 
 def test_trials_of_other_data_or_code_are_no_trials_of_what_would_be_made_now(small_study, tmp_path):
-    folder = Folder(tmp_path)
-    found = Fingerprints({"sphere-2": "f00"}, {"scatter": {"a.py": "ba7", "b.py": "b"}}, {})
-    folder.claim(small_study, Selection(small_study.cells(found)))
-    folder.require_unchanged(small_study, found)
-    with pytest.raises(BenchError, match=r"what would be made now: sphere-2 changed \(data\); 'bench run' makes the"):
-        folder.require_unchanged(small_study, found._replace(data={"sphere-2": "f01"}))
-    with pytest.raises(BenchError, match=r"scatter changed \(a.py\)"):
-        folder.require_unchanged(small_study, found._replace(code={"scatter": {"a.py": "f01", "b.py": "b"}}))
+    data, code = tmp_path / "data.csv", tmp_path / "a.py"
+    data.write_text("1")
+    code.write_text("A = 1")
+    (tmp_path / "out").mkdir()
+    folder = Folder(tmp_path / "out")
+    folder.claim(small_study)
+    read = {str(file): [hash_of(str(file)), False, []] for file in (data, code)}
+    parts = [named({"files": {str(file): read[str(file)]}}) for file in (data, code)]
+    with folder.store.writer() as writer:
+        trial = next(small_study.plan())
+        writer.add(
+            trial,
+            packed(finished(1.0, np.random.default_rng(0))),
+            None,
+            json.dumps(dict(zip(PARTS, parts, strict=True))),
+        )
+    folder.require_unchanged(small_study, Present())
+    code.write_text("A = 1  # as before")
+    folder.require_unchanged(small_study, Present())
+    data.write_text("2")
+    with pytest.raises(BenchError, match=rf"{trial.problem} changed \({data}\); 'bench run' makes the"):
+        folder.require_unchanged(small_study, Present())
+    code.write_text("A = 2")
+    with pytest.raises(BenchError, match=rf"{trial.optimizer} changed \({code}\)"):
+        folder.require_unchanged(small_study, Present())
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from bench.trial import Trial
 @pytest.fixture
 def confirmed(monkeypatch, small_study):
     """Return a function that makes a trial on any problem, and then returns what confirms it."""
-    trial_process.begin(small_study, {}, {}, {})
+    trial_process.begin(small_study, {}, "", {})
     reset_random()  # as a process of its own begins, whatever other tests left
     label = small_study.optimizers[0].label
 

@@ -204,27 +204,13 @@ class Bowl(Problem):
 """
 
 
-def test_a_problem_of_a_file_takes_options_and_its_data_are_the_file(tmp_path):
+def test_a_problem_of_a_file_takes_options_and_an_edited_file_is_another_one(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text(PROBLEM, encoding="utf-8")
     problem = load_problem(f"{path}:Bowl", height=3)
     assert problem.evaluate(np.ones((1, 2))) == [6]
-    assert problem.fingerprint() == load_problem(f"{path}:Bowl").fingerprint() != ""
-    path.write_text(PROBLEM.replace("3.0", "5.0"), encoding="utf-8")
-    assert load_problem(f"{path}:Bowl").fingerprint() != problem.fingerprint()
-
-
-def test_the_fingerprint_of_a_problem_covers_its_own_and_the_modules_that_its_file_imports(tmp_path):
-    own = "    def fingerprint(self):\n        return {!r}\nstanding = Bowl()\n"
-    path, helper = tmp_path / "mine.py", tmp_path / "helper_of_bowl.py"
-    found = []
-    for data, height in (("one", "1"), ("one", "1  # m"), ("two", "1"), ("two", "2")):
-        path.write_text(f"import helper_of_bowl\n{PROBLEM}{own.format(data)}", encoding="utf-8")
-        helper.write_text(f"HEIGHT = {height}")
-        found.append({load_problem(f"{path}:standing").fingerprint() for _ in range(2)})
-    assert [len(each) for each in found] == [1, 1, 1, 1]
-    assert found[0] == found[1]
-    assert len(set.union(*found)) == 3
+    path.write_text(PROBLEM.replace("x**2", "x**2 / 2"), encoding="utf-8")
+    assert load_problem(f"{path}:Bowl").evaluate(np.ones((1, 2))) == [1]
 
 
 def test_a_study_runs_on_a_problem_of_a_file(tmp_path):

@@ -1,6 +1,7 @@
 """A small study's folder that is filled by hand, and what is said of its damage."""
 
 import random
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -10,8 +11,10 @@ from bench import BenchError, Results
 from bench.columns import packed
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.study.cell import read, record
 from bench.trial import Trial
+
+DATA = Path(__file__).resolve().parents[3] / "CITATION.cff"
+"""A file that is there."""
 
 PROBLEMS, OPTIMIZERS, TRIALS = ("sphere-2", "sphere-3"), ("scatter", "early"), 30
 
@@ -55,25 +58,17 @@ def traces(results):
 def change_data(path, data):
     """Have the trials of a folder be of problems with other data, by the hash of each."""
     store = Folder(path).store
-    changed = {
-        cell: cell._replace(problem=record(**read(cell.problem) | {"data": data[problem]}))
-        for (problem, _), cell in store.held().by_labels.items()
-        if problem in data
-    }
-    recell(store, changed)
-
-
-def recell(store, changed):
-    """Move trials to other cells, with digests that fit, as only code that imports the package can."""
     with store.reader() as reader:
-        held = reader.cells
-        rows = [(changed[held.all[cell]], row) for cell, row in reader.whole() if held.all[cell] in changed]
+        cells = {n: data[cell.labels[0]] for n, cell in reader.cells.all.items() if cell.labels[0] in data}
+        rows = [(cell, row) for cell, row in reader.whole() if cell in cells]
     with store.writer() as writer:
-        writer.remove([number for number, cell in held.all.items() if cell in changed])
+        writer.remove(cells)
+        made = {
+            state: writer.inputs({"problem": {f"file:{DATA}": [state, []]}, "optimizer": {}}) for state in data.values()
+        }
         with writer.transaction():
             for cell, row in rows:
-                writer.put(row, writer.number(cell))
-        writer.select(held.study, {labels: changed.get(c, c) for labels, c in held.by_labels.items()})
+                writer.put(row | {"inputs": made[cells[cell]]}, cell)
 
 
 def assert_refused(folder):

@@ -59,7 +59,7 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
         if said:
             with pytest.raises(BenchError):
                 spoilt.require_sound()
-    assert noticed > len(seeds) / 5  # the rest hit unused space
+    assert noticed >= len(seeds) / 5  # the rest hit unused space
 
 
 @pytest.mark.parametrize("hole", [slice(0, 4096), slice(100, 4096), slice(4096, None), slice(-4096 * 3, -4096)])

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 
 from bench import load_optimizer, load_problem
-from bench.plugins.code import defining
+from bench.plugins.loading import defining
 from bench.storage import provenance, versions
 from bench.storage.provenance import differences, machine, run
 
@@ -159,7 +159,9 @@ class TestRun:
         assert shlex.split(record["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
         assert record["started"].endswith("+00:00")
         assert record["ended"] is None
-        assert {key: value for key, value in record.items() if key not in ("started", "ended", "command")} == {
+        assert record["folder"] == str(Path.cwd())
+        others = {"started", "ended", "command", "folder"}
+        assert {key: value for key, value in record.items() if key not in others} == {
             "jobs": 4, "backend": "local", "study": small_study.identity(),
             "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3, "extends": None,
             "subject": "",

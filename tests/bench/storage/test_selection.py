@@ -7,9 +7,21 @@ import pytest
 from bench import BenchError, Study
 from bench.storage.cells import Cells
 from bench.storage.selection import changed, select
-from bench.study import Entry, Fingerprints
+from bench.study import Entry
+from bench.study.cell import with_inputs
 
-FOUND = Fingerprints({}, {label: {"f.py": label} for label in "abcd"}, {"p": 2, "q": 3})
+CODE = {label: label for label in "abcd"}
+DIMENSIONS = {"p": 2, "q": 3, "first": 2}
+
+
+class Now:
+    """What optimizers would be made from now: the state of one file, by label."""
+
+    def __init__(self, code):
+        self.code = code
+
+    def changed(self, recorded, label=""):
+        return [name for name, (state, _) in recorded.items() if self.code.get(label) != state]
 
 
 def study(*labels, problems=("p", "q"), **changes):
@@ -17,53 +29,71 @@ def study(*labels, problems=("p", "q"), **changes):
     return Study("s", tuple(Entry(label, label) for label in problems), entries, trials=3, budget=10, **changes)
 
 
-def held(ran, found=FOUND, trials=3):
+def made_from(cells, code):
+    return {cell.optimizer: {"file:f.py": (code[cell.labels[1]], [])} for cell in cells}
+
+
+def held(ran, code=CODE, trials=3):
     """Return the cells of a store in which a study ran, and the number of their trials."""
-    cells = ran.cells(found)
+    cells = ran.cells(DIMENSIONS)
     numbered = dict(enumerate(cells.values(), start=1))
-    return Cells(numbered, dict(enumerate(cells, start=1)), "id"), dict.fromkeys(numbered, trials)
+    made = made_from(cells.values(), code)
+    return Cells(numbered, dict(enumerate(cells, start=1)), "id", made), dict.fromkeys(numbered, trials)
 
 
-def again(ran, now, found=FOUND, now_found=None):
-    return select(now.cells(now_found or found), now.trials, *held(ran, found))
+def again(ran, now, code=CODE, now_code=None):
+    return select(now.cells(DIMENSIONS), now.trials, *held(ran, code), Now(now_code or code))
 
 
 def test_the_same_study_selects_the_same_cells_and_says_nothing():
     chosen = again(study("a", "b"), study("a", "b"))
-    assert chosen.cells == study("a", "b").cells(FOUND)
+    assert chosen.cells == study("a", "b").cells(DIMENSIONS)
     assert chosen.notes == []
     assert chosen.labels_in(held(study("a", "b"))[0]) == {1: ("p", "a"), 2: ("p", "b"), 3: ("q", "a"), 4: ("q", "b")}
 
 
 def test_changed_code_is_another_cell_and_the_file_is_named():
-    chosen = again(study("a", "b"), study("a", "b"), now_found=FOUND._replace(code=FOUND.code | {"a": {"f.py": "new"}}))
+    chosen = again(study("a", "b"), study("a", "b"), now_code=CODE | {"a": "new"})
     assert chosen.notes == ["a changed (f.py) and is version 2 now: 6 trials to make; the 6 of version 1 are kept"]
     assert chosen.labels_in(held(study("a", "b"))[0]) == {2: ("p", "b"), 4: ("q", "b")}
 
 
 def test_a_version_that_is_there_already_is_taken_up_again():
     cells, trials = held(study("a"))
-    new = FOUND._replace(code={"a": {"f.py": "new"}})
-    more = dict(enumerate(study("a").cells(new).values(), start=3))
-    cells = Cells(cells.all | more, {3: ("p", "a"), 4: ("q", "a")}, "id")
-    chosen = select(study("a").cells(FOUND), 3, cells, trials | dict.fromkeys(more, 2))
+    more = {
+        number: cell._replace(optimizer=with_inputs(cell.optimizer, 2))
+        for number, cell in enumerate(study("a").cells(DIMENSIONS).values(), start=3)
+    }
+    cells = Cells(
+        cells.all | more, {3: ("p", "a"), 4: ("q", "a")}, "id", cells.made | made_from(more.values(), {"a": "new"})
+    )
+    chosen = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now(CODE))
     assert chosen.notes == ["a changed (f.py) and is version 1 now: 0 trials to make; the 4 of version 2 are kept"]
     assert chosen.labels_in(cells) == {1: ("p", "a"), 2: ("q", "a")}
     assert [*cells.versions("a").values()] == [[1, 2], [3, 4]]
+    third = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now({"a": "third"}))
+    assert third.notes == ["a changed (f.py) and is version 3 now: 6 trials to make; the 4 of version 2 are kept"]
+
+
+def test_the_last_version_is_taken_while_it_has_no_trial():
+    cells, trials = held(study("a"))
+    number, cell = 3, study("a").cells(DIMENSIONS)["p", "a"]
+    later = cell._replace(optimizer=with_inputs(cell.optimizer, 2))
+    cells = Cells(cells.all | {number: later}, {number: ("p", "a")}, "id", cells.made)
+    chosen = select(study("a", problems=("p",)).cells(DIMENSIONS), 3, cells, trials, Now({"a": "third"}))
+    assert chosen.cells["p", "a"] == later
 
 
 def test_a_new_label_of_the_same_keeps_trials_and_seeds():
-    chosen = again(
-        study("a", "b"), study(Entry("x", "c"), "b"), now_found=FOUND._replace(code=FOUND.code | {"c": FOUND.code["a"]})
-    )
+    chosen = again(study("a", "b"), study(Entry("x", "c"), "b"), now_code=CODE | {"c": CODE["a"]})
     assert chosen.seeds["p", "c"] == ("p", "a")
     assert chosen.notes == ["the optimizer a is called c now, and keeps its 6 trials"]
 
 
 def test_a_new_label_with_other_code_is_called_otherwise_and_another_version():
     cells, trials = held(study("a"))
-    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id")
-    chosen = select(study("a").cells(FOUND._replace(code={"a": {"f.py": "new"}})), 3, renamed, trials)
+    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id", cells.made)
+    chosen = select(study("a").cells(DIMENSIONS), 3, renamed, trials, Now({"a": "new"}))
     assert chosen.notes == [
         "the optimizer c is called a now, and changed (f.py) and is version 2 now: its 6 trials are kept"
     ]
@@ -71,29 +101,29 @@ def test_a_new_label_with_other_code_is_called_otherwise_and_another_version():
 
 def test_a_renamed_problem_keeps_trials_and_seeds():
     now = replace(study("a"), problems=(Entry("p", "first"), Entry("q", "q")))
-    chosen = again(study("a"), now, now_found=FOUND._replace(dimensions={"first": 2, "q": 3}))
+    chosen = again(study("a"), now)
     assert chosen.seeds["first", "a"] == ("p", "a")
     assert chosen.notes == ["the problem p is called first now, and keeps its 3 trials"]
 
 
 def test_two_entries_that_differ_in_their_labels_alone_are_two_cells():
-    alike = FOUND._replace(code={"a": {}, "b": {}})
-    cells = study("a", "b").cells(alike)
+    alike = {"a": "", "b": ""}
+    cells = study("a", "b").cells(DIMENSIONS)
     assert len(set(cells.values())) == 4
     assert again(study("a"), study("a", "b"), alike).seeds["p", "b"] == ("p", "b")
 
 
 def test_a_label_that_comes_back_gets_its_cells_back():
-    alike = FOUND._replace(code={"a": {}, "b": {}})
+    alike = {"a": "", "b": ""}
     cells, trials = held(study("a"), alike)
-    renamed = Cells(cells.all, {1: ("p", "b"), 2: ("q", "b")}, "id")
-    chosen = select(study("a", "b").cells(alike), 3, renamed, trials)
+    renamed = Cells(cells.all, {1: ("p", "b"), 2: ("q", "b")}, "id", cells.made)
+    chosen = select(study("a", "b").cells(DIMENSIONS), 3, renamed, trials, Now(alike))
     assert chosen.seeds["p", "a"] == ("p", "a")
     assert chosen.seeds["p", "b"] == ("p", "b")
 
 
 def test_a_label_that_may_mean_two_others_is_refused():
-    alike = FOUND._replace(code={label: {} for label in "abc"})
+    alike = dict.fromkeys("abc", "")
     with pytest.raises(
         BenchError, match="the optimizer 'c' is new to the folder, and may be 'a', 'b', which the study no"
     ):
@@ -115,7 +145,22 @@ def test_other_evaluations_and_seeds_are_named_together():
 
 def test_cells_that_are_others_now_are_named_whatever_their_labels():
     cells, _ = held(study("a"))
-    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id")
-    same = FOUND._replace(code={"c": FOUND.code["a"]})
-    assert changed(study("c").cells(same), renamed) == []
-    assert changed(study("c").cells(FOUND), renamed) == ["c changed (f.py)"]
+    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id", cells.made)
+    assert changed(study("c").cells({}), renamed, Now({"c": CODE["a"]})) == []
+    assert changed(study("c").cells({}), renamed, Now({"c": "new"})) == ["c changed (f.py)"]
+    cells = Cells(cells.all, {1: ("p", "a"), 2: ("q", "a")}, "id", cells.made)
+    assert changed(study(Entry("x", "a", {"F": 2})).cells({}), cells, Now(CODE)) == [
+        "a changed (F = 2, not the default)"
+    ]
+
+
+def test_trials_join_the_version_that_was_made_from_no_other_state():
+    cells, _ = held(study("a"))
+    cell = cells.all[1]
+    assert cells.fitting(cell.bare, [{}, {"file:lazy.py": ("l", [])}], cell) == cell  # read late by one of them
+    other = cells.fitting(cell.bare, [{}, {"file:f.py": ("edited", [])}], cell)
+    assert other == cell._replace(optimizer=with_inputs(cell.optimizer, 2))
+    cells.all[9] = other
+    cells.add(other, [{}, {"file:f.py": ("edited", [])}])
+    assert cells.fitting(cell.bare, [{}, {"file:f.py": ("edited", [])}], cell) == other
+    assert cells.fitting(cell.bare, [{}, {"file:f.py": ("a", [])}], other) == cell

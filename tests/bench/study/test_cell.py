@@ -5,15 +5,14 @@ from dataclasses import replace
 import pytest
 
 from bench import Study
-from bench.study import Entry, Fingerprints
-from bench.study.cell import Cell, alike, differences, read, record, relabelled
+from bench.study import Entry
+from bench.study.cell import Cell, alike, differences, read, record, relabelled, with_inputs
 
 STUDY = Study("s", (Entry("p", "p"),), (Entry("o", "o", {"F": 0.5}),), budget="10 * d", seed=3)
-FOUND = Fingerprints({"p": "d0"}, {"o": {"o.py": "c0"}}, {"p": 4})
 
 
-def cell(study=STUDY, found=FOUND):
-    (one,) = study.cells(found).values()
+def cell(study=STUDY, dimension=4):
+    (one,) = study.cells({"p": dimension}).values()
     return one
 
 
@@ -35,9 +34,11 @@ def test_what_decides_a_trial_makes_another_cell(changes):
     assert cell(replace(STUDY, **changes)) != cell()
 
 
-@pytest.mark.parametrize("changes", [{"data": {"p": "d1"}}, {"code": {"o": {"o.py": "c1"}}}, {"dimensions": {"p": 5}}])
-def test_code_and_data_make_another_cell(changes):
-    assert cell(found=FOUND._replace(**changes)) != cell()
+def test_other_dimensions_and_inputs_make_another_cell():
+    assert cell(dimension=5) != cell()
+    other = cell()._replace(optimizer=with_inputs(cell().optimizer, 2))
+    assert other != cell() == other.bare
+    assert alike(other.optimizer, cell().optimizer)
 
 
 @pytest.mark.parametrize(
@@ -56,7 +57,8 @@ def test_what_decides_no_trial_makes_none(changes):
 
 
 def test_results_of_which_no_dimension_is_known_have_no_evaluations():
-    assert cell(found=FOUND._replace(dimensions={})).evaluations == 0
+    (one,) = STUDY.cells({}).values()
+    assert one.evaluations == 0
 
 
 def test_a_label_alone_makes_no_difference_to_what_is_alike():
@@ -66,11 +68,11 @@ def test_a_label_alone_makes_no_difference_to_what_is_alike():
     assert relabelled(one, "o") == one
 
 
-def test_differences_name_files_and_options():
-    old = record(label="o", name="m.py:O", options={"F": 1}, code={"m.py": "a", "h.py": "b", "numpy": "1"})
-    new = record(label="o", name="m.py:P", options={"G": 2}, code={"m.py": "a", "h.py": "c"})
+def test_differences_name_options():
+    old = record(label="o", name="m.py:O", options={"F": 1})
+    new = record(label="o", name="m.py:P", options={"G": 2}, inputs=2)
     assert [*differences(old, new)] == [
-        "h.py, numpy", "it is 'm.py:P', not 'm.py:O'", "F = the default, not 1", "G = 2, not the default",
+        "it is 'm.py:P', not 'm.py:O'", "F = the default, not 1", "G = 2, not the default",
     ]  # fmt: skip
 
 

@@ -146,8 +146,7 @@ def instances_and_constraints(make, folder):
     row_of = ends_at({"gwo": 0.0, "random-search": 1.0})
     none = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
     lost = ("engineering-spring", "random-search", 0)
-    known = {entry.label: study.problem(entry.label).fingerprint() for entry in study.problems}
-    store(folder, study, lambda each: row_of(each) | (none if each.key == lost else {}), fingerprints=known)
+    store(folder, study, lambda each: row_of(each) | (none if each.key == lost else {}))
     return Findings(Results(folder))
 
 

@@ -33,7 +33,7 @@ def text_of(page):
 def problem(**changes):
     usual = {"optimum": 0.0, "expected": {}, "variables": ("a", "b"), "lower": np.zeros(2), "upper": np.ones(2)}
     usual |= {"features": {}, "integer": None, "noisy": False, "dimension": 2}
-    return SimpleNamespace(**usual | changes, fingerprint=lambda: "")
+    return SimpleNamespace(**usual | changes)
 
 
 @pytest.mark.parametrize(

@@ -10,31 +10,28 @@ from bench.objective import Trace
 from bench.storage.folder import Folder
 from bench.study import Entry
 from bench.topics.comparison import feasibility
-from bench.topics.comparison import section as comparison
 from bench.topics.findings import Findings
 from tests.bench.reports import finished, store
 
 NONE = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
 
 
-def written(path, noted=True):
+def written(path):
     """Write a study on a problem with constraints and one without, where trial 0 of scatter found no feasible point."""
     problems, optimizers = (
         tuple(Entry(each, each) for each in labels) for labels in (("ring-2", "sphere-2"), ("scatter", "early"))
     )
     study = Study("made", problems, optimizers, trials=4, budget=100)
-    rng, known = np.random.default_rng(0), {"ring-2": study.problem("ring-2").fingerprint()} if noted else {}
+    rng = np.random.default_rng(0)
 
     def row_of(trial):
         return finished(10.0, rng) | (NONE if trial.key == ("ring-2", "scatter", 0) else {})
 
-    return Findings(Results(store(path, study, row_of, fingerprints=known)))
+    return Findings(Results(store(path, study, row_of)))
 
 
 def test_without_handled_constraints_there_is_none(testing_plugins, make, tmp_path):
     assert feasibility.sections(Findings(Results(make(tmp_path / "s")))) == ()
-    old = written(tmp_path / "old", noted=False)  # begun before constraints were handled: nothing can be said
-    assert comparison.section(old).sections == ()
 
 
 def test_two_handlings_are_not_compared(testing_plugins, tmp_path):

@@ -7,7 +7,8 @@ from bench import Results, Study
 from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.storage.selection import Selection
-from bench.study import Entry, Fingerprints
+from bench.study import Entry
+from bench.study.cell import with_inputs
 from bench.topics.findings import Findings
 from bench.topics.subject.against import against, first_screen
 from tests.bench.reports import finished
@@ -21,7 +22,10 @@ def folder(tmp_path_factory):
     entries = (tuple(Entry("any", label) for label in labels) for labels in ("pq", ("rival", "mine")))
     study = Study("made", *entries, trials=8, budget=100, subject="mine")
     for number, value in ((1, 6.0), (2, 4.0)):
-        cells = study.cells(Fingerprints({}, {"mine": {"f.py": f"{number}"}}, {}))
+        cells = {
+            labels: cell._replace(optimizer=with_inputs(cell.optimizer, number)) if labels[1] == "mine" else cell
+            for labels, cell in study.cells({}).items()
+        }
         place.claim(study, Selection(cells))
         with place.store.writer() as writer:
             run = writer.environment({"subject": "mine", "started": f"2026-01-0{number}"})

@@ -62,12 +62,12 @@ def test_without_backlash_there_is_the_reference_speed_and_noise_alone():
     assert dict(problem.expected) == {"amplitude_rpm": (0.0, problem.expected["amplitude_rpm"][1])}
 
 
-def test_a_problem_has_the_truth_of_its_dataset_and_a_fingerprint_of_its_draw():
+def test_a_problem_has_the_truth_of_its_dataset_and_the_noise_of_its_draw():
     problem = load_problem("noisy-05", unit="rpm", noise="high", draw=4)
     clean = load_problem("signature-05", unit="rpm")
     assert problem.expected == clean.expected
     assert problem.unit == "rpm"
-    assert len({p.fingerprint() for p in (problem, clean, load_problem("noisy-05", unit="rpm", noise="high"))}) == 3
+    assert len({p.signal.tobytes() for p in (problem, clean, load_problem("noisy-05", unit="rpm", noise="high"))}) == 3
 
 
 def test_the_problems_are_21():

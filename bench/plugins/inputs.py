@@ -1,0 +1,243 @@
+"""Name what trials were made from, and compare it with what is there now, as a build tool does."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import Distribution, PackageNotFoundError, distribution, packages_distributions
+from pathlib import Path
+from typing import Any
+
+from bench.helpers.text import short_hash
+from bench.plugins import objects, registry
+from bench.plugins.observing import Observed, Signature, hash_of, listing, signature, variable
+
+Inputs = dict[str, tuple[str, Signature]]
+"""The state of each input, with the signature of a file, by kind and name, such as ``"file:mine.py"``.
+
+A file within the working folder is named from there on. The state of a Python file is a hash of its syntax, without
+comments and docstrings; of another file, of its content; of a package, its version and a hash of its list of files.
+"""
+
+
+def named(observed: Observed) -> Inputs:
+    """Return what a process read as inputs."""
+    found: Inputs = {}
+    for place, (content, settled, now) in observed.get("files", {}).items():
+        found[f"file:{_name(place)}"] = _state(place, content), now if settled else []
+    counted = {*observed.get("libraries", {})} | set(_counted(observed.get("packages", {})))
+    for name in sorted(counted):
+        found[f"package:{name}"] = _installed(name), []
+    for kind in ("folder", "variable", "object"):
+        for name, state in observed.get(f"{kind}s", {}).items():
+            found[f"{kind}:{_name(name) if kind == 'folder' else name}"] = state, []
+    return found
+
+
+def conflicts(recorded: Inputs, other: Inputs) -> list[str]:
+    """Return the names of inputs that both have, in other states; what one alone has read is no conflict."""
+    return [name for name, (state, _) in other.items() if name in recorded and recorded[name][0] != state]
+
+
+@dataclass
+class Present:
+    """What trials would be made from now, looked up once.
+
+    Attributes:
+        modules: the files of the modules that plug-ins load now, by the label of a problem or an optimizer and name.
+        folder: that which names of files begin at; "" for the working folder.
+        strict: whether what is missing counts as changed, as for a run; results may be read on another machine.
+    """
+
+    modules: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    folder: str = ""
+    strict: bool = True
+    _states: dict[tuple[str, str], str | None] = field(default_factory=dict)
+
+    def changed(self, recorded: Inputs, label: str = "") -> list[str]:
+        """Return the names of inputs that are others now."""
+        found = []
+        for name, (state, known) in recorded.items():
+            if (name, state) not in self._states:
+                self._states[name, state] = _now(name, state, known, self.folder)
+            now = self._states[name, state]
+            if now not in (None, state) and (now or self.strict):
+                found.append(name)
+        return [*found, *hidden(recorded, self.modules.get(label, {}))]
+
+
+def hidden(recorded: Inputs, modules: Mapping[str, str]) -> list[str]:
+    """Return the names of recorded modules that Python finds elsewhere now, as where another file comes first.
+
+    ``modules`` has the files of the modules that are loaded now.
+    """
+    files = {os.path.abspath(name[5:]) for name in recorded if name.startswith("file:")}
+    found = []
+    for dotted, file in modules.items():
+        inside = dotted.replace(".", os.sep)
+        for other in files if file not in files else ():
+            ends = (f"{os.sep}{inside}.py", f"{os.sep}{inside}{os.sep}__init__.py")
+            is_top = not os.path.exists(os.path.join(os.path.dirname(other), "__init__.py")) or other.endswith(ends[1])
+            if other.endswith(ends) and ("." in dotted or is_top):
+                found.append(f"file:{_name(file)}")
+    return found
+
+
+def is_data(name: str) -> bool:
+    """Return whether an input is a file that holds no code in Python."""
+    return name.startswith(("file:", "object:")) and not name.endswith(".py")
+
+
+def shown(name: str) -> str:
+    """Return an input's name for people."""
+    kind, _, name = name.partition(":")
+    if kind == "folder":
+        return f"the files in {name or '.'}"
+    return f"the variable {name}" if kind == "variable" else "its own code or data" if kind == "object" else name
+
+
+def large(recorded: Iterable[Inputs]) -> dict[str, tuple[str, Signature]]:
+    """Return the hashes of files that are no Python, by path, with the signatures by which a process knows them."""
+    files = {name: known for inputs in recorded for name, known in inputs.items() if name.startswith("file:")}
+    return {os.path.abspath(name[5:]): known for name, known in files.items() if known[1] and not name.endswith(".py")}
+
+
+def _name(place: str) -> str:
+    here = f"{os.getcwd()}{os.sep}"
+    return Path(place.removeprefix(here)).as_posix()
+
+
+def _now(name: str, state: str, known: Signature, folder: str) -> str | None:
+    """Return the state of an input as it is now, None where that cannot be known here."""
+    kind, _, name = name.partition(":")
+    if kind == "package":
+        return _installed(name)
+    if kind == "variable":
+        return variable(os.environ.get(name))
+    if kind == "object":
+        held = objects.held.get(name)
+        return held.digest if held else None
+    place = os.path.join(folder, name)
+    if kind == "folder":
+        return listing(place)
+    try:
+        now, _ = signature(place)
+    except OSError:
+        return ""
+    return state if known and now == known else _state(place, hash_of(place))
+
+
+# files
+
+
+def _state(place: str, content: str) -> str:
+    """Return the state of a file that held what has this hash."""
+    if not place.endswith(".py") or not content:
+        return content
+    if content not in _syntax and (now := hash_of(place)):
+        with suppress(OSError):
+            _syntax[now] = syntax(Path(place).read_bytes())
+    return _syntax.get(content, f"{content} as bytes")  # what was read is no longer there
+
+
+_syntax: dict[str, str] = {}  # hashes of the syntax by those of the content
+
+
+def syntax(content: bytes) -> str:
+    """Return the hash of a Python file's syntax, without comments and docstrings; of its bytes where it has none.
+
+    Unlike that of :func:`ast.dump` it is the same in each version of Python.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # as of an escape that is none
+            left: list[Any] = [ast.parse(content)]
+    except (SyntaxError, ValueError, RecursionError, MemoryError):  # ValueError: a NUL byte; then too deep nesting
+        return short_hash(content)
+    pieces = []
+    while left:
+        item = left.pop()
+        if isinstance(item, ast.AST):
+            fields = [pair for pair in ast.iter_fields(item) if pair[1] not in (None, []) and pair[0] not in _NO_SYNTAX]
+            pieces.append(f"{type(item).__name__} {' '.join(name for name, _ in fields)}")
+            left.extend(value for _, value in fields)
+        elif isinstance(item, list):
+            left.extend(kept := [each for each in item if not _is_text(each)])
+            pieces.append(str(len(kept)))
+        else:
+            pieces.append(f"{type(item).__name__} {item!a}")
+    return short_hash("\n".join(pieces))
+
+
+_NO_SYNTAX = {"ctx", "kind", "type_comment"}  # ctx follows from the place
+
+
+def _is_text(item: object) -> bool:
+    value = item.value if isinstance(item, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)
+
+
+# packages
+
+
+def _counted(packages: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the distributions that count: not those that this package requires, nor what these brought in."""
+    known: dict[str, str] = {}
+
+    def of(top: str) -> str:
+        """Return the distribution of a module that counts, "" for others."""
+        if top not in known:
+            known[top] = ""  # also where packages read each other
+            _, reader = packages.get(top, ("", ""))
+            name = _distribution(top)
+            if name and _normal(name) not in _environment() and (not reader or reader == top or of(reader)):
+                known[top] = name
+        return known[top]
+
+    yield from filter(None, map(of, packages))
+
+
+def _distribution(top: str) -> str:
+    """Return the name of the distribution that has a module, "" for none."""
+    with suppress(PackageNotFoundError, ValueError):
+        found = distribution(top)
+        if any(os.path.exists(str(found.locate_file(f"{top}{end}"))) for end in ("", ".py")):
+            return str(found.name)
+    return min(_distributions().get(top, []), default="")
+
+
+_distributions = cache(packages_distributions)
+
+
+@cache
+def _environment() -> set[str]:
+    """Return the names of the distributions that this package requires, directly or through others, without extras."""
+    found: set[str] = set()
+    left = [registry.DISTRIBUTION]
+    while left:
+        with suppress(PackageNotFoundError):
+            for text in distribution(left.pop()).requires or ():
+                name = re.match(r"[\w.-]+", text)
+                if name and "extra" not in text.partition(";")[2] and _normal(name[0]) not in found:
+                    found.add(_normal(name[0]))
+                    left.append(name[0])
+    return found
+
+
+def _normal(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _installed(name: str) -> str:
+    """Return the version of a distribution, with a hash of its list of files and their hashes; "" for none."""
+    try:
+        found: Distribution = distribution(name)
+    except (PackageNotFoundError, ValueError):
+        return ""
+    return f"{found.version} {short_hash(found.read_text('RECORD') or '')}"

@@ -1,0 +1,193 @@
+"""Take an object of a session to other processes by cloudpickle, and compare it by its whole pickled content.
+
+A function or a class that another process can import travels by its name, and all else by its value: what stands in a
+notebook, in ``__main__`` or within a function, with the global names and enclosing variables that its code reads.
+"""
+
+from __future__ import annotations
+
+import copyreg
+import dataclasses
+import inspect
+import io
+import marshal
+import pickle
+import sys
+from contextlib import suppress
+from functools import cache
+from itertools import accumulate
+from types import CodeType, FunctionType, ModuleType
+from typing import Any, NamedTuple, get_type_hints
+
+import cloudpickle
+from cloudpickle import cloudpickle as internals
+
+from bench.errors import BenchError
+from bench.helpers.text import short_hash
+
+
+def _name_of(marker: object) -> str:
+    return next(name for name in _MARKERS if getattr(dataclasses, name) is marker)
+
+
+_MARKERS = "MISSING", "_HAS_DEFAULT_FACTORY"  # which dataclasses know by what they are: a copy would be another one
+for _marker in _MARKERS:
+    copyreg.pickle(type(getattr(dataclasses, _marker)), _name_of)
+
+_PLAIN = (bool, int, float, str, type(None))
+
+
+class PackedObject(NamedTuple):
+    """An object as it travels.
+
+    Attributes:
+        content: what :func:`unpack` takes.
+        digest: a hash of it without file names, lines and the numbers that cloudpickle gives to classes.
+    """
+
+    content: bytes
+    digest: str
+
+
+def pack(thing: object) -> PackedObject:
+    """Return an object as it travels; raises BenchError where it cannot."""
+    try:
+        found = _Pickler.of(thing)
+        annotated = [(kind, _annotations(kind)) for kind in found.classes]
+        content = _Pickler.of((thing, annotated, found.settings())).content
+        compared = _Comparing.of(thing).content
+    except Exception as error:  # as of a lock or an open file
+        raise BenchError(
+            f"{getattr(thing, '__name__', type(thing).__name__)!r} cannot be sent to other processes "
+            f"({type(error).__name__}: {error}); have it make what it holds where it runs"
+        ) from error
+    for number in getattr(internals, "_DYNAMIC_CLASS_TRACKER_BY_CLASS", {}).values():  # drawn anew in each session
+        compared = compared.replace(str(number).encode(), b"")
+    return PackedObject(content, short_hash(compared))
+
+
+def unpack(content: bytes) -> Any:
+    """Return a copy of the object that :func:`pack` packed; raises what pickle raises.
+
+    Raises:
+        BenchError: where a module that it imports was changed in the session that packed it.
+    """
+    thing, annotations, settings = pickle.loads(content)
+    for kind, types in annotations:
+        # annotations in the form of strings are looked up in the class's module, which this process does not have
+        kind.__annotations__ = types
+    for name, values in settings.items():
+        there = vars(sys.modules[name]) if name in sys.modules else values
+        for key, value in values.items():
+            if key in there and type(there[key]) in _PLAIN and repr(there[key]) != repr(value):
+                raise BenchError(
+                    f"{name}.{key} is {value!r} in this session, but {there[key]!r} in its file, which trials import: "
+                    "make it a parameter, or write it into the file"
+                )
+    return thing
+
+
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
+    """Pickles by value what no other process finds by its name.
+
+    Attributes:
+        content: what was pickled.
+        classes: those that travel by value.
+        modules: those that are imported by name, and belong to no installed package.
+    """
+
+    def __init__(self, file: io.BytesIO) -> None:
+        super().__init__(file, protocol=pickle.HIGHEST_PROTOCOL)
+        self.content, self.classes, self.modules = b"", dict[type, None](), dict[str, None]()
+
+    @classmethod
+    def of(cls, thing: object) -> _Pickler:
+        file, strange = io.BytesIO(), list[ModuleType]()
+        pickler = cls(file)
+        pickler.strange = strange
+        try:
+            pickler.dump(thing)
+        finally:
+            for module in strange:
+                cloudpickle.unregister_pickle_by_value(module)
+        pickler.content = file.getvalue()
+        return pickler
+
+    strange: list[ModuleType]
+
+    def reducer_override(self, obj: Any) -> Any:
+        """Have a class or a function of a module that is known here alone travel by value."""
+        if isinstance(obj, type | FunctionType) and isinstance(name := getattr(obj, "__module__", None), str):
+            module = sys.modules.get(name)
+            if "<" not in obj.__qualname__ and _is_found(name):
+                self.modules.setdefault(name)
+            else:
+                if isinstance(obj, type):
+                    self.classes.setdefault(obj)
+                if module is not None and name != "__main__" and module not in self.strange and not _is_found(name):
+                    cloudpickle.register_pickle_by_value(module)
+                    self.strange.append(module)
+        elif isinstance(obj, ModuleType) and _is_found(obj.__name__):
+            self.modules.setdefault(obj.__name__)
+        return super().reducer_override(obj)
+
+    def settings(self) -> dict[str, dict[str, Any]]:
+        """Return the plain public values of the modules that trials import anew, by their names."""
+        own = {name: vars(sys.modules[name]) for name in self.modules if not _is_installed(name)}
+        return {
+            name: {key: value for key, value in values.items() if type(value) in _PLAIN and not key.startswith("_")}
+            for name, values in own.items()
+        }
+
+
+class _Comparing(_Pickler):
+    """Pickles code without the name and the lines of its file, which differ from session to session."""
+
+    def reducer_override(self, obj: Any) -> Any:
+        if isinstance(obj, CodeType):
+            return marshal.loads, (marshal.dumps(_bare(obj), 2),)
+        if isinstance(inner := getattr(obj, "py_func", None), FunctionType):  # numba's, which has a number of its own
+            return tuple, ((type(obj).__qualname__, inner),)
+        return super().reducer_override(obj)
+
+
+def _bare(code: CodeType) -> CodeType:
+    inner = tuple(_bare(each) if isinstance(each, CodeType) else _ordered(each) for each in code.co_consts)
+    return code.replace(co_filename="", co_firstlineno=1, co_linetable=b"", co_consts=inner)
+
+
+def _ordered(constant: Any) -> Any:
+    return tuple(sorted(constant, key=repr)) if isinstance(constant, frozenset) else constant
+
+
+def _annotations(kind: type) -> dict[str, Any]:
+    """Return the class's own annotations as types; unchanged where one of them cannot be evaluated."""
+    annotations = inspect.get_annotations(kind)
+    try:
+        hints = get_type_hints(kind)
+    except Exception:  # whoever checks the parameters reports it
+        return annotations
+    return {name: hints[name] for name in annotations if "ClassVar" not in str(annotations[name])}
+
+
+def _is_installed(name: str) -> bool:
+    file = str(getattr(sys.modules.get(name), "__file__", None) or "")
+    top = name.partition(".")[0]
+    return top in {"bench", *sys.stdlib_module_names} or not file or "site-packages" in file or "dist-packages" in file
+
+
+@cache
+def _is_found(module_name: str) -> bool:
+    """Return whether a new process finds a module where this one did; ``__main__`` is another there."""
+    module = sys.modules.get(module_name)
+    if module is None or module_name == "__main__":
+        return False
+    spec, path = None, None
+    for name in accumulate(module_name.split("."), "{}.{}".format):
+        finders = (finder.find_spec for finder in sys.meta_path if hasattr(finder, "find_spec"))
+        with suppress(ImportError, ValueError):
+            spec = next(filter(None, (find(name, path) for find in finders)), None)
+        if spec is None:
+            return False
+        path = spec.submodule_search_locations
+    return spec is not None and spec.origin in ("built-in", "frozen", getattr(module, "__file__", None))
