@@ -122,7 +122,7 @@ def run(
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
             kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
-        folder.require_sound()
+        folder.note_store(folder.require_sound())
         study, selection = folder.select(study, checked.dimensions, checked.present)
         asked = [record.get("trials") for record in folder.environments()]
         before = max((number for number in asked if isinstance(number, int)), default=0)

@@ -224,14 +224,14 @@ class Folder:
         self.note_store(check)
         return check
 
-    def require_sound(self) -> None:
-        """Raise BenchError where any row of the store is not as it was written: no run adds to it then."""
+    def require_sound(self) -> StoreCheck:
+        """Check the store; raise BenchError where any row is not as it was written: no run adds to it then."""
         if not (found := self.store.check(structure=True)).sound:
             raise BenchError(
                 f"{self.path}: {found.sentence}; restore {self.store.path.name} from a copy, or run the study into "
                 f"another folder with --reuse {self.path}, which takes the trials that are as they were written"
             )
-        self.note_store(found)
+        return found
 
     def note_store(self, check: StoreCheck) -> None:
         """Note the outcome of a check, unless there is nothing to check or the folder cannot be written."""
