@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib import import_module
 from math import inf
+from pathlib import Path
 from typing import Any
 
 Kinds = type[BaseException] | tuple[type[BaseException], ...]
@@ -67,6 +68,10 @@ def reason(error: BaseException) -> str:
     """Return why an exception was raised: the system's words, a BenchError's own, or its type and message."""
     if isinstance(error, BenchError):
         return str(error)
+    if isinstance(error, FileExistsError) and isinstance(error.filename, (str, Path)):
+        place = Path(error.filename)
+        if place.is_symlink() and not place.exists():
+            return f"{place} is a link to {place.readlink()}, which is not there"
     return error.strerror if isinstance(error, OSError) and error.strerror else typed(error)
 
 

@@ -198,7 +198,7 @@ class FunctionProblem(Problem):
     def _computed(self, function: Callable[..., ArrayLike], x: Floats, *arguments: object) -> Floats:
         if not self._takes_many(x):
             return np.array([_number(function(row, *arguments)) for row in x], dtype=np.float64)
-        values = np.asarray(function(x, *arguments), dtype=np.float64)
+        values = np.asarray(_unmasked(function(x, *arguments)), dtype=np.float64)
         return values.reshape(len(x)) if values.shape == (len(x), 1) else values
 
     def find_out(self) -> None:
@@ -240,10 +240,17 @@ def _takes(function: Callable[..., ArrayLike], points: Floats) -> bool:
 
 def _number(value: ArrayLike) -> float:
     """Return the value of one point, which may be in an array of its own; raises TypeError for no single number."""
-    array = np.asarray(value)
+    array = np.asarray(_unmasked(value))
     if array.size != 1 or array.dtype == object:
         raise TypeError(f"a function must return one number for a point, not {value!r:.100}")
     return float(array.item())
+
+
+def _unmasked(values: ArrayLike) -> ArrayLike:
+    """Return what is no masked array; raises TypeError for one, as numpy would take the numbers under the mask."""
+    if isinstance(values, np.ma.MaskedArray):
+        raise TypeError("a function must return plain numbers; fill the masked ones with inf or another value")
+    return values
 
 
 def own_box(name: str, lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:

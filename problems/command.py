@@ -75,12 +75,16 @@ class Program(FunctionProblem):
 class Conversation(Program):
     """A program that runs for as long as a trial does, and answers each point by a line of JSON."""
 
+    _unasked = ""  # what the program wrote in this trial without being asked
     _talk: tuple[int, Talk] | None = None  # with the process that started it: a copy starts its own
 
     def value(self, row: Floats) -> float:
         """Return the answer of the program."""
         try:
             talk = self._started()
+            if before := talk.unread():  # an answer before may have been meant for another point
+                self._unasked = f"wrote {short(before)} unasked"
+                raise talk.error(self._unasked)
             talk.say(x=self.coordinates(row))
             answer = talk.hear()
             match answer:
@@ -91,7 +95,7 @@ class Conversation(Program):
                 case _:
                     raise talk.error(f"wrote {short(answer)}")
         except BenchError:
-            self.close()  # another one is started for the next point
+            self._ended()  # another one is started for the next point
             raise
 
     def open(self) -> None:
@@ -99,10 +103,18 @@ class Conversation(Program):
         self._started()
 
     def close(self) -> None:
-        """End the program."""
+        """End the program, if one runs; raises BenchError where it wrote more lines than it was asked for."""
+        left, before = self._ended(), self._unasked
+        self._unasked = ""
+        if left or before:
+            raise BenchError(
+                f"the program {self._command.title} {before or f'wrote {short(left)} after its last answer'}"
+            )
+
+    def _ended(self) -> str:
+        """End the program, if one runs; return what it wrote and nobody read."""
         talk, self._talk = self._talk, None
-        if talk is not None and talk[0] == os.getpid():
-            talk[1].close()
+        return talk[1].close() if talk is not None and talk[0] == os.getpid() else ""
 
     def _started(self) -> Talk:
         if self._talk is None or self._talk[0] != os.getpid():
@@ -136,7 +148,7 @@ class OncePerPoint(Program):
             how = f"with code {done.returncode}" if done.returncode > 0 else f"by signal {-done.returncode}"
             raise BenchError(f"the program {title} ended {how}{complaint}")
         try:
-            return float(_last(done.stdout))
+            return float(_last(done.stdout).replace("_", "?"))  # Python alone takes 1_000 for a number
         except ValueError:
             printed = short(_last(done.stdout))
             what = f"printed {printed} last" if printed else "printed nothing"

@@ -78,12 +78,14 @@ def command(
 
 def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> Row:
     """Return the row of a run in this process, and whether the problem is ``noisy``."""
-    from bench.execution.solve import solve
+    from bench.execution.solve import solve, warm
 
     loaded = loading.load_problem(problem[0], **problem[1])
     chosen = loading.load_optimizer(optimizer[0], **optimizer[1])
     spent = budget.evaluations(loaded.dimension)
     chosen.check_budget(spent, optimizer[0])
+    if not loading.brings_code(optimizer[0]):
+        warm(loaded, chosen, spent)
     try:
         found = solve(loaded, chosen, budget=spent, **settings)
         return as_row(found, tuple(map(said, loaded.variables))) | {"noisy": loaded.noisy}

@@ -16,10 +16,11 @@ code that nobody trusts are in a sandbox, each with namespaces of its own.
 from __future__ import annotations
 
 import socket
+import sys
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator
 from contextlib import nullcontext, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
@@ -224,8 +225,9 @@ class Job:
         """Return the server of processes that have loaded a problem, and the others of its family where they can."""
         task = self._task
         if problem not in self._problems:
-            for trusted in (self._root, self._alone):
-                trusted.ensure(trial_process.begin, *task.beginning, **self._loading)
+            self._root.ensure(trial_process.begin, *task.beginning, **self._loading)
+            if self._alone is not self._root:
+                self._alone.ensure(trial_process.begin, *without_problems(task), **self._loading)
             server = self._root.branch()
             self._load_problem(problem, server)
             for label, family in self._families.items():
@@ -280,36 +282,81 @@ class _Ready:
             self.process.close()
 
 
+def without_problems(task: Task) -> tuple[Any, ...]:
+    """Return the arguments of :func:`bench.execution.trial_process.begin` with nothing of the study's problems."""
+    held = objects.among([entry.name for entry in task.study.optimizers], [])
+    return replace(task.study, problems=()), held, task.output, {}
+
+
 def root(task: Task, *, without_problems: bool = False) -> ForkServer:
     """Return the server of a task's processes; of code that nobody trusts, in a sandbox, where BenchError is raised.
 
-    Processes ``without_problems`` find no installed problem in the sandbox.
+    Processes ``without_problems`` find no problem in the sandbox, and nothing beside the code that they need.
     """
-    names = [entry.name for entry in (*task.study.optimizers, *task.study.problems)]
-    found = sandbox(names, without_problems=without_problems) if task.untrusted else None
+    if not task.untrusted:
+        return ForkServer(task.hash_seed)
+    optimizers, problems = ([entry.name for entry in every] for every in (task.study.optimizers, task.study.problems))
+    if not without_problems:
+        return ForkServer(task.hash_seed, sandbox=sandbox([*optimizers, *problems]))
+    hidden = [*apart.problem_files(), *_named(problems), *(Path(each) for each in (task.output,) if each)]
+    found = bubblewrap.find(shown=_files(optimizers), only=_code(), hidden=hidden, kernels=_kernels({"bench"}))
     return ForkServer(task.hash_seed, sandbox=found)
 
 
-def sandbox(names: Iterable[str], *, without_problems: bool = False) -> bubblewrap.Sandbox:
+def sandbox(names: Iterable[str]) -> bubblewrap.Sandbox:
     """Return the sandbox for plug-ins of these names; raises BenchError where there is none."""
-    hidden = apart.problem_files() if without_problems else ()
-    return bubblewrap.find(shown=_files(names), hidden=hidden, kernels=_kernels())
+    return bubblewrap.find(shown=_files(names), kernels=_kernels({"bench", *_tops("problems")}))
 
 
-def _kernels() -> Iterator[Path]:
-    """Yield the files of numba's caches beside the code of this package and of the installed problems."""
-    modules = {entry.module.partition(".")[0] for entry in registry.entries("problems").values()}
-    for module in {"bench", *modules}:
+def _code() -> set[Path]:
+    """Return the folders that Python, its packages, this one and the optimizers are imported from.
+
+    A folder beside those of installed packages, such as a checkout, is left out where it holds the code of problems.
+    """
+    problems = [*apart.problem_files()]
+    folders = [Path(sys.prefix), Path(sys.base_prefix), Path(sys.executable).resolve().parents[1]]
+    for folder in (Path(folder) for folder in sys.path if folder):
+        if folder.name.endswith("-packages") or not any(folder.resolve() in file.parents for file in problems):
+            folders.append(folder)
+    modules = {
+        "bench",
+        *_tops("optimizers"),
+        *_tops("problems"),
+    }  # a package of problems is empty: its files are hidden
+    return {path for folder in folders for path in (folder.absolute(), folder.resolve())} | {*_packages(modules)}
+
+
+def _tops(group: str) -> set[str]:
+    """Return the outermost packages of the plug-ins that are installed in a group."""
+    return {entry.module.partition(".")[0] for entry in registry.entries(group).values()}
+
+
+def _packages(modules: Iterable[str]) -> Iterator[Path]:
+    """Yield the folders of packages, and the files of other modules."""
+    for module in modules:
         spec = find_spec(module)
-        for folder in (spec and spec.submodule_search_locations) or ():
-            yield from Path(folder).rglob("__pycache__/*.nb[ci]")
+        if spec is not None:
+            places = spec.submodule_search_locations or ([spec.origin] if spec.origin else [])
+            yield from map(Path, places)
 
 
-def _files(names: Iterable[str]) -> Iterator[Path]:
-    """Yield the files that plug-ins are named by, those of recordings included, and the modules that they import."""
+def _kernels(modules: Iterable[str]) -> Iterator[Path]:
+    """Yield the files of numba's caches beside the code of these packages."""
+    for folder in _packages(modules):
+        yield from folder.rglob("__pycache__/*.nb[ci]")
+
+
+def _named(names: Iterable[str]) -> Iterator[Path]:
+    """Yield the files that plug-ins are named by, those of recordings included."""
     for name in names:
         named = from_file.split(name)
         path = named[0] if named else Path(name.partition(":")[2])
         if path.is_file():
             yield path.absolute()
-            yield from path.absolute().parent.rglob("*.py")
+
+
+def _files(names: Iterable[str]) -> Iterator[Path]:
+    """Yield the files that plug-ins are named by, and the modules beside and below them."""
+    for path in _named(names):
+        yield path
+        yield from path.parent.rglob("*.py")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +15,9 @@ from bench.columns import Row
 from bench.execution.job import Task
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
+from bench.execution.warming import warm_optimizer, warm_problem
 from bench.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
+from bench.optimizer import Optimizer
 from bench.plugins import loading, objects
 from bench.plugins.objects import OptimizerLike
 from bench.problem import Problem
@@ -79,6 +82,8 @@ def solve(
     ]
     spent = Budget.read(budget).evaluations(loaded.dimension)
     minimized = scored(loaded, handlings.read_handling(constraints), on_error)
+    if isinstance(optimizer, str):
+        warm(minimized, chosen, spent)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         with evaluated(minimized, parallel, limits[0]) as answering:
             found = search(answering, chosen, spent, seed, end_if_stuck, limits[1])
@@ -88,6 +93,14 @@ def solve(
             warnings.warn(f"{loaded.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
             metrics = {}
     return replace(found, metrics=metrics)
+
+
+def warm(problem: Problem, optimizer: Optimizer, budget: int) -> None:
+    """Import and compile what a run needs, so that it counts in no time; the run itself reports errors."""
+    with suppress(Exception, SystemExit), threadpool_limits(limits=1):
+        warm_problem(problem, budget)
+    with suppress(Exception, SystemExit), threadpool_limits(limits=1):
+        warm_optimizer(optimizer, problem.lower, problem.upper, problem.integer, budget)
 
 
 def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed: int, **settings: Any) -> Row:

@@ -25,6 +25,7 @@ from bench.sandbox.process import (
     PrintedTooMuchError,
     RemoteError,
     TimeExceededError,
+    TooManyProcessesError,
 )
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
@@ -172,7 +173,7 @@ class Supervisor:
             except LostError:
                 lost = "its process or one that it was forked from was ended or stopped"
             except DiedError as error:
-                row = failed(_why_it_ended(error))
+                row = failed(self._cut(_why_it_ended(error)))
                 lost = f"its process ended with {error}" if error.code in KILLED else ""
             except TimeExceededError as error:
                 where = f"{job.doing}, after {error}" if job.doing else f"after {error}, the limit of a trial"
@@ -181,6 +182,8 @@ class Supervisor:
                 row = failed(f"{error} (--memory)")
             except PrintedTooMuchError:
                 row = failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
+            except TooManyProcessesError as error:
+                row = failed(str(error))
             except RefusedError as error:
                 row = failed(f"its answer is refused: {error}")
             except RemoteError as error:
@@ -193,6 +196,10 @@ class Supervisor:
             if self._killed:
                 raise KilledError
         return failed(f"{lost} twice; the machine may be short of memory")
+
+    def _cut(self, reason: str) -> str:
+        """Return the message of a failure; without traceback and output, by which a sandbox would let out files."""
+        return reason.partition("\n")[0] if self._task.untrusted else reason
 
     def _started(self) -> Job:
         with self._lock:
@@ -217,7 +224,7 @@ class Supervisor:
         after = server.before(trial.problem)
         answer = job.make(trial, server)
         if reason := answers.error(answer):
-            return failed(reason)
+            return failed(self._cut(reason))
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
         return row | {"after": after, "inputs": json.dumps(answer.get("inputs"))}
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import sys
 import traceback
 from contextlib import AbstractContextManager, closing
 from functools import cache
@@ -22,13 +21,14 @@ from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.execution import apart
 from bench.execution.answers import Box
 from bench.execution.side_by_side import evaluated, require_possible
+from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
 from bench.plugins import objects, observing
 from bench.plugins.loading import defining
 from bench.plugins.objects import Objects
 from bench.plugins.observing import Signature, reading
-from bench.problem import FunctionProblem, Problem
+from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.sandbox.side_effects import SideEffects, reset_random
@@ -97,7 +97,6 @@ def load_problem(label: str) -> dict[str, Any] | str:
 def _load_problem(label: str) -> dict[str, Any] | str:
     try:
         problem = _problem(label)
-        compiles = problem.unscored.compiles or "numba" in sys.modules
         described = {
             "variables": [str(name) for name in problem.variables],
             "lower": [float(value) for value in problem.lower],
@@ -107,14 +106,9 @@ def _load_problem(label: str) -> dict[str, Any] | str:
     except BaseException as error:  # only its own trials fail
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
-        scanner(_study.evaluations(problem.dimension), problem.dimension)
-        if isinstance(problem.unscored, FunctionProblem):
-            problem.unscored.find_out()
-        if compiles and (kind := type(problem.unscored)) not in _warm:
-            _warm.add(kind)
-            counted = scoring.objective(problem, 1, np.random.default_rng(0))
-            counted(points := counted.initial(1))
-            problem.describe(points[0])
+        kind = type(problem.unscored)
+        warm_problem(problem, _study.evaluations(problem.dimension), evaluated=kind not in _warm)
+        _warm.add(kind)
     return described
 
 
@@ -150,12 +144,8 @@ def warm_up(optimizer: str, box: Box) -> bool:
         is_warm = optimizer in _warm
         _warm.add(optimizer)
         if not is_warm:
-            chosen = _study.optimizer(optimizer)
-            problem = FunctionProblem(
-                lambda x: (x * x).sum(axis=1), box.lower, box.upper, vectorized=True, integer=box.integer
-            )
-            search(problem, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
-        scanner(budget, len(box.lower))  # the optimizer may have imported numba
+            warm_optimizer(_study.optimizer(optimizer), box.lower, box.upper, box.integer, budget)
+        scanner(budget, len(box.lower))
         if is_warm:
             return False
     _settle()

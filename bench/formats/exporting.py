@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError, nearest, reason
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
 from bench.results.results import StoredResults
@@ -39,7 +39,7 @@ def export(results: StoredResults, kind: str, folder: Path) -> list[str]:
         for path, content in files:
             _write(folder / path, content)
     except OSError as error:
-        raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
+        raise BenchError(f"the export cannot be written into {folder}: {reason(error)}") from error
     return notes
 
 

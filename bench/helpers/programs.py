@@ -86,8 +86,8 @@ class Talk(AbstractContextManager["Talk"]):
     def __exit__(self, kind: object, error: object, trace: object) -> None:
         self.close(0 if isinstance(error, Exception) else None)
 
-    def close(self, grace: float | None = None) -> None:
-        """Close its input, and end it where it does not end by itself within some seconds."""
+    def close(self, grace: float | None = None) -> str:
+        """Close its input, and end it where it does not end by itself within some seconds; return its unread words."""
         with suppress(OSError):
             self._stdin.close()
         with suppress(subprocess.TimeoutExpired):
@@ -95,8 +95,20 @@ class Talk(AbstractContextManager["Talk"]):
         self._process.kill()
         self._process.wait()
         self._reader.join(GRACE)
+        left = self.unread()
         for pipe in (self._stdout, self._stderr):
             pipe.close()
+        return left
+
+    def unread(self) -> str:
+        """Return what the program has written and nobody has read, as far as that can be seen (not on Windows)."""
+        if os.name != "posix":
+            return ""
+        os.set_blocking(self._stdout.fileno(), False)
+        try:
+            return (self._stdout.read(SHOWN) or b"").decode(errors="replace").strip()
+        finally:
+            os.set_blocking(self._stdout.fileno(), True)
 
     def say(self, **message: Any) -> None:
         """Send one line, with 1e999 for +inf; a program that does not read any more is no error here."""

@@ -18,7 +18,7 @@ from time import monotonic
 from typing import Any
 
 from bench.sandbox import tree
-from bench.sandbox.bubblewrap import Sandbox
+from bench.sandbox.bubblewrap import VARIABLES, Sandbox
 from bench.sandbox.channel import BrokenChannelError, Channel
 from bench.sandbox.messages import end_of_output
 from bench.sandbox.server import UNANSWERABLE
@@ -69,6 +69,10 @@ class PrintedTooMuchError(RuntimeError):
     """The process printed more than allowed."""
 
 
+class TooManyProcessesError(RuntimeError):
+    """The process has started more others than allowed."""
+
+
 class LostError(RuntimeError):
     """The process was ended, or the one that forks and ends it has ended, or answers no more."""
 
@@ -90,7 +94,9 @@ class RemoteError(RuntimeError):
     """The function called raised an exception, which the message describes, or gave an answer that is no JSON."""
 
 
-FAILURES = (TimeExceededError, MemoryExceededError, PrintedTooMuchError, DiedError, RemoteError)
+FAILURES = (
+    TimeExceededError, MemoryExceededError, PrintedTooMuchError, TooManyProcessesError, DiedError, RemoteError,
+)  # fmt: skip
 """Errors of a call that plug-in code can cause; a LostError may have any cause."""
 
 
@@ -114,9 +120,10 @@ class Process(AbstractContextManager["Process"]):
         owner = 0 if sandbox else os.getpid()  # a sandbox ends with its owner by itself
         settings = json.dumps([[*map(str, sys.path)], "" if share else end.fileno(), owner, forks])
         environment = {"PYTHONHASHSEED": str(hash_seed), "PYTHONIOENCODING": "utf-8"}
+        found = os.environ if sandbox is None else {name: os.environ[name] for name in VARIABLES if name in os.environ}
         with end, sandbox.opened() if sandbox else nullcontext(((), ())) as (words, files):
             process = subprocess.Popen(
-                [*words, sys.executable, "-P", "-c", _START, settings], env=os.environ | _ONE_THREAD | environment,
+                [*words, sys.executable, "-P", "-c", _START, settings], env={**found, **_ONE_THREAD, **environment},
                 stdin=subprocess.PIPE if share else subprocess.DEVNULL, stdout=self._output, stderr=self._output,
                 pass_fds=() if share else [end.fileno(), *files], start_new_session=hasattr(os, "killpg"),
                 creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
@@ -214,7 +221,8 @@ class Process(AbstractContextManager["Process"]):
             beside: processes whose calls were begun too, held to the same limit of memory.
 
         Raises:
-            TimeExceededError, MemoryExceededError, PrintedTooMuchError: when the call exceeded a limit.
+            TimeExceededError, MemoryExceededError, PrintedTooMuchError, TooManyProcessesError: when the call exceeded a
+                limit.
             DiedError: when the process ended first.
             LostError: when it was ended before, or its original has ended, or does not answer.
             RemoteError: when the function raised, or its answer is no JSON.
@@ -283,6 +291,9 @@ class Process(AbstractContextManager["Process"]):
         held = self._look()
         if held is None:  # a fork that still holds the channel hides its end
             raise self._died_error()
+        if held < 0:
+            self.close()
+            raise TooManyProcessesError(f"it started more than {tree.MANY:,} processes")
         if memory is not None and held > memory:
             self.close()
             raise MemoryExceededError(

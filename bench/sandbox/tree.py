@@ -20,8 +20,12 @@ def children() -> set[int]:
     return numbers
 
 
+MANY = 1200
+"""The processes that one may start: more are the work of a fork without end."""
+
+
 def look(pid: int) -> int | None:
-    """Return the bytes of memory that a process and its descendants hold.
+    """Return the bytes of memory that a process and its descendants hold, -1 where these are more than ``MANY``.
 
     Shared memory counts for each. None stands for a process that has ended.
     """
@@ -33,6 +37,8 @@ def look(pid: int) -> int | None:
         members = [first, *first.children(recursive=True)]
     except psutil.Error:
         return None
+    if len(members) > MANY:
+        return -1
     for member in members:
         with suppress(psutil.Error):
             held += member.memory_info().rss

@@ -15,7 +15,7 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
-from bench.errors import BenchError, explained
+from bench.errors import BenchError, explained, reason
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
@@ -258,8 +258,7 @@ class Folder:
         except Timeout as error:
             raise self._taken(self._holder()) from error
         except (OSError, NotImplementedError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            raise BenchError(f"the output folder {self.path} cannot be written: {reason}") from error
+            raise BenchError(f"the output folder {self.path} cannot be written: {reason(error)}") from error
         try:
             if (holder := self.running()) and holder["host"] == provenance.host():  # whose lock was removed
                 raise self._taken(holder)

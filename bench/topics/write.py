@@ -9,7 +9,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError, nearest, reason
 from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
 from bench.plots import style
@@ -101,7 +101,7 @@ def write_report(
             title = findings.study.title or findings.study.name
             page = draft.write(title, lead(findings), chapters(findings))
     except OSError as error:
-        raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
+        raise BenchError(f"the report cannot be written into {folder}: {reason(error)}") from error
     results.note_stores()
     return page
 

@@ -151,6 +151,22 @@ class TestConversation:
             beside.evaluate(points)
         assert "\n" not in str(raised.value)
 
+    @pytest.mark.parametrize(
+        "deed",
+        [
+            "answer(x[0]); answer(9)",
+            "answer(9); answer(x[0])",
+            "answer(x[0]); print('done', flush=True)",
+            "answer(x[0]) if x[0] < 3 else (answer(x[0]), answer(9))",
+        ],
+    )
+    def test_a_line_more_than_asked_for_fails_the_trial(self, program, deed):
+        problem = scored(program(deed), "death", "worst")
+        more = r"wrote .* (unasked|after its last answer)"
+        with pytest.raises(BenchError, match=more) as raised, evaluated(problem) as beside:
+            beside.evaluate(np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]))
+        assert "\n" not in str(raised.value)
+
     @pytest.mark.slow
     def test_the_start_of_a_program_counts_in_no_limit(self, program):
         slow = program("answer(x[0])", head=f"import time; time.sleep(1.5)\n{HEAD}")
@@ -213,6 +229,7 @@ class TestOncePerPoint:
             ("kill -9 $$", "mine.sh ended by signal 9"),
             ("echo done", "mine.sh printed done last; wanted is the value, as in 0.25"),
             ("true", "mine.sh printed nothing; wanted is the value"),
+            ("echo 1_000", "mine.sh printed 1_000 last; wanted is the value"),
             ("echo nan", "mine.sh returned NaN"),
         ],
     )

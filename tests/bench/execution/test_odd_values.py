@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench import Study, load_results, run
+from bench import FunctionProblem, Study, load_results, run
 from bench.storage.folder import Folder
 
 CODE = """
@@ -81,3 +81,15 @@ def test_minus_zero_is_stored_as_zero_and_damages_no_row(folder, frame):
 def test_masked_values_are_refused_instead_of_the_numbers_under_the_mask(frame):
     assert frame.loc["masked", "status"].eq("failed").all()
     assert frame.loc["masked", "error"].str.contains("values of problem 'masked' must be plain numbers").all()
+
+
+@pytest.mark.parametrize("value", [np.ma.masked, np.ma.array(3.0, mask=True), np.ma.array([3.0], mask=True)])
+def test_a_masked_value_of_a_function_fails(value):
+    with pytest.raises(TypeError, match="fill the masked ones"):
+        FunctionProblem(lambda x: value, [0, 0], [1, 1], vectorized=False).evaluate(np.zeros((1, 2)))
+
+
+def test_masked_values_of_a_vectorised_function_fail():
+    problem = FunctionProblem(lambda x: np.ma.array(x[:, 0], mask=True), [0, 0], [1, 1], vectorized=True)
+    with pytest.raises(TypeError, match="fill the masked ones"):
+        problem.evaluate(np.zeros((3, 2)))

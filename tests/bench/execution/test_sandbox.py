@@ -1,10 +1,12 @@
 """The sandbox: a stranger's optimizer can write nowhere, sees no other process and no network, and leaves nothing."""
 
 import os
+import re
 import shutil
 import socket
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from textwrap import dedent
 
@@ -14,7 +16,8 @@ import pytest
 from bench import BenchError, Results, Study, load_optimizer, load_results, run
 from bench.check.bias import diagnose
 from bench.check.conformance.subject import Subject
-from bench.execution.job import MEMORY, TIMEOUT, Task, sandbox
+from bench.execution import trial_process
+from bench.execution.job import MEMORY, TIMEOUT, Task, root, sandbox, without_problems
 from bench.execution.verify import verify
 from bench.sandbox import bubblewrap, namespaces
 from bench.sandbox.process import Process
@@ -80,7 +83,7 @@ ATTACKS = """
 
     @attack
     def reads():
-        refuse("def reads" not in Path({test!r}).read_text(), "another text")
+        refuse(Path({test!r}).exists(), "it finds another file of the user")
         refuse(Path({folder!r}, "alone.toml").exists(), "it finds a file in /tmp")
 
     @attack
@@ -160,7 +163,7 @@ EXPECTED = {
     "honest": None,
     "edits": "unable to open|readonly database",
     "writes": "Read-only file system|No such file",
-    "connects": "ConnectionRefusedError|Network is unreachable",
+    "connects": "PermissionError",
     "asks_a_socket": "PermissionError",
     "reads": None,
     "writes_to_a_pipe": "No such file",
@@ -234,6 +237,123 @@ def test_stored_trials_are_verified_in_the_sandbox(ran):
     found = verify(ran / "alone", trials=1, untrusted=True)
     assert found.different == {}
     assert "the problem in another process than the optimizer" in found.sentence
+
+
+FAMILIES = {"unix": 1, "inet": 2, "inet6": 10, "netlink": 16, "packet": 17, "alg": 38, "vsock": 40}
+REFUSED = {
+    "change a setting of the kernel": ("open('/proc/sys/kernel/core_pattern', 'r+')", "Read-only file system"),
+    "drop the caches of the kernel": ("open('/proc/sys/vm/drop_caches', 'w')", "Read-only file system"),
+    "pair datagrams": ("socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)", "not permitted"),
+    "pair packets": ("socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)", "not permitted"),
+    **{f"ask through {name}": (f"socket.socket({number}, 2)", "not permitted") for name, number in FAMILIES.items()},
+    "set up a ring": ("refused(system.syscall(425, 1, 0))", "not permitted"),
+    "enter a ring": ("refused(system.syscall(426, 0, 0, 0, 0, 0))", "not permitted"),
+    "register a ring": ("refused(system.syscall(427, 0, 0, 0, 0))", "not permitted"),
+    "read the variables of the first process": ("open('/proc/1/environ').read()", "denied|No such"),
+    "read passwords": ("open('/etc/shadow').read()", "No such file"),
+    "read the results": ("open(folder + '/out/trials.sqlite', 'rb')", "No such file"),
+    "read the data of a problem": ("open(folder + '/data.csv')", "No such file"),
+    "read the definition of a problem": ("open(checkout + '/problems/cec.py')", "No such file|denied"),
+    "read the history of a checkout": ("os.listdir(checkout + '/.git')", "No such file|Not a directory"),
+    "read reference results": ("os.listdir(checkout + '/results')", "No such file"),
+    "read the documentation": ("os.listdir(checkout + '/docs')", "No such file"),
+}
+NOTHING = {
+    "read a problem in a file": "open(folder + '/mine/problem.py').read()",
+    "find a secret in the environment": "os.environ.get('A_SECRET')",
+    "find the problems of the study": "[*trial_process._study.problems]",
+}
+
+
+@pytest.fixture(scope="module")
+def inside(tmp_path_factory):
+    """A function that evaluates a text in a process of an optimizer that nobody trusts."""
+    place = tmp_path_factory.mktemp("inside")
+    for name, text in {
+        "mine/problem.py": PROBLEM,
+        "mine/late.py": HONEST,
+        "data.csv": "1",
+        "out/trials.sqlite": "",
+    }.items():
+        (place / name).parent.mkdir(exist_ok=True)
+        (place / name).write_text(dedent(text))
+    study = {"name": "s", "trials": 1, "budget": 10, "problems": [{"name": f"{place}/mine/problem.py:Bowl"}],
+             "optimizers": [{"name": f"{place}/mine/late.py:late"}]}  # fmt: skip
+    task = replace(Task.of(Study.from_dict(study), untrusted=True), output=str(place / "out"))
+    head = f"""
+        import ctypes, os, socket
+        from bench.execution import trial_process
+        folder, checkout = {str(place)!r}, {str(Path(__file__).parents[3])!r}
+        system = ctypes.CDLL(None, use_errno=True)
+        def refused(result):
+            if result < 0:
+                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+        def tried(text):
+            try:
+                return str(eval(text, globals()))
+            except Exception as error:
+                return f"refused: {{error}}"
+    """
+    os.environ["A_SECRET"] = "a token"
+    with root(task, without_problems=True) as server:
+        del os.environ["A_SECRET"]
+        server.call(trial_process.begin, *without_problems(task), seconds=60.0)
+        process = server.process()
+
+        def evaluate(text):
+            code = f"(lambda place: (exec({dedent(head)!r}, place), place['tried']({text!r}))[1])({{}})"
+            return process.call(eval, code, seconds=60.0)
+
+        yield evaluate
+
+
+HONEST = """
+    def late(objective, rng):
+        while True:
+            objective(objective.initial(4))
+"""
+PROBLEM = """
+    import numpy as np
+    from bench import FunctionProblem
+    def Bowl():
+        return FunctionProblem(lambda x: (x**2).sum(), [-1] * 2, [1] * 2)
+"""
+
+
+@needed
+@pytest.mark.parametrize("what", REFUSED)
+def test_an_optimizer_cannot(inside, what):
+    code, reason = REFUSED[what]
+    assert re.search(f"refused: .*({reason})", inside(code))
+
+
+@needed
+@pytest.mark.parametrize("what", NOTHING)
+def test_an_optimizer_does_not(inside, what):
+    assert inside(NOTHING[what]).partition(":")[0] in ("None", "[]", "", "refused")
+
+
+TELLS = """
+    import os
+    def raises(objective, rng):
+        raise ValueError("no luck")
+    def crashes(objective, rng):
+        os.write(2, b"a secret")
+        os._exit(7)
+"""
+
+
+@needed
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "error"), [("raises", "ValueError: no luck"), ("crashes", "its process ended with exit code 7")]
+)
+def test_an_error_is_cut_to_its_message(tmp_path, name, error):
+    (tmp_path / "mine.py").write_text(dedent(TELLS))
+    study = {"name": "s", "trials": 1, "budget": 10, "problems": [{"name": "sphere-2"}],
+             "optimizers": [{"name": f"{tmp_path}/mine.py:{name}"}]}  # fmt: skip
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, untrusted=True)
+    assert [*load_results(tmp_path / "out")["error"]] == [error]
 
 
 @needed

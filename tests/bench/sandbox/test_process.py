@@ -22,6 +22,7 @@ from bench.sandbox.process import (
     Process,
     RemoteError,
     TimeExceededError,
+    TooManyProcessesError,
 )
 from bench.sandbox.server import UNANSWERABLE
 from tests.bench.sandbox.helpers import LINUX, LONG, gone, of_call, running, wait_for, written
@@ -486,3 +487,13 @@ def test_the_end_of_output_begins_with_a_whole_line():
     said = end_of_output(b"first\n" + b"a line of thirty characters...\n" * 100)
     assert set(said.splitlines()) == {"a line of thirty characters..."}
     assert 900 < len(said) <= 1000
+
+
+def test_a_process_that_starts_too_many_others_is_ended(monkeypatch):
+    monkeypatch.setattr("bench.sandbox.tree.MANY", 3)
+    with Process() as process, pytest.raises(TooManyProcessesError, match="more than 3 processes"):
+        process.call(
+            eval,
+            "[__import__('subprocess').Popen(['sleep', '60']) for _ in range(5)] and __import__('time').sleep(60)",
+            seconds=None,
+        )

@@ -103,3 +103,10 @@ def test_two_writers_of_one_trial_end_in_one_sentence_and_lose_nothing(tmp_path)
             second.add(trial, packed(row))
     assert store.find(*trial.key)["fun"] == 1.0
     assert store.check().sound
+
+
+def test_a_link_to_nothing_in_the_place_of_a_folder_is_a_sentence(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    missing = r"cannot be written: .*link is a link to .*nowhere, which is not there"
+    with pytest.raises(BenchError, match=missing), Folder(tmp_path / "link").lock():
+        pass
