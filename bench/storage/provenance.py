@@ -1,7 +1,7 @@
 """Record and compare where results come from: machine, versions, code and run.
 
 A study's ``environment.json`` is a list of flat records, one for each run on each machine that took part in it:
-``machine(…) | run(…)``. ARCHITECTURE.md describes each key; records of older versions lack some.
+``machine(…) | run(…)``. ARCHITECTURE.md describes each key.
 """
 
 from __future__ import annotations

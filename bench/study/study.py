@@ -308,8 +308,8 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, subject and the default handlings of constraints and evaluations are no part of
-        it: older studies do not name them. Neither is the number of points evaluated at a time.
+        Targets, subject and the number of points evaluated at a time decide none. Handlings of constraints and
+        evaluations are a part of it where they are not the default ones.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
         left_out = {*_USUAL, "parallel", "targets", "subject"}
@@ -319,10 +319,7 @@ class Study:
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 
     def _handling(self) -> dict[str, Any]:
-        """Return the handlings of constraints and of evaluations where they are not the default ones.
-
-        Older studies do not name them.
-        """
+        """Return the handlings of constraints and of evaluations where they are not the default ones."""
         return {key: getattr(self, key) for key, default in _USUAL.items() if getattr(self, key) != default}
 
 

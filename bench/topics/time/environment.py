@@ -82,7 +82,7 @@ class _Origins:
 
     records: Sequence[Mapping[str, Any]]  # what each run recorded on each machine
     frame: pd.DataFrame
-    numbers: pd.Series[Any]  # the record that each trial belongs to, counted from 1; missing in older folders
+    numbers: pd.Series[Any]  # the record that each trial belongs to, counted from 1
 
     @property
     def known(self) -> bool:
