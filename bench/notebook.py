@@ -63,7 +63,7 @@ class Results(StoredResults):
 
     @property
     def plot(self) -> Plots:
-        """Plots of the results, such as ``results.plot.ranks()`` (:class:`bench.notebook.Plots`)."""
+        """Plots of the results, such as ``results.plot.chances()`` (:class:`bench.notebook.Plots`)."""
         return Plots(self)
 
     def report(self, output: AnyPath | None = None, **settings: Any) -> Path:
@@ -84,19 +84,16 @@ class Results(StoredResults):
 
 @dataclass(frozen=True)
 class Plots:
-    """The usual pictures of results, as ``results.plot.ranks()``: each draws on ``ax``, or on new axes, and returns it.
+    """The usual pictures, as ``results.plot.chances()``: each draws on ``ax``, or on new axes, and returns it.
 
     :mod:`bench.plots` has more, for the frames of :mod:`bench.analysis`.
     """
 
     _results: StoredResults
 
-    def ranks(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the mean rank of each optimizer over the problems; a bar joins those that no test tells apart."""
-        frame = self._results.pooled()
-        pairs = analysis.pairwise_tests(frame)
-        means = analysis.mean_ranks(analysis.standings(analysis.summarise(frame), pairs))
-        return plots.cd_diagram(means, analysis.cliques(means, analysis.across_problems(pairs)), ax=ax)
+    def chances(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the chance that the first of two optimizers ends lower, over the problems, for each pair."""
+        return plots.a12_forest(analysis.across_problems(analysis.pairwise_tests(self._results.pooled())), ax=ax)
 
     def values(self, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the values that the trials of each optimizer reached on a problem; by default on the first one."""

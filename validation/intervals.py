@@ -1,8 +1,8 @@
-"""How often intervals of A12 and of mean ranks hold the true value, by simulation, with standard errors.
+"""How often intervals of A12 hold the true value, by simulation, with standard errors.
 
     python validation/intervals.py [STUDIES]        # default: 2,000 a row; some minutes
 
-The true mean rank is the expected one of studies with as many trials. Intervals of the probability to end lower are in
+Intervals of the probability to end lower are in
 validation/claims.py.
 """
 
@@ -12,11 +12,8 @@ import sys
 from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
 from scipy.stats import norm
 
-from bench import analysis
-from bench.analysis.certainty import ranks_of_strata
 from bench.analysis.direction import effects, intervals
 from bench.typing import Floats
 
@@ -25,15 +22,11 @@ TRIALS = (5, 10, 30)
 
 
 def main(studies: int) -> None:
-    fewer = max(studies // 20, 2)
-    print(f"{studies:,} studies a row, {fewer:,} of mean ranks; in brackets: standard errors")
+    print(f"{studies:,} studies a row; in brackets: standard errors")
     header("interval of A12", *(f"{n} trials" for n in TRIALS))
     for kind in KINDS:
         for true in (0.5, 0.75, 0.95):
             row(f"{kind}, true {true}", [a12_holds(kind, true, n, studies) for n in TRIALS])
-    header("interval of the mean rank", *(f"{n} trials" for n in TRIALS))
-    for step in (0.1, 0.5):
-        row(f"18 problems, optimizers {step} SD apart", [rank_holds(step, n, fewer) for n in TRIALS])
 
 
 def header(*names: str) -> None:
@@ -63,24 +56,6 @@ def draw(rng: np.random.Generator, kind: str, true: float, shape: tuple[int, ...
 def a12_holds(kind: str, true: float, trials: int, studies: int) -> Floats:
     low, high = intervals(effects(*draw(np.random.default_rng(1), kind, true, (studies, trials))))
     return np.asarray((low <= true) & (true <= high))
-
-
-def rank_holds(step: float, trials: int, studies: int, problems: int = 18, optimizers: int = 5) -> Floats:
-    """Return whether the intervals of (studies, optimizers) mean ranks hold the expected mean rank."""
-    rng, shifts = np.random.default_rng(1), step * np.arange(optimizers)[:, np.newaxis]
-    expected, once = np.zeros(optimizers), [np.ones((trials, 1))] * optimizers
-    repeats = 10_000
-    for _ in range(repeats):
-        expected += ranks_of_strata([(list(rng.standard_normal((optimizers, trials)) + shifts), once)])[:, 0] / repeats
-    index = pd.MultiIndex.from_product([range(problems), range(optimizers), range(trials)])
-    frame = index.to_frame(index=False, name=["problem", "optimizer", "trial"]).assign(status="ok")
-    frame = frame.astype({"problem": "category", "optimizer": "category"})
-    held = np.empty((studies, optimizers), dtype=bool)
-    for study in range(studies):
-        values = rng.standard_normal((problems, optimizers, trials)) + shifts
-        found = analysis.ranking_certainty(frame.assign(fun=values.ravel()), seed=study)
-        held[study] = (found["rank_low"] <= expected) & (expected <= found["rank_high"])
-    return held
 
 
 if __name__ == "__main__":

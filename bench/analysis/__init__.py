@@ -1,12 +1,10 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
-Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
-:func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems:
-:func:`across_problems`, :func:`medians`, :func:`mean_ranks`, :func:`friedman`, :func:`nemenyi`,
-:func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How many trials are enough:
-:func:`detectable_a12`, :func:`trials_needed`, :func:`trials_to_separate`, :func:`rank_stability`. Over the evaluations:
-:func:`convergence`, :func:`targets`, :func:`target_table`, :func:`hitting_times`, :func:`expected_running_time`,
-:func:`parallel_times`, :func:`ecdf`, :func:`data_profiles`, :func:`performance_profiles`, :func:`success_rates`,
+Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`standings`,
+:func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`across_problems`, :func:`medians`,
+:func:`mean_ranks`. How many trials are enough: :func:`detectable_a12`, :func:`trials_needed`,
+:func:`trials_to_separate`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`target_table`,
+:func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`,
 :func:`aocc`. And :func:`coverage`, :func:`timing`, :func:`feasibility`, :func:`integrity`.
 
 The modules of this package have what else the harness computes.
@@ -27,7 +25,7 @@ Example:
 
 from inspect import isfunction
 
-from bench.analysis.across import across_problems, cliques, friedman, interquartile_mean, nemenyi
+from bench.analysis.across import across_problems
 from bench.analysis.anytime import (
     convergence,
     data_profiles,
@@ -35,12 +33,10 @@ from bench.analysis.anytime import (
     evaluation_grid,
     expected_running_time,
     hitting_times,
-    performance_profiles,
     success_rates,
 )
 from bench.analysis.cells import Budgets, Traces, coverage, in_study_order, labels, regret, scores, summarise, timing
-from bench.analysis.certainty import rank_stability, ranking_certainty
-from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.compare import comparison_matrix, medians, ranking, table
 from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
 from bench.analysis.error_rates import Levels, detectable_a12, trials_to_separate
@@ -49,7 +45,6 @@ from bench.analysis.input import guarded
 from bench.analysis.instances import Pooled, pool_instances
 from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import effect_size, holm, pairwise_tests
-from bench.analysis.parallel import parallel_times
 from bench.analysis.standings import mean_ranks, standings
 from bench.analysis.target_sets import aocc, target_table, targets
 from bench.analysis.trials_needed import trials_needed
@@ -66,8 +61,6 @@ __all__ = [
     "a12",
     "across_problems",
     "aocc",
-    "cliques",
-    "compact_letters",
     "comparison_matrix",
     "convergence",
     "coverage",
@@ -78,23 +71,16 @@ __all__ = [
     "evaluation_grid",
     "expected_running_time",
     "feasibility",
-    "friedman",
     "hitting_times",
     "holm",
     "in_study_order",
     "integrity",
-    "interquartile_mean",
     "labels",
     "mean_ranks",
     "medians",
-    "nemenyi",
     "pairwise_tests",
-    "parallel_times",
-    "performance_profiles",
     "pool_instances",
-    "rank_stability",
     "ranking",
-    "ranking_certainty",
     "regret",
     "scores",
     "standings",

@@ -171,31 +171,6 @@ def data_profiles(
     return _stacked(tables, ["optimizer", unit, "fraction"])
 
 
-def performance_profiles(times: pd.DataFrame) -> pd.DataFrame:
-    """Return the performance profile of each optimizer (Dolan and Moré 2002): optimizer, ratio and fraction.
-
-    ``fraction`` is the share of problems on which the running time of an optimizer is at most ``ratio`` times the
-    lowest of all optimizers. An infinite time is within no ratio, so a problem that no optimizer solved keeps every
-    curve below 1. The ratios are those at which any curve rises, from 1 to a tenth above the last one. Only problems on
-    which every optimizer has a time count.
-
-    Args:
-        times: problem, optimizer and ert, a row a cell, as of ``bench.analysis.running_times`` at one target.
-    """
-    wide = times.pivot(index="problem", columns="optimizer", values="ert").astype(float).dropna()
-    wide = wide[[label for label in labels(times, "optimizer") if label in wide]]
-    with np.errstate(invalid="ignore"):
-        ratios = np.nan_to_num(wide.to_numpy() / wide.min(axis=1).to_numpy()[:, np.newaxis], nan=np.inf, posinf=np.inf)
-    rises = np.unique([1.0, *ratios[np.isfinite(ratios)]])
-    grid = np.append(rises, 1.1 * rises[-1])
-    tables = [
-        pd.DataFrame({"optimizer": label, "ratio": grid, "fraction": _share_within(pd.Series(own), grid)})
-        for label, own in zip(wide, ratios.T, strict=True)
-        if len(own)
-    ]
-    return _stacked(tables, ["optimizer", "ratio", "fraction"])
-
-
 def _first_reached(trace: Trace, ladder: Floats) -> Floats:
     """Return the evaluation at which each target of a falling ladder was first reached, +inf where never."""
     place = np.searchsorted(-trace.values, -ladder)

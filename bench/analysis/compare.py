@@ -1,17 +1,15 @@
-"""Summaries of cells and pairs: the comparison matrix, compact letters, and the number of first ranks."""
+"""Summaries of cells and pairs: the comparison matrix and the number of first ranks."""
 
 from __future__ import annotations
 
-from string import ascii_letters
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.direction import ALPHA
-from bench.analysis.standings import matrices, mean_ranks, outstanding, standings
+from bench.analysis.standings import mean_ranks, outstanding, standings
 
 
 def comparison_matrix(
@@ -29,8 +27,7 @@ def comparison_matrix(
     the most rivals (:func:`bench.analysis.standings`), unless all of its trials failed; by "value", as in thesis Table
     7.2, the one with the lowest finite value. ``alike`` (italics) marks a known value that is not best, where the test
     cannot separate its cell from a best one: by "standing", no one of the two is separably lower; by "value", as in
-    the thesis, the raw p of the Kolmogorov-Smirnov test is above 0.05. The letters of :func:`compact_letters`
-    summarise all pairs; merge them with this table.
+    the thesis, the raw p of the Kolmogorov-Smirnov test is above 0.05.
 
     The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
     hold at least the optimizers of ``summary``. ``standing`` is that of :func:`bench.analysis.standings`, where it is
@@ -68,57 +65,6 @@ def _first(summary: pd.DataFrame, standing: pd.DataFrame) -> set[tuple[str, str]
     sharing = first.groupby(rows["problem"], sort=False, observed=True).transform("sum")
     chosen = rows[first & outstanding(sharing, by_problem.transform("size")) & (rows["failed"] < rows["n"])]
     return set(zip(chosen["problem"], chosen["optimizer"], strict=True))
-
-
-def compact_letters(
-    summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFrame | None = None
-) -> pd.DataFrame:
-    """Return problem, optimizer and letters of every cell (Piepho 2004, J. Comput. Graph. Stat. 13).
-
-    Two optimizers share a letter where neither is separably lower. Letters are assigned in the order of
-    :func:`bench.analysis.standings`, so the best has an "a". "" stands for a cell without trials, "?" for every cell of
-    a problem that needs more than 52 letters. Only the optimizers of ``summary`` get letters. ``standing`` is as in
-    :func:`comparison_matrix`.
-    """
-    standing = standings(summary, pairs) if standing is None else standing
-    own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
-    letters = {
-        (problem, optimizer): text
-        for problem, rows in standing.dropna(subset="rank").groupby("problem", sort=False, observed=True)
-        for optimizer, text in _letters(
-            list(rows.sort_values("rank", kind="stable")["optimizer"]), own_pairs.get(problem, pairs.head(0))
-        ).items()
-    }
-    cells = summary[["problem", "optimizer"]]
-    return cells.assign(letters=[letters.get(cell, "") for cell in cells.itertuples(index=False, name=None)])
-
-
-def _letters(optimizers: list[str], pairs: pd.DataFrame) -> dict[str, str]:
-    """Return the letters of each optimizer of one problem, the first one's from "a" on."""
-    separable = matrices(pairs, optimizers)[1]
-    groups = alike_groups(separable | separable.T)
-    if len(groups) > len(ascii_letters):
-        return dict.fromkeys(optimizers, "?")
-    return {
-        optimizer: "".join(letter for letter, group in zip(ascii_letters, groups, strict=False) if place in group)
-        for place, optimizer in enumerate(optimizers)
-    }
-
-
-def alike_groups(separable: NDArray[np.bool_]) -> list[list[int]]:
-    """Return the largest groups in which no two items are separable, by insert and absorb (Piepho 2004).
-
-    Groups are in the order of their first items, the larger ones first.
-
-    Args:
-        separable: (k, k), symmetric.
-    """
-    groups = {frozenset(range(len(separable)))}
-    for pair in map(frozenset, np.argwhere(np.triu(separable)).tolist()):
-        split = {group - {item} for group in groups if pair <= group for item in pair}
-        groups = {group for group in groups if not pair <= group}
-        groups |= {part for part in split if not any(part < group for group in groups | split)}
-    return sorted(map(sorted, groups), key=lambda group: (group[0], -len(group), group))
 
 
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFrame | None = None) -> pd.DataFrame:

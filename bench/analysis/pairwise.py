@@ -22,7 +22,7 @@ AT_ONCE = 2_000  # pairs of samples in memory
 
 COLUMNS = (
     "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "joint_low",
-    "joint_high", "p", "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance",
+    "joint_high", "p", "p_holm", "significant", "lower", "testable", "separated", "ks_distance",
     "ks_p", "ks_tied",
 )  # fmt: skip
 
@@ -33,8 +33,8 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, subject: str = "")
     The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, of pooled
     instances the mean of that within each of them (:mod:`bench.analysis.strata`), with the 95%
     interval a12_low to a12_high, and joint_low to joint_high, intervals of which all together hold with 1 - ``alpha``
-    (Bonferroni); ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); cliffs_delta, 2 a12 -
-    1; separated, whether a12 is 0 or 1.
+    (Bonferroni); ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); separated, whether
+    a12 is 0 or 1.
 
     The test of its direction: p, of the hypothesis a12 = 0.5, which allows that the spreads differ
     (:mod:`bench.analysis.direction`); p_holm, adjusted over all rows, so over pairs and problems (Holm 1979);
@@ -78,7 +78,6 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, subject: str = "")
     return adjusted(pairs, alpha, subject).assign(
         testable=(2.0 ** (1 - smaller) * max(tests, 1) <= alpha) & of_subject(pairs, subject),
         separated=pairs["a12"].isin((0.0, 1.0)),
-        cliffs_delta=2 * pairs["a12"] - 1,
         ks_tied=pairs["ks_tied"].eq(True),
     )
 

@@ -36,17 +36,17 @@ def outcome(probability: float, significant: bool) -> str:
 
 
 def signs_of(summary: pd.DataFrame, pairs: pd.DataFrame, subject: str) -> pd.DataFrame:
-    """Return problem, optimizer and letters of every cell: the sign of the subject's test against it.
+    """Return problem, optimizer and sign of every cell: the sign of the subject's test against it.
 
     "+" where the subject is separably lower, "−" where the other one is, "=" where neither is, "" of the subject and
-    where nothing is tested. ``summary`` and ``pairs`` are those of :func:`bench.analysis.compact_letters`.
+    where nothing is tested. ``summary`` and ``pairs`` are those of :func:`bench.analysis.comparison_matrix`.
     """
     rivals = seen_from(pairs.astype({"first": object, "second": object, "lower": object}), subject)
     own = rivals[rivals["testable"].astype(bool) & rivals["a12"].notna()]
     sign = np.where(own["lower"] == subject, "+", np.where(own["lower"] == "", "=", "−"))
     signs = dict(zip(zip(own["problem"], own["second"], strict=True), sign, strict=True))
     cells = summary[["problem", "optimizer"]]
-    return cells.assign(letters=[signs.get(cell, "") for cell in cells.itertuples(index=False, name=None)])
+    return cells.assign(sign=[signs.get(cell, "") for cell in cells.itertuples(index=False, name=None)])
 
 
 def in_parts(

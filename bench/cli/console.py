@@ -72,16 +72,6 @@ def checked_jobs(value: int | None) -> int | None:
 
 
 Jobs = Annotated[int, typer.Option(callback=checked_jobs, help="Worker processes; -1 takes every core.")]
-Against = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="NAME",
-        rich_help_panel=REPORT,
-        help="Compare with a published data set of COCO's archive, such as bbob/BIPOP-CMA-ES, or show the running "
-        "times of the best of 2009 (best2009); repeatable.",
-    ),
-]
-Open = Annotated[bool, typer.Option("--open", rich_help_panel=REPORT, help="Open the report's page in a browser.")]
 Untrusted = Annotated[
     bool,
     typer.Option(
@@ -89,26 +79,6 @@ Untrusted = Annotated[
         rich_help_panel=PROTECTION,
         help="For code that you do not trust: a sandbox of bubblewrap (Linux), problem and budget in another process, "
         "limits of time and memory.",
-    ),
-]
-Constraints = Annotated[
-    str | None,
-    typer.Option(
-        rich_help_panel=STUDY, help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."
-    ),
-]
-Parallel = Annotated[
-    int | None,
-    typer.Option(
-        rich_help_panel=STUDY, help="Points of a call of the objective that are evaluated at a time, by processes."
-    ),
-]
-Targets = Annotated[
-    str | None,
-    typer.Option(
-        rich_help_panel=STUDY,
-        help="What counts as reached: precisions, runlength, relative, quantiles, tolerance, or a list such as "
-        "'1e-1,1e-3' (the best value less the optimum) or '5%,1%' (of the optimum).",
     ),
 ]
 Subject = Annotated[
@@ -121,10 +91,6 @@ Subject = Annotated[
 ]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
-]
-ProblemParameters = Annotated[
-    list[str] | None,
-    typer.Option("--problem-option", help="An option of the problem, as in unit=rpm; repeatable."),
 ]
 
 

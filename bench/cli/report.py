@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from bench.cli.console import Against, Jobs, Open, Subject, Targets
+from bench.cli.console import Jobs, Subject
 from bench.helpers.console import print_line, steps
 
 
@@ -27,7 +27,14 @@ def command(
         ),
     ] = None,
     jobs: Jobs = -1,
-    against: Against = None,
+    against: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Compare with a published data set of COCO's archive, such as bbob/BIPOP-CMA-ES, or show the running "
+            "times of the best of 2009 (best2009); repeatable.",
+        ),
+    ] = None,
     subject: Subject = None,
     optimizer: Annotated[
         list[str] | None,
@@ -45,11 +52,16 @@ def command(
             metavar="OPTIMIZER", help="Show its earlier versions in the folder beside it; repeatable. Needs --output."
         ),
     ] = None,
-    targets: Targets = None,
-    journal: Annotated[
-        str, typer.Option(metavar="NAME", help="Fit tables and figures to a class: plain, ieee, acm, elsevier or lncs.")
-    ] = "plain",
-    open_: Open = False,
+    targets: Annotated[
+        str | None,
+        typer.Option(
+            help="What counts as reached: precisions, runlength, relative, quantiles, tolerance, or a list such as "
+            "'1e-1,1e-3' (the best value less the optimum) or '5%,1%' (of the optimum).",
+        ),
+    ] = None,
+    columns: Annotated[
+        int, typer.Option(min=1, max=2, help="Fit LaTeX tables and figures to a text of one column or of two.")
+    ] = 1,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
@@ -63,9 +75,9 @@ def command(
         "n_jobs": jobs,
         "targets": targets,
         "subject": subject,
-        "journal": journal,
+        "columns": columns,
     }
-    report_on([*folders, *beside], Console(), open_, beside_best=best, versions=versions or (), **settings, **chosen)
+    report_on([*folders, *beside], Console(), beside_best=best, versions=versions or (), **settings, **chosen)
 
 
 def published(names: list[str] | None) -> tuple[list[Path], bool]:
@@ -81,10 +93,8 @@ def published(names: list[str] | None) -> tuple[list[Path], bool]:
     return [imported(name) for name in names if name != NAME], NAME in names
 
 
-def report_on(folders: list[Path], console: Console, open_page: bool = False, **settings: Any) -> None:
-    """Write the report with settings of :func:`bench.write_report`, and print its answer and its path; open the page
-    on request.
-    """
+def report_on(folders: list[Path], console: Console, **settings: Any) -> None:
+    """Write the report with settings of :func:`bench.write_report`, and print its answer and its path."""
     from bench.cli.answer import as_lines, read
     from bench.storage.folder import STORE, Folder
     from bench.topics.write import write_report
@@ -96,5 +106,3 @@ def report_on(folders: list[Path], console: Console, open_page: bool = False, **
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)
     console.print(as_lines(read(page.parent)))
     print_line(f"report: {page}", console=console)
-    if open_page and typer.launch(str(page)):
-        print_line(f"no browser could be started; open {page} in one", "yellow", console)

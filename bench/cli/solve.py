@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from bench.cli.console import Constraints, Parallel, Parameters, ProblemParameters, Untrusted, table
+from bench.cli.console import Parameters, Untrusted, table
 from bench.columns import Row, named
 from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error
@@ -33,8 +33,13 @@ def command(
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")
     ] = 0,
     option: Parameters = None,
-    problem_option: ProblemParameters = None,
-    constraints: Constraints = None,
+    problem_option: Annotated[
+        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
+    ] = None,
+    constraints: Annotated[
+        str | None,
+        typer.Option(help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."),
+    ] = None,
     on_error: Annotated[
         str, typer.Option(metavar="fail|worst", help="With worst, a point whose evaluation fails is worth +inf.")
     ] = "fail",
@@ -45,7 +50,9 @@ def command(
     time: Annotated[
         str | None, typer.Option(metavar="DURATION", help="End the run after it, before its budget, such as '10 min'.")
     ] = None,
-    parallel: Parallel = None,
+    parallel: Annotated[
+        int | None, typer.Option(help="Points of a call of the objective that are evaluated at a time, by processes.")
+    ] = None,
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""

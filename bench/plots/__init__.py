@@ -21,26 +21,21 @@ from bench.plots.curves import (
     ecdf,
     ert,
     ert_scatter,
-    performance_profile,
     regret,
     scaling,
     spells,
 )
-from bench.plots.parallel import fastest_map
-from bench.plots.ranks import a12_forest, cd_diagram, rank_course
+from bench.plots.ranks import a12_forest, rank_course
 from bench.plots.rows import box_plot, timing
 
 __all__ = [
     "a12_forest",
     "box_plot",
-    "cd_diagram",
     "convergence",
     "data_profile",
     "ecdf",
     "ert",
     "ert_scatter",
-    "fastest_map",
-    "performance_profile",
     "rank_course",
     "regret",
     "scaling",

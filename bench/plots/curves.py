@@ -105,16 +105,6 @@ def data_profile(
     return _fractions(curves, "share of trials solved", pens, legend, ax)
 
 
-def performance_profile(
-    curves: pd.DataFrame, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
-) -> Axes:
-    """Draw the share of problems that each optimizer solved, over the ratio to the lowest time (Dolan and Moré 2002).
-
-    ``curves`` are those of :func:`bench.analysis.performance_profiles`.
-    """
-    return _fractions(curves, "share of problems solved", pens, legend, ax)
-
-
 def ert(
     table: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:

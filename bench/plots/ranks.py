@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import log
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import ScaledTranslation
 
 from bench.analysis.pairwise import CUTOFFS
 from bench.plots import style
@@ -20,82 +19,6 @@ LINE, BAR = 0.15, 0.09  # inches between its names, and between its bars
 LEADER = 0.14  # inches between the end of a curve and its name
 AXES = {"evaluations": "evaluations", "trials": "trials", "share": "share of the budget"}  # of ranks, with their names
 EFFECTS = [bound for cutoff in CUTOFFS.values() for bound in (1 - cutoff, cutoff)]  # on both sides of 0.5
-
-
-def cd_diagram(
-    average_ranks: pd.Series[float], cliques: Collection[Sequence[str]] = (),
-    critical_difference: float | None = None, *, ax: Axes | None = None,
-) -> Axes:  # fmt: skip
-    """Draw a critical-difference diagram (Demšar 2006): average ranks on an axis, the best at the left.
-
-    Args:
-        average_ranks: the average rank of each optimizer over problems, 1 the best; missing ones are left out.
-        cliques: groups of optimizers whose ranks do not differ significantly; a bar joins those of a group.
-        critical_difference: the smallest significant difference of ranks, drawn as a ruler above the axis.
-        ax: where to draw, :func:`cd_height` inches high; by default new axes.
-    """
-    ranks = average_ranks.dropna().sort_values(kind="stable")
-    ax = style.own_axes(ax, height=cd_height(len(ranks), len(cliques)) + 0.5)
-    best, worst = 1.0, max(float(len(ranks)), 1.0 + (critical_difference or 0.0), 2.0)
-    ax.set_xlim(best, worst)
-    ax.set_ylim(cd_height(len(ranks), len(cliques)), 0.0)  # inches below the axis
-    below = LINE + BAR * _bars(ax, ranks, cliques)
-    named = min(len(ranks), MOST_NAMES)
-    names = ranks.rename(index=style.names(ranks.index, RANK_NAME))
-    _names(ax, names.iloc[: (named + 1) // 2], best, below, side=-1)
-    _names(ax, names.iloc[len(ranks) - named // 2 :].iloc[::-1], worst, below, side=1)
-    if named < len(ranks):
-        ax.plot(ranks, np.zeros(len(ranks)), "|", color="black", markersize=6, clip_on=False)
-        ax.annotate(f"{len(ranks) - named} more between these", (0.5, 0.0), xycoords="axes fraction", ha="center")
-    for side in ("left", "right", "bottom"):
-        ax.spines[side].set_visible(False)
-    ax.spines["top"].set_visible(True)
-    ax.grid(visible=False)
-    ax.set_yticks([])
-    ax.xaxis.tick_top()
-    ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    if critical_difference is not None:
-        _ruler(ax, best, critical_difference)
-    return ax
-
-
-def cd_height(optimizers: int, cliques: int) -> float:
-    """Return the height in inches that a critical-difference diagram takes below its axis."""
-    return LINE * ((min(optimizers, MOST_NAMES) + 1) // 2 + 1) + BAR * cliques
-
-
-def _bars(ax: Axes, ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> int:
-    """Draw a bar for each clique of two or more, each a step below the previous one; return the number of bars."""
-    groups = [ranks.reindex(list(clique)).dropna() for clique in cliques]
-    groups = [group for group in groups if len(group) > 1]
-    reach = 0.008 * np.diff(ax.get_xlim())[0]  # beyond the ranks, so that equal ranks have a bar too
-    for step, group in enumerate(groups, 1):
-        ax.hlines(BAR * step, group.min() - reach, group.max() + reach, color="black", linewidth=2.5, clip_on=False)
-    return len(groups)
-
-
-def _names(ax: Axes, ranks: pd.Series[float], edge: float, below: float, side: int) -> None:
-    """Write names outside one edge of the axis, each joined to its rank by an elbow."""
-    for row, (name, rank) in enumerate(ranks.items()):
-        y = below + LINE * row
-        text = f"{rank:.2f}  {name}" if side > 0 else f"{name}  {rank:.2f}"
-        ax.plot([rank, rank, edge], [0.0, y, y], color="black", linewidth=0.7, clip_on=False)
-        ax.annotate(
-            text, (edge, y), xytext=(3 * side, 0), textcoords="offset points", va="center",
-            ha="left" if side > 0 else "right", annotation_clip=False,
-        )  # fmt: skip
-
-
-def _ruler(ax: Axes, start: float, length: float) -> None:
-    """Draw the critical difference above the axis and its numbers."""
-    above, lifted = (
-        ax.get_xaxis_transform() + ScaledTranslation(0, points / 72, ax.figure.dpi_scale_trans) for points in (18, 21)
-    )
-    ax.plot(
-        [start, start + length], [1, 1], color="black", linewidth=1.0, marker="|", markersize=5, transform=above,
-        clip_on=False,
-    )  # fmt: skip
-    ax.text(start + length / 2, 1, f"CD = {length:.2f}", transform=lifted, ha="center", va="bottom")
 
 
 def rank_course(ranks: pd.DataFrame, *, pens: style.Pens | None = None, ax: Axes | None = None) -> Axes:

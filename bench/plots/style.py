@@ -10,14 +10,13 @@ import unicodedata
 import warnings
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import blake2b
 from itertools import compress, takewhile
 from math import ceil
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import matplotlib
 import matplotlib.figure
@@ -79,39 +78,19 @@ class Pen:
 Pens = Mapping[str, Pen]
 
 
-class Widths(NamedTuple):
-    """The widths of a document in inches: of a column, and of the whole text; by default those of IEEE's journals."""
-
-    column: float = 252 * POINT
-    page: float = 516 * POINT
-
-
-_WIDTHS: ContextVar[Widths] = ContextVar("widths", default=Widths())  # noqa: B039  # a tuple
+COLUMN, PAGE = 252 * POINT, 516 * POINT
+"""The widths of figures in inches: of a column, and of the whole text of two columns, as in IEEE's journals."""
 
 BESIDE = Pen("#7F7F7F", "", "-")
 """The pen of a published reference, which is no optimizer of the study."""
 
 
 @contextmanager
-def context(widths: Widths | None = None) -> Iterator[None]:
-    """Draw and save figures as a report does, whatever the user's own settings; in other widths on request."""
+def context() -> Iterator[None]:
+    """Draw and save figures as a report does, whatever the user's own settings."""
     settings: Any = {**DEFAULTS, **RC}  # matplotlib's own type lists every key
-    before = _WIDTHS.set(widths or _WIDTHS.get())
-    try:
-        with matplotlib.rc_context(settings):
-            yield
-    finally:
-        _WIDTHS.reset(before)
-
-
-def column_width() -> float:
-    """Return the width of a column in inches, in the document that figures are drawn for."""
-    return _WIDTHS.get().column
-
-
-def page_width() -> float:
-    """Return the whole width of the text in inches, over both columns where there are two."""
-    return _WIDTHS.get().page
+    with matplotlib.rc_context(settings):
+        yield
 
 
 def pens(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bool = True) -> Pens:
@@ -284,7 +263,7 @@ def own_axes(ax: Axes | None, *, height: float = 2.2) -> Axes:
         return ax
     from matplotlib import pyplot  # imported here, as a report opens no window
 
-    _, ax = pyplot.subplots(figsize=(column_width(), height), layout="constrained")
+    _, ax = pyplot.subplots(figsize=(COLUMN, height), layout="constrained")
     return ax
 
 
@@ -297,7 +276,7 @@ def grid(
     All lengths are in inches: the figure's ``width``, by default that of the page, the ``height`` of one panel, the
     figure's margins, and the space ``across`` and ``down`` between panels.
     """
-    width = page_width() if width is None else width
+    width = PAGE if width is None else width
     columns = max(min(columns, number), 1)
     rows = max(ceil(number / columns), 1)
     total = rows * height + (rows - 1) * down + top + bottom
@@ -357,7 +336,7 @@ def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> No
 
 def legend_height(texts: Sequence[str], width: float | None = None) -> float:
     """Return the height in inches of a :func:`legend_above` with these texts, in a figure of this width or a page's."""
-    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, width or page_width())) + 0.08
+    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, width or PAGE)) + 0.08
 
 
 def _legend_columns(texts: Sequence[str], width: float) -> int:

@@ -10,14 +10,13 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.resources import files
 from itertools import groupby
-from math import ceil, floor, inf
+from math import ceil, floor
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, Template
 
-from bench.errors import BenchError, nearest
 from bench.helpers.bibtex import ACCENTS, LETTERS
-from bench.plots.style import POINT, SMALL, Widths
+from bench.plots.style import COLUMN, POINT, SMALL
 from bench.report.parts import Figure, Table, TableCell
 
 WRAP = 40  # characters beyond which a column is set in paragraphs
@@ -28,15 +27,15 @@ TALLEST = 0.8  # of the height of a page that a figure may take beside its capti
 SHRUNK = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
 
-class Journal(NamedTuple):
-    """The space that a document class leaves for tables and figures.
+class Layout(NamedTuple):
+    """The space that a document leaves for tables and figures.
 
     Attributes:
         document: the class that it was measured in.
         line: characters of the width of the text in a table's type.
         column: those of a column; a table that may be wider shrinks to fit.
+        spans: characters from which a table spans both columns, where a text has two.
         page: lines of a page in that type, a caption of one line included.
-        widths: of figures.
         height: inches of the text of a page.
         points: the size of that type.
         size: its command.
@@ -46,41 +45,25 @@ class Journal(NamedTuple):
     document: str
     line: int
     column: int
+    spans: float
     page: int
-    widths: Widths
     height: float
-    points: float = 8.0
-    size: str = r"\footnotesize"
-    breaks: bool = False
+    points: float
+    size: str
+    breaks: bool
 
     @property
     def widest(self) -> float:
         """The lines beyond which a table that shrinks to one would have letters too small to read."""
         return self.points / SMALL
 
-    @property
-    def spans(self) -> float:
-        """The characters from which a table spans both columns, where a text has two."""
-        return inf if self.column == self.line else self.line if self.breaks else 1.1 * self.column
 
-
-JOURNALS = {
-    "plain": Journal(r"\documentclass{article}", 84, 42, 41, Widths(), 550 * POINT, 10.0, "", breaks=True),
-    "ieee": Journal(r"\documentclass[conference]{IEEEtran}", 120, 58, 64, Widths(), 672 * POINT),
-    "acm": Journal(r"\documentclass[sigconf]{acmart}", 118, 56, 60, Widths(241.1 * POINT, 506.2 * POINT), 670 * POINT),
-    "elsevier": Journal(
-        r"\documentclass[final,5p,twocolumn]{elsarticle}", 120, 58, 62, Widths(page=522 * POINT), 682 * POINT
-    ),
-    "lncs": Journal(r"\documentclass{llncs}", 74, 74, 44, Widths(page=347 * POINT), 549 * POINT, 9.0),
-}
-"""The journals whose classes tables are written for; "plain" ones also compile in an article of two columns."""
-
-
-def journal_of(name: str) -> Journal:
-    """Return the journal of a name; raises BenchError for a name that is none."""
-    if name not in JOURNALS:
-        raise BenchError(f"no journal is called {name!r}{nearest(name, JOURNALS)}")
-    return JOURNALS[name]
+ONE_COLUMN = Layout(r"\documentclass{article}", 84, 42, 84, 41, 550 * POINT, 10.0, "", breaks=True)
+TWO_COLUMNS = Layout(
+    r"\documentclass[conference]{IEEEtran}", 120, 58, 63.8, 64, 672 * POINT, 8.0, r"\footnotesize", breaks=False
+)
+LAYOUTS = {1: ONE_COLUMN, 2: TWO_COLUMNS}
+"""The layouts that tables are written for, by their columns; those of one also compile in an article of two."""
 
 
 class _Column(NamedTuple):
@@ -142,11 +125,11 @@ def notation(text: str) -> str:
     return "".join([*found, escape(plain[start:])])
 
 
-def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> str:
+def to_latex(table: Table, label: str, layout: Layout = ONE_COLUMN) -> str:
     r"""Return a table for ``\input``; the comments on its first lines list the packages that it needs, and the class.
 
     A table that may be wider than a column shrinks to the line width. A table that may be wider than a page, or in a
-    journal of two columns wider than one of them, is a ``table*``, which spans both. Columns of long texts are set in
+    text of two columns wider than one of them, is a ``table*``, which spans both. Columns of long texts are set in
     paragraphs. A table longer than a page comes in parts of a page each with one number; in a plain article it is a
     ``longtable``, which breaks across pages; LaTeX allows it only in one-column text. As such a
     table cannot shrink, one without paragraphs that may be wider than a page, too, comes in several of the other kind
@@ -160,32 +143,32 @@ def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> 
     columns = []
     for place, (title, numeric) in enumerate(table.header):
         longest = max(map(len, [title, *(row[place].text for row in rows)]))
-        columns.append(_Column(place, title, numeric, min(longest, 2 * journal.line)))
+        columns.append(_Column(place, title, numeric, min(longest, 2 * layout.line)))
     wraps = any(column.wraps for column in columns)
-    width, line = _width(columns), journal.line
+    width, line = _width(columns), layout.line
     lines = len(rows) + len(table.caption) // line + len(table.note) // line
-    long = lines > journal.page
-    breaks = journal.breaks and long and (width <= line or wraps)  # paragraphs fit, and their height is not known
+    long = lines > layout.page
+    breaks = layout.breaks and long and (width <= line or wraps)  # paragraphs fit, and their height is not known
     sets = [columns]
-    turned = width > journal.widest * line and not wraps
+    turned = width > layout.widest * line and not wraps
     if (
         turned
-        and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index, journal)) * lines <= journal.page
+        and len(apart := _sets(columns, table.frame.index.nlevels * table.has_index, layout)) * lines <= layout.page
     ):
         sets, turned = apart, False
-    needed = {"array": wraps, "longtable": breaks, "graphicx": width > journal.column and not breaks}
+    needed = {"array": wraps, "longtable": breaks, "graphicx": width > layout.column and not breaks}
     blocks = _blocks(table, rows)
-    most = len(rows) if breaks else _most_rows(table, columns, journal, turned=turned, long=long)
+    most = len(rows) if breaks else _most_rows(table, columns, layout, turned=turned, long=long)
     return _template("table.tex.j2").render(
-        document=journal.document,
-        size=journal.size,
+        document=layout.document,
+        size=layout.size,
         shrunk=SHRUNK,
         packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
         breaks=breaks,
-        small=long and width > 0.75 * line and journal.breaks,
-        wide=width > journal.column,
+        small=long and width > 0.75 * line and layout.breaks,
+        wide=width > layout.column,
         turned=turned,
-        float="table*" if width > journal.spans else "table",
+        float="table*" if width > layout.spans else "table",
         caption=_caption(table.caption, f"tab:{label}"),
         tabulars=[_tabular(columns_of, blocks, most, line) for columns_of in sets],
         totals=table.totals,
@@ -193,7 +176,7 @@ def to_latex(table: Table, label: str, journal: Journal = JOURNALS["plain"]) -> 
     )
 
 
-def figure_to_latex(figure: Figure, path: str, label: str, journal: Journal = JOURNALS["plain"]) -> str:
+def figure_to_latex(figure: Figure, path: str, label: str, layout: Layout = ONE_COLUMN) -> str:
     r"""Return a figure with its caption for ``\input``; ``path`` is that of its PDF, relative to the paper.
 
     A figure wider than a column is a ``figure*``, which spans both columns where there are two. One that is larger than
@@ -201,11 +184,11 @@ def figure_to_latex(figure: Figure, path: str, label: str, journal: Journal = JO
     """
     width, height = figure.figure.get_size_inches()
     return _template("figure.tex.j2").render(
-        document=journal.document,
+        document=layout.document,
         path=path,
-        float="figure*" if width > journal.widths.column else "figure",
-        shrunk=SHRUNK if journal.breaks or width > journal.widths.page else "",  # an article is narrower than journals
-        tallest=TALLEST if height > TALLEST * journal.height else "",
+        float="figure*" if width > COLUMN else "figure",
+        shrunk=SHRUNK if layout.breaks else "",  # an article is narrower than two columns
+        tallest=TALLEST if height > TALLEST * layout.height else "",
         caption=_caption(figure.caption, f"fig:{label}"),
     )
 
@@ -218,15 +201,15 @@ def _caption(text: str, label: str) -> str:
     return f"\\caption{{{caption}}}\\label{{{re.sub(r'[^A-Za-z0-9.:_-]+', '-', label)}}}"
 
 
-def _most_rows(table: Table, columns: Sequence[_Column], journal: Journal, *, turned: bool, long: bool) -> int:
+def _most_rows(table: Table, columns: Sequence[_Column], layout: Layout, *, turned: bool, long: bool) -> int:
     """Return the rows of a table that fit on a page beside its caption and note; a wider one shrinks more.
 
     A turned table has the width of the text for its rows, and one that shrinks little has as many as the page holds in
     its type. The numbers of a plain article are those of ``article`` in 10 pt, whose page is small, and a note of four
     lines fits there without taking rows.
     """
-    width, line = _width(columns), journal.line
-    if journal.breaks:
+    width, line = _width(columns), layout.line
+    if layout.breaks:
         if not turned and not long:
             return len(table.frame)
         lines = max(len(table.note) // line - 4, 0)
@@ -236,8 +219,8 @@ def _most_rows(table: Table, columns: Sequence[_Column], journal: Journal, *, tu
         return max(int(0.28 * max(width, 2 * line)) * line // 120 - beside, 1)
     paragraphs = [column.width for column in columns if column.wraps]
     height = max(1, -(-sum(paragraphs) // max(line - (width - sum(paragraphs)), WRAP))) if paragraphs else 1
-    shrunk = 1.0 if paragraphs else min(max(width / line, 1.0), journal.widest)
-    return max(int((journal.page - beside) * shrunk) // height, 1)
+    shrunk = 1.0 if paragraphs else min(max(width / line, 1.0), layout.widest)
+    return max(int((layout.page - beside) * shrunk) // height, 1)
 
 
 def _width(columns: Iterable[_Column]) -> int:
@@ -245,13 +228,13 @@ def _width(columns: Iterable[_Column]) -> int:
     return sum(column.width + 2 for column in columns)
 
 
-def _sets(columns: Sequence[_Column], heads: int, journal: Journal) -> list[list[_Column]]:
+def _sets(columns: Sequence[_Column], heads: int, layout: Layout) -> list[list[_Column]]:
     """Return the columns in sets of about the same size, each after those of the index, that are not very wide."""
     index, values = columns[:heads], columns[heads:]
     for number in range(1, len(values) + 1):
         size = ceil(len(values) / number)
         sets = [[*index, *values[start : start + size]] for start in range(0, len(values), size)]
-        if max(map(_width, sets)) <= journal.widest * journal.line:
+        if max(map(_width, sets)) <= layout.widest * layout.line:
             return sets
     return [[*index, column] for column in values]
 

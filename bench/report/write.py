@@ -16,7 +16,7 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
-from bench.report.latex import JOURNALS, Journal, figure_to_latex, to_latex
+from bench.report.latex import ONE_COLUMN, Layout, figure_to_latex, to_latex
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, File, Part, Section, Table
 
@@ -59,7 +59,7 @@ class Draft:
         study: a name that the labels of LaTeX tables begin with.
         problems: about how many sections on one problem there will be.
         printed: whether those are written as LaTeX and PDF, too.
-        journal: whose class the LaTeX tables are written for.
+        layout: the columns that the LaTeX tables and figures are written for.
         on_step: called before every step.
     """
 
@@ -72,12 +72,12 @@ class Draft:
         problems: int,
         printed: bool,
         on_step: OnStep,
-        journal: Journal = JOURNALS["plain"],
+        layout: Layout = ONE_COLUMN,
     ) -> None:
         self.folder = folder
         self.drawer = drawer
         self.study = study
-        self.journal = journal
+        self.layout = layout
         self.expected = problems
         self.each_printed = printed
         self.views: list[View] = []
@@ -94,7 +94,7 @@ class Draft:
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         self._steps = len(chapters) + self.expected + 1
-        with style.context(self.journal.widths):
+        with style.context():
             prepared = [self.prepare(chapter) for chapter in chapters]
             self.drawer.help()
             for chapter, made in zip(chapters, prepared, strict=True):
@@ -157,10 +157,9 @@ class Draft:
 
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""
-        widths = self.journal.widths
         text = (
             "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
-            f"{widths.column:.2f} or {widths.page:.2f} in wide, for a column or the whole width of a paper."
+            f"{style.COLUMN:.2f} or {style.PAGE:.2f} in wide, for a column or the whole width of a paper."
         )
         section = Section("Downloads", (text,), on_demand=True)
         self.step(section.title)
@@ -186,11 +185,11 @@ class Draft:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, journal=self.journal if printed else None, study=self.study)
+            files = save_table(part, self.folder, name, layout=self.layout if printed else None, study=self.study)
             item = Item(name, files, part)
         else:
             drawing = self.drawer.finish(part.figure, pdf=printed)
-            svg, files = save_figure(part, self.folder, name, drawing, journal=self.journal, study=self.study)
+            svg, files = save_figure(part, self.folder, name, drawing, layout=self.layout, study=self.study)
             item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
@@ -239,20 +238,20 @@ def contents(title: str, files: Mapping[str, str]) -> str:
 
 
 def save_table(
-    table: Table, folder: Path, name: str, *, journal: Journal | None = JOURNALS["plain"], study: str = ""
+    table: Table, folder: Path, name: str, *, layout: Layout | None = ONE_COLUMN, study: str = ""
 ) -> list[str]:
-    """Write a table as CSV (full precision) and, for a journal, LaTeX; return the paths relative to ``folder``.
+    """Write a table as CSV (full precision) and, for a layout, LaTeX; return the paths relative to ``folder``.
 
     The label of the LaTeX begins with the name of the study, as a paper may have the same table of several.
     """
     (folder / TABLES).mkdir(exist_ok=True)
-    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if journal else ("csv",))]
+    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if layout else ("csv",))]
     if table.data is None:
         save_csv(table.frame, folder / paths[0], index=table.has_index)
     else:
         save_csv(table.data, folder / paths[0], index=False)
-    if journal:
-        text = to_latex(table, f"{study}-{name}" if study else name, journal)
+    if layout:
+        text = to_latex(table, f"{study}-{name}" if study else name, layout)
         (folder / paths[1]).write_text(text, encoding="utf-8", newline="\n")
     return paths
 
@@ -263,10 +262,10 @@ def save_figure(
     name: str,
     drawing: Drawing | None = None,
     *,
-    journal: Journal = JOURNALS["plain"],
+    layout: Layout = ONE_COLUMN,
     study: str = "",
 ) -> tuple[str, list[str]]:
-    """Write a drawn figure, its data as CSV and, beside a PDF, its LaTeX for a journal.
+    """Write a drawn figure, its data as CSV and, beside a PDF, its LaTeX for a layout.
 
     Return the SVG's text and the paths relative to ``folder``. The label of the LaTeX is as :func:`save_table` has it.
     """
@@ -278,7 +277,7 @@ def save_figure(
             paths.append(f"{FIGURES}/{name}.{kind}")
             (folder / paths[-1]).write_bytes(content)
     if drawn.pdf is not None:
-        text = figure_to_latex(figure, paths[-1], f"{study}-{name}" if study else name, journal)
+        text = figure_to_latex(figure, paths[-1], f"{study}-{name}" if study else name, layout)
         paths.append(f"{FIGURES}/{name}.tex")
         (folder / paths[-1]).write_text(text, encoding="utf-8", newline="\n")
     paths.append(f"{FIGURES}/{name}.csv")

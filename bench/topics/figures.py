@@ -29,7 +29,7 @@ def titles(names: Iterable[str], columns: int, across: float) -> tuple[dict[str,
 
     And the inches that the highest one needs. ``across`` is the space between panels.
     """
-    width = style.page_width() if columns == COLUMNS else style.column_width()
+    width = style.PAGE if columns == COLUMNS else style.COLUMN
     room = style.letters((width - LEFT - RIGHT - (columns - 1) * across) / columns, style.SMALL)
     lines = {
         name: textwrap.wrap(style.plain(f"{name}", 60).replace(" = ", "\xa0=\xa0"), min(room, LINE)) for name in names
@@ -49,7 +49,7 @@ def panels(
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
-    width, height = (style.page_width(), 1.0) if columns == COLUMNS else (style.column_width(), 1.2)
+    width, height = (style.PAGE, 1.0) if columns == COLUMNS else (style.COLUMN, 1.2)
     height = 0.85 if len(problems) > 6 * columns else height  # all rows on one page
     figure, axes = style.grid(
         len(problems), columns=columns, width=width, height=height, left=LEFT, right=RIGHT, across=across,
@@ -82,7 +82,7 @@ def left_margin(names: Iterable[str]) -> float:
 
 def figure_width(margins: float) -> float:
     """Return the width of a column, or of the page where margins would leave less than two fifths of a column."""
-    return style.column_width() if margins < 0.6 * style.column_width() else style.page_width()
+    return style.COLUMN if margins < 0.6 * style.COLUMN else style.PAGE
 
 
 def legend_height(pens: style.Pens, width: float | None = None) -> float:

@@ -14,7 +14,7 @@ from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
 from bench.plots import style
 from bench.report.drawing import Drawer
-from bench.report.latex import journal_of
+from bench.report.latex import LAYOUTS
 from bench.report.parts import Figure, Section
 from bench.report.wording import count
 from bench.report.write import MANIFEST, Chapter, Draft
@@ -41,7 +41,7 @@ def write_report(
     problems: Patterns = None,
     dimensions: Dimensions = None,
     versions: Sequence[str] = (),
-    journal: str = "plain",
+    columns: int = 1,
     on_progress: OnStep | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
@@ -65,17 +65,18 @@ def write_report(
         problems: likewise of problems.
         dimensions: the only dimensions of problems to show.
         versions: labels or patterns of optimizers whose earlier versions stand beside them, as ``label@1``.
-        journal: whose document class the LaTeX tables and the figures fit: plain, ieee, acm, elsevier or lncs.
+        columns: of the text that the LaTeX tables and figures fit, 1 or 2.
         on_progress: called before every step.
 
     Raises:
         BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` are
             none, the best of 2009 is of other problems, the study has no optimizer ``subject``, nothing has a
-            pattern or a dimension that is selected, ``journal`` is none, a selection has no ``output``, or that
-            cannot be written or holds another study.
+            pattern or a dimension that is selected, ``columns`` is neither 1 nor 2, a selection has no ``output``, or
+            that cannot be written or holds another study.
     """
     chosen = None if targets is None else Targets.read(targets, "the targets of a report")
-    document = journal_of(journal)
+    if columns not in LAYOUTS:
+        raise BenchError(f"a text has 1 or 2 columns, not {columns!r}")
     results = StoredResults(path, *others, versions=versions)
     if (optimizers, problems, dimensions) != (None, None, None):
         results = results.select(optimizers=optimizers, problems=problems, dimensions=dimensions)
@@ -96,7 +97,7 @@ def write_report(
                 problems=len(findings.study.problems),
                 printed=not findings.trials.many,
                 on_step=on_progress or (lambda *_: None),
-                journal=document,
+                layout=LAYOUTS[columns],
             )
             title = findings.study.title or findings.study.name
             page = draft.write(title, lead(findings), chapters(findings))

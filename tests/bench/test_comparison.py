@@ -135,7 +135,7 @@ def test_results_show_the_verdict_and_draw_themselves(results):
         assert label in page
         assert label in text
     assert text.splitlines()[0] in page
-    assert results.plot.ranks().texts
+    assert results.plot.chances().lines
     assert results.plot.values().get_yticklabels()
     assert results.plot.convergence("valley").lines
 

@@ -68,8 +68,8 @@ def figure(findings: Findings) -> list[Figure]:
     shown = findings.of(shown_leads)
     rows = 0.3 + 0.16 * len(rivals)
     plot, (top, bottom) = style.grid(
-        2, columns=1, width=style.column_width(), height=1.6, left=max(0.5, left_margin(style.names(rivals).values())),
-        down=0.35, top=legend_height(pens, style.column_width()) + 0.1, bottom=0.1,
+        2, columns=1, width=style.COLUMN, height=1.6, left=max(0.5, left_margin(style.names(rivals).values())),
+        down=0.35, top=legend_height(pens, style.COLUMN) + 0.1, bottom=0.1,
     )  # fmt: skip
     ecdf(bands, pens=pens, legend=False, ax=top)
     spells(shown, rivals, pens=findings.display.pens, ax=bottom)

@@ -25,7 +25,6 @@ from bench.topics.anytime.figures import (
     regret_figure,
 )
 from bench.topics.anytime.leads import SAY, figure, sentences
-from bench.topics.anytime.profiles import sections as profiles
 from bench.topics.findings import Findings, Trials
 from bench.topics.topic import Topic
 
@@ -88,7 +87,7 @@ def section(findings: Findings) -> Section:
         TITLE,
         (*text, SAY("apart", apart[0].name, len(apart))) if apart else text,
         (*course(findings), *figure(findings), together, *rates),
-        sections=(*profiles(findings), *own_parts),
+        sections=own_parts,
         apart=tuple(apart),
     )
 

@@ -1,1 +1,1 @@
-"""A topic of reports: medians, means, feasibility and dominance of every optimizer on every problem."""
+"""A topic of reports: medians, means, and feasibility of every optimizer on every problem."""

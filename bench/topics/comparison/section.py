@@ -26,12 +26,11 @@ NOTE = (
     "separably lower. {marks} –: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. "
     "Values have four significant digits, or up to six to distinguish those of a row."
 )
-LETTERS = "Letters, in the order of the ranks: optimizers of a row that share a letter are not separable."
 VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
 def section(findings: Findings) -> Section:
-    """Return the matrix of medians, its best values, those not distinguishable from them, and letters."""
+    """Return the matrix of medians, its best values, those not distinguishable from them."""
     matrix = findings.final.matrix
     best, alike = table(matrix, "best").astype(bool), table(matrix, "alike").astype(bool)
     odd = findings.final.disagreements
@@ -65,7 +64,7 @@ def _medians(findings: Findings) -> list[Table]:
     """Return the matrix of medians: a table of objective values, and one of the precisions of pooled instances."""
     subject = findings.final.subject
     signs = f"+: {subject} is separably lower than this one; −: higher; =: neither; other pairs are not tested."
-    notes = NOTE.format(marks=signs if subject else LETTERS)
+    notes = NOTE.format(marks=signs if subject else "")
     precise = findings.final.matrix["problem"].isin(findings.trials.precisions)
     caption = "over the trials of each cell (lower is better), and who beats the most rivals."
     tables = []
@@ -83,7 +82,7 @@ def _medians(findings: Findings) -> list[Table]:
 
 
 def _matrix(findings: Findings, name: str, caption: str, matrix: pd.DataFrame, note: str) -> Table:
-    """Return the medians of some problems by optimizers, with the first of each row and letters."""
+    """Return the medians of some problems by optimizers, with the first of each row."""
     values, odd = table(matrix, "value"), findings.final.disagreements
     odd = odd[odd["problem"].isin(values.index)]
     other = _other_best(odd).reindex(values.index, fill_value="")
@@ -94,7 +93,7 @@ def _matrix(findings: Findings, name: str, caption: str, matrix: pd.DataFrame, n
         texts=_texts(values),
         bold=table(matrix, "best").astype(bool),
         italic=table(matrix, "alike").astype(bool),
-        marks=table(matrix, "letters"),
+        marks=table(matrix, "sign") if "sign" in matrix else None,
         lost=_lost(findings.trials, values),
         note=note + (OTHER_NOTE if len(odd) and not findings.display.upright else ""),
         data=matrix,

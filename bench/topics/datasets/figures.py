@@ -38,7 +38,7 @@ def distribution_figure(
     beside = 0.7 if noted else 0.1  # for the number of failed trials
     left = left_margin(style.names(optimizers).values())
     figure, axes = style.grid(
-        1 + len(metrics), columns=COLUMNS, width=style.page_width() if metrics else figure_width(left),
+        1 + len(metrics), columns=COLUMNS, width=style.PAGE if metrics else figure_width(left),
         height=style.rows_height(len(optimizers)), left=left,
         right=beside, across=beside + 0.1, down=0.7, bottom=0.36, top=0.22,
     )  # fmt: skip

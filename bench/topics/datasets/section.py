@@ -31,7 +31,7 @@ def section(findings: Findings) -> Section:
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
         "point. A12 is the probability that a trial of the first optimizer ends below a trial of the second, ties "
         f"counted half. A12 = 0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is "
-        f"called {listing(words)}. Cliff’s delta is 2 A12 − 1. KS D is the largest distance between the two empirical "
+        f"called {listing(words)}. KS D is the largest distance between the two empirical "
         f"distribution functions, and KS p its exact p-value (given the ties, where more than {TIED:.0%} of the values "
         "are tied)."
     )
@@ -108,9 +108,8 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     decimals = usual_decimals(cells["median"])
     shown.insert(3, "median 95%", _intervals(cells["median_low"], cells["median_high"], decimals))
     subject = findings.final.subject
-    marks = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
-    if marked := marks.fillna("").ne("").any():
-        shown[f"against {subject}" if subject else "letters"] = marks
+    if marked := "sign" in matrix:
+        shown[f"against {subject}"] = matrix[matrix["problem"] == problem].set_index("optimizer")["sign"]
     if len(rates):
         reached = (
             rates[(rates["problem"] == problem) & (rates["tau"] == chosen.level)]
@@ -127,7 +126,7 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
         note="The interval of the median is distribution-free; "
-        + (f"{'signs' if subject else 'letters'} as in the comparison; " if marked else "")
+        + ("signs as in the comparison; " if marked else "")
         + f"success: trials that reached {chosen.at(chosen.level)}, with a 95% Wilson interval. –: too few trials.",
         data=cells.reset_index(),
     )

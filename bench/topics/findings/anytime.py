@@ -16,8 +16,6 @@ from bench.analysis.cells import near_best as near_best_of
 from bench.analysis.cells import traces_of
 from bench.analysis.compare import table as table_of
 from bench.analysis.instances import SOLVED
-from bench.analysis.multiverse import MULTIVERSE
-from bench.analysis.multiverse import multiverse as multiverse_of
 from bench.analysis.reference import reference_shares, reference_times, runlength_targets
 from bench.analysis.running_time import in_seconds
 from bench.analysis.running_time import restart_shares as restart_shares_of
@@ -70,12 +68,6 @@ class Anytime:
     def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
         """Return the optimizers that are shown to be lower than the leader after smaller shares of the budget."""
         return earlier_leads_of(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
-
-    def multiverse(self, leader: str) -> pd.DataFrame:
-        """Return the order of the optimizers, and who is behind the leader, under other analyses."""
-        shares = [share for share in MULTIVERSE if share in self._shares]
-        areas = {share: self.target_sets_at[share] for share in shares}
-        return multiverse_of(self.trials.frame, self.trials.traces, self._spent, leader, areas, shares)
 
     @property
     def _spent(self) -> dict[str, int]:
@@ -334,39 +326,22 @@ class Anytime:
     @cached_property
     def target_sets(self) -> pd.DataFrame:
         """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
-        return self.target_sets_at[1.0]
-
-    @cached_property
-    def target_sets_at(self) -> dict[float, pd.DataFrame]:
-        """The same within shares of the budget."""
-        within = {
-            share: {label: max(round(share * budget), 1) for label, budget in self.trials.budgets.items()}
-            for share in MULTIVERSE
-        }
-
-        def areas_of(hits: pd.DataFrame) -> dict[float, pd.DataFrame]:
-            return {share: target_areas(hits, budgets) for share, budgets in within.items()}
-
-        areas = {self.target_set.short: areas_of(self.hits)}
+        areas = {self.target_set.short: target_areas(self.hits, self.trials.budgets)}
         others = [KINDS[kind] for kind in ("precisions", "relative", "quantiles") if kind != self.target_set][:2]
         for chosen in others:
             targets = dict(list(self._targets(chosen).groupby("problem", observed=True)))
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
-            parts = [areas_of(self.hits.head(0))] + [
-                areas_of(
-                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed)
+            parts = [
+                target_areas(
+                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed),
+                    self.trials.budgets,
                 )
                 for label, trials in self.trials.measured.groupby("problem", observed=True)
                 if label in targets
             ]
-            areas[chosen.short] = {
-                share: pd.concat([part[share] for part in parts if len(part[share])] or [parts[0][share]])
-                for share in within
-            }
-        return {
-            share: compare_sets({name: own[share] for name, own in areas.items()}, self.trials.optimizers)
-            for share in within
-        }
+            none = target_areas(self.hits.head(0), self.trials.budgets)
+            areas[chosen.short] = pd.concat([part for part in parts if len(part)] or [none])
+        return compare_sets(areas, self.trials.optimizers)
 
     @cached_property
     def aocc(self) -> pd.DataFrame:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb
-from typing import Any
 
 import pandas as pd
 
@@ -14,7 +13,6 @@ from bench.analysis.across import places, with_winner
 from bench.analysis.error_rates import enough_trials
 from bench.analysis.error_rates import levels as levels_of
 from bench.analysis.pairwise import adjusted
-from bench.analysis.standings import complete_ranks
 from bench.analysis.standings import disagreements as disagreements_of
 from bench.analysis.subject import signs_of
 from bench.analysis.trials_needed import POWER
@@ -96,13 +94,9 @@ class Final:
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
-        """The comparison matrix of medians with its letters, or the signs of the subject's tests, one row a cell."""
-        letters = (
-            signs_of(self.summary, self.pairs, self.subject)
-            if self.subject
-            else analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
-        )
-        return analysis.comparison_matrix(self.summary, self.tested_pairs, standing=self.standings).merge(letters)
+        """The comparison matrix of medians, with the signs of a subject's tests where there is one, one row a cell."""
+        matrix = analysis.comparison_matrix(self.summary, self.tested_pairs, standing=self.standings)
+        return matrix.merge(signs_of(self.summary, self.pairs, self.subject)) if self.subject else matrix
 
     @cached_property
     def standings(self) -> pd.DataFrame:
@@ -123,16 +117,6 @@ class Final:
     # across problems
 
     @cached_property
-    def certainty(self) -> pd.DataFrame:
-        """How far other trials on the same problems could move the ranking."""
-        return analysis.ranking_certainty(self.trials.frame)
-
-    @cached_property
-    def stability(self) -> pd.DataFrame:
-        """The mean rank of each optimizer over the number of trials that count."""
-        return analysis.rank_stability(self.trials.frame)
-
-    @cached_property
     def needed(self) -> pd.DataFrame:
         """The trials that would separate the pairs that are not separated, with a power of 80%."""
         return self.needed_for(POWER)
@@ -147,11 +131,6 @@ class Final:
     def medians(self) -> pd.DataFrame:
         """The medians of the problems on which every optimizer has a trial, problems by optimizers."""
         return analysis.medians(self.summary)
-
-    @cached_property
-    def friedman(self) -> dict[str, Any]:
-        """Friedman's test of the ranks and its Iman-Davenport form."""
-        return dict(analysis.friedman(complete_ranks(self.standings)).iloc[0])
 
     @cached_property
     def overall(self) -> pd.DataFrame:

@@ -2,39 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-
 import pandas as pd
 
-from bench.plots import a12_forest, cd_diagram, style
-from bench.plots.ranks import RANK_NAME, cd_height, forest_names
+from bench.plots import a12_forest, style
+from bench.plots.ranks import forest_names
 from bench.report.parts import Figure
 from bench.topics.figures import figure_width, left_margin
-
-
-def rank_figure(
-    mean_ranks: pd.Series[float], cliques: Collection[Sequence[str]], nemenyi: float | None = None
-) -> Figure:
-    """Return the critical-difference diagram of mean ranks over problems; a bar joins those of a clique.
-
-    ``nemenyi`` is the critical difference, where the cliques are those of that test.
-    """
-    side = style.text_width(style.names(mean_ranks.index, RANK_NAME).values()) + 0.5
-    figure, (ax,) = style.grid(
-        1, width=figure_width(2 * side),
-        height=cd_height(mean_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05,
-        top=0.3 if nemenyi is None else 0.55,
-    )  # fmt: skip
-    cd_diagram(mean_ranks, cliques, nemenyi, ax=ax)
-    joins = "no pair of which differs significantly on these problems (Holm)"
-    if nemenyi is not None:
-        joins = f"whose ranks are less than the critical difference of Nemenyi’s test apart, {nemenyi:.2f} (level 0.05)"
-    caption = (
-        "Critical-difference diagram: mean ranks over problems by the rivals beaten, the best at the left. A bar joins "
-        f"optimizers {joins}."
-    )
-    name = "ranks" if nemenyi is None else "ranks-nemenyi"
-    return Figure(name, caption, figure, mean_ranks.rename_axis("optimizer").reset_index(name="mean_rank"))
 
 
 def forest_figure(pairs: pd.DataFrame) -> Figure:

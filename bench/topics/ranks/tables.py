@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import pandas as pd
 
@@ -159,14 +158,12 @@ def _beside_first(final: Final) -> pd.DataFrame:
 
 def ranking_table(findings: Findings) -> Table:
     """Return the chances, mean ranks and first places with their intervals, best first."""
-    table = findings.final.ranking.merge(findings.final.certainty.drop(columns="problems"), on="optimizer")
-    table = table.set_index("optimizer").loc[findings.final.ranked]
-    problems, sure = int(table["problems"].iloc[0]), bool(table["rank_low"].notna().all())
-    rank = table["mean_rank"]
+    table = findings.final.ranking.set_index("optimizer").loc[findings.final.ranked]
+    problems = int(table["problems"].iloc[0])
     shown = pd.DataFrame(
         {
             "chance": table["chance"],
-            "mean rank": _with_interval(rank, table["rank_low"], table["rank_high"]) if sure else rank,
+            "mean rank": table["mean_rank"],
             "first": table["first"],
             "separable": table["separable"],
             "worse": table["worse"],
@@ -181,12 +178,7 @@ def ranking_table(findings: Findings) -> Table:
         shown,
         decimals=2,
         note="Chance: that a run of it ends lower than a run of a rival, in the mean over rivals and problems. "
-        + ("In brackets: a 95% interval of the mean rank that other trials on these problems would give. " * sure)
-        + "First: problems on which it is ranked first, unless half of the optimizers or more share that place"
+        "First: problems on which it is ranked first, unless half of the optimizers or more share that place"
         + ("." if findings.final.subject else TESTED),
         data=table.reset_index(),
     )
-
-
-def _with_interval(values: pd.Series[Any], low: pd.Series[Any], high: pd.Series[Any]) -> list[str]:
-    return [f"{value:.2f} [{least:.2f}, {most:.2f}]" for value, least, most in zip(values, low, high, strict=True)]

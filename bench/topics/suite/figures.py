@@ -65,12 +65,12 @@ def scatter_figure(table: pd.DataFrame, across: str, up: str) -> Figure:
     pens = {kind: style.Pen(style.PALETTE[i % 8], style.MARKERS[i % 7], "") for i, kind in enumerate(kinds)}
     figure, (ax,) = style.grid(
         1,
-        width=style.column_width(),
+        width=style.COLUMN,
         height=2.4,
         left=0.55,
         right=0.15,
         bottom=0.45,
-        top=legend_height(pens, style.column_width()) + 0.1,
+        top=legend_height(pens, style.COLUMN) + 0.1,
     )
     ert_scatter(table, across, up, pens=pens, ax=ax)
     style.legend_above(figure, style.handles(pens))

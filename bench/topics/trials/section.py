@@ -1,4 +1,4 @@
-"""Whether the trials were enough: how many would separate more pairs, and how stable ranks are."""
+"""Whether the trials were enough: how many would separate more pairs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from bench.report.parts import Part, Section, Table
 from bench.report.wording import count, interval
 from bench.topics.findings import Final, Findings
 from bench.topics.topic import Topic
-from bench.topics.trials.figures import stability_figure
 
 TITLE = "Enough trials"
 SHOWN = 40  # rows of the table on the page
@@ -35,8 +34,6 @@ def section(findings: Findings) -> Section:
     items: list[Part] = []
     if len(findings.final.needed):
         items.append(_needed(findings.final))
-    if len(findings.final.stability):
-        items.append(stability_figure(findings.final.stability, findings.display.pens))
     return Section(TITLE, tuple(text), tuple(items), on_demand=True)
 
 

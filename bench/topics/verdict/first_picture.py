@@ -46,7 +46,7 @@ def leader_figure(tests: pd.DataFrame, ranked: Sequence[str], clear: bool) -> Fi
     names = style.names(rivals, 18)
     left = style.text_width(names.values(), style.SMALL) + 0.25
     figure, (ax,) = style.grid(
-        1, width=style.column_width(), height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
+        1, width=style.COLUMN, height=style.rows_height(len(pairs)), left=left, bottom=0.36, top=0.08
     )
     a12_forest(pairs, names=list(names.values()), ax=ax)
     ax.set_xlabel(f"probability that a run of {style.plain(leader, 24)} ends lower", loc="right")
@@ -84,7 +84,7 @@ def trials_figure(
     beside = 0.7 if unfinished else 0.1  # for the number of failed trials
     columns = {5: 3, 6: 3}.get(len(problems), ONE_ROW)
     figure, axes = style.grid(
-        len(problems), columns=columns, width=style.column_width() if len(problems) == 1 else style.page_width(),
+        len(problems), columns=columns, width=style.COLUMN if len(problems) == 1 else style.PAGE,
         height=style.rows_height(len(optimizers)), bottom=0.36, top=0.3, right=beside, across=beside + 0.08, down=0.5,
         left=style.text_width(style.names(optimizers).values(), style.SMALL) + 0.12,
     )  # fmt: skip

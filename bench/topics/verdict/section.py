@@ -75,8 +75,7 @@ def standing(findings: Findings) -> Standing:
     """Return the facts from which the verdict is written."""
     trials, final = findings.trials, findings.final
     complete = list(final.medians.index)
-    ranking = final.ranking.merge(final.certainty.drop(columns="problems"), on="optimizer")
-    ranking = ranking.sort_values("place", kind="stable")
+    ranking = final.ranking.sort_values("place", kind="stable")
     clear = final.pairs[final.pairs["problem"].isin(complete) & (final.pairs["lower"] != "")]
     beaten: Counter[tuple[str, str]] = Counter()
     for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):

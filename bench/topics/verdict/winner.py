@@ -86,8 +86,8 @@ class Standing:
     """The facts on one study from which the verdict is written.
 
     Attributes:
-        ranking: of :func:`bench.analysis.ranking`, with the place of :func:`bench.analysis.places` and rank_low and
-            rank_high of :func:`bench.analysis.ranking_certainty`, in the order of the places.
+        ranking: of :func:`bench.analysis.ranking`, with the place of :func:`bench.analysis.places` , in
+            the order of the places.
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
         across: by (one, other), the comparison over all problems.
         levels: of the tests on problems and over all of them; 0 where no test can be significant.

@@ -127,7 +127,7 @@ def dataset_panels(
         len(titles), columns=columns, height=height, left=LEFT, bottom=0.36 + (0 if upright else longest),
         top=0.25 + style.legend_height(entries), across=ACROSS, down=0.3,
     )  # fmt: skip
-    width = (style.page_width() - LEFT) / columns - ACROSS
+    width = (style.PAGE - LEFT) / columns - ACROSS
     every = ceil(len(names) * (longest + 0.06 if upright else 0.12) / width)
     for number, (ax, title) in enumerate(zip(axes, titles, strict=True)):
         if number:

@@ -71,7 +71,7 @@ def save_figures(
 
 def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
     """Plot the fit of a recording: speed and fit; the mean half turn, or the oscillation, larger; the residual."""
-    figure = Figure(figsize=(style.page_width(), 5.6), layout="constrained")
+    figure = Figure(figsize=(style.PAGE, 5.6), layout="constrained")
     above, middle, below = figure.subplots(3, height_ratios=(2.0, 2.4, 1.0))
     recording, time = estimate.recording, estimate.recording.time
     dense = len(time) > style.MANY_POINTS  # kept as an image then
@@ -95,7 +95,7 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
     kinds: dict[tuple[str, str], list[Trend]] = {}
     for trend in trends:
         kinds.setdefault((trend.quantity, trend.series.unit), []).append(trend)
-    figure = Figure(figsize=(style.page_width(), 0.3 + 2.9 * len(kinds)), layout="constrained")
+    figure = Figure(figsize=(style.PAGE, 0.3 + 2.9 * len(kinds)), layout="constrained")
     pens = style.pens(trend.series.name for trend in trends)
     names = style.names(pens)
     for ax, ((quantity, unit), alike) in zip(np.ravel(figure.subplots(len(kinds))), kinds.items(), strict=True):

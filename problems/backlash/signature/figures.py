@@ -48,7 +48,7 @@ def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[P
 
 def stiffness(joint: Joint, half_gaps: Sequence[float]) -> Figure:
     """Return Fig. 4.5: the stiffness of eq. 4.5 across the smallest and the largest gap of some half-gaps in rad."""
-    figure = Figure(figsize=(style.column_width(), 2.2), layout="constrained")
+    figure = Figure(figsize=(style.COLUMN, 2.2), layout="constrained")
     ax = figure.subplots()
     twist = np.linspace(-1.5 * half_gaps[-1], 1.5 * half_gaps[-1], 2001)
     for gap, color in zip((half_gaps[0], half_gaps[-1]), style.PALETTE[:2], strict=True):
@@ -65,7 +65,7 @@ def signals(joint: Joint, gap: float) -> Figure:
 
     The position is drawn less the reference speed's, of which a disturbance is a small part.
     """
-    figure = Figure(figsize=(style.page_width(), 3.6), layout="constrained")
+    figure = Figure(figsize=(style.PAGE, 3.6), layout="constrained")
     axes = figure.subplots(3, sharex=True)
     for half_gap_rad, color in ((0.0, style.REFERENCE), (gap, style.PALETTE[0])):
         motion = simulate(joint, half_gap=half_gap_rad, duration=joint.turn).fine
@@ -81,7 +81,7 @@ def signals(joint: Joint, gap: float) -> Figure:
 
 def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
     """Return Fig. 4.7: the motor speed less its reference over one load turn, one line a half-gap in rad."""
-    figure = Figure(figsize=(style.page_width(), 2.8), layout="constrained")
+    figure = Figure(figsize=(style.PAGE, 2.8), layout="constrained")
     ax = figure.subplots()
     shades = colormaps["viridis_r"].resampled(256)
     largest = half_gaps[-1]
@@ -100,7 +100,7 @@ def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
 
 def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figure:
     """Return Fig. 4.8: the simulated pairs and the curve from amplitude to half-gap, with eq. 4.7 on request."""
-    figure = Figure(figsize=(style.column_width(), 2.6), layout="constrained")
+    figure = Figure(figsize=(style.COLUMN, 2.6), layout="constrained")
     ax = figure.subplots()
     between = np.linspace(*calibration.range, 301)
     if thesis:
@@ -117,7 +117,7 @@ def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figu
 
 def levels(joint: Joint) -> Figure:
     """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each causes in this joint."""
-    figure = Figure(figsize=(style.column_width(), 3.2), layout="constrained")
+    figure = Figure(figsize=(style.COLUMN, 3.2), layout="constrained")
     gaps = [half_gap(level) for level in LEVELS]
     amplitudes = 60 * np.array([simulated(gap, joint).peak for gap in gaps], dtype=np.float64)
     panels = ((1e6 * np.array(gaps), DELTA, style.PALETTE[0]), (amplitudes, AMPLITUDE, style.PALETTE[4]))

@@ -16,7 +16,6 @@ from bench.analysis.anytime import (
     evaluation_grid,
     expected_running_time,
     hitting_times,
-    performance_profiles,
     success_rates,
 )
 from bench.analysis.target_sets import targets
@@ -347,28 +346,3 @@ class TestConvergence:
         assert convergence(ended(), {}, evaluation_grid(100)).empty
         curves = convergence(ended(("p", "a", 0, "failed")), {}, evaluation_grid(100, 3))
         assert curves["median"].tolist() == [INF] * 3
-
-
-class TestPerformanceProfiles:
-    """Ratios by hand: a has 1, 3 and twice none; b has 2, 1, 1 and none, as nobody solved s."""
-
-    TIMES = pd.DataFrame(
-        [("p", "a", 10.0), ("p", "b", 20.0), ("q", "a", 30.0), ("q", "b", 10.0),
-         ("r", "a", INF), ("r", "b", 40.0), ("s", "a", INF), ("s", "b", INF)],
-        columns=["problem", "optimizer", "ert"],
-    )  # fmt: skip
-
-    def test_it_is_the_share_of_problems_within_each_ratio(self):
-        curves = performance_profiles(self.TIMES)
-        assert curves["ratio"].unique().tolist() == pytest.approx([1.0, 2.0, 3.0, 3.3])
-        shares = curves.groupby("optimizer")["fraction"].agg(list).to_dict()
-        assert shares == {"a": [0.25, 0.25, 0.5, 0.5], "b": [0.5, 0.75, 0.75, 0.75]}
-
-    def test_problems_count_on_which_every_optimizer_has_a_time(self):
-        more = pd.DataFrame([("t", "a", 1.0), ("p", "c", 5.0)], columns=["problem", "optimizer", "ert"])
-        curves = performance_profiles(pd.concat([self.TIMES, more]))
-        assert curves.groupby("optimizer")["fraction"].max().to_dict() == {"a": 1.0, "b": 1.0, "c": 1.0}
-        assert performance_profiles(self.TIMES[:1])["fraction"].tolist() == [1.0, 1.0]
-
-    def test_without_a_time_there_is_no_curve(self):
-        assert performance_profiles(self.TIMES[:0]).empty

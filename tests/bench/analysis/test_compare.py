@@ -1,11 +1,11 @@
-"""The comparison matrix, the compact letters and the ranking, by hand and as properties."""
+"""The comparison matrix, and the ranking, by hand and as properties."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench.analysis.cells import summarise
-from bench.analysis.compare import alike_groups, compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.compare import comparison_matrix, medians, ranking, table
 from bench.analysis.pairwise import pairwise_tests
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
@@ -87,10 +87,8 @@ class TestMatrix:
         frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("q", "a"): FAR})
         frame["optimizer"] = pd.Categorical(frame["optimizer"], ["b", "c", "a"])
         summary, pairs = summarise(frame), pairwise_tests(frame)
-        matrix = comparison_matrix(summary, pairs).merge(compact_letters(summary, pairs))
+        matrix = comparison_matrix(summary, pairs)
         assert len(matrix) == 6
-        assert row_of(matrix, "letters") == ["a", "", "a"]
-        assert row_of(matrix, "letters", "q") == ["", "", "a"]
         assert row_of(matrix, "best", "q") == [False] * 3
 
     def test_a_part_of_the_optimizers(self, frame_of):
@@ -98,7 +96,6 @@ class TestMatrix:
         summary, pairs = summarise(frame), pairwise_tests(frame)
         part = summary[summary["optimizer"] != "a"]
         assert row_of(comparison_matrix(part, pairs), "best") == [True, False]
-        assert row_of(compact_letters(part, pairs), "letters") == ["a", "b"]
 
     def test_no_trials_at_all(self, frame_of):
         frame = frame_of({})
@@ -164,61 +161,3 @@ class TestRanking:
         table = self.rank(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}))
         assert table[["problems", "first", "separable"]].to_numpy().tolist() == [[0, 0, 0]] * 2
         assert table["mean_rank"].isna().all()
-
-
-class TestLetters:
-    @pytest.fixture
-    def letters_of(self, frame_of):
-        def build(cells):
-            frame = frame_of(cells)
-            return compact_letters(summarise(frame), pairwise_tests(frame))
-
-        return build
-
-    def test_by_hand(self, letters_of):
-        above = [v + 0.1 for v in FAR]
-        letters = letters_of({("p", "a"): LOW, ("p", "b"): NEAR, ("p", "c"): FAR, ("q", "a"): LOW})
-        assert list(letters.columns) == ["problem", "optimizer", "letters"]
-        assert row_of(letters, "letters") == ["a", "a", "b"]
-        assert row_of(letters, "letters", "q") == ["a", "", ""]
-        assert row_of(letters_of({("p", "a"): FAR, ("p", "b"): LOW, ("p", "c"): above}), "letters") == ["b", "a", "b"]
-
-    @pytest.mark.parametrize("seed", range(3))
-    def test_optimizers_share_a_letter_just_where_they_are_not_separable(self, frame_of, seed):
-        rng = np.random.default_rng(seed)
-        shifts = rng.permutation(6) * 0.45
-        frame = frame_of({("p", name): rng.normal(shift, 1, 30) for name, shift in zip("abcdef", shifts, strict=True)})
-        summary, pairs = summarise(frame), pairwise_tests(frame)
-        letters = compact_letters(summary, pairs).set_index("optimizer")["letters"]
-        for pair in pairs.itertuples():
-            assert bool(set(letters[pair.first]) & set(letters[pair.second])) != pair.significant
-        assert letters.nunique() > 1
-        assert "a" in letters[summary.set_index("optimizer")["median"].idxmin()]
-
-    def test_more_groups_than_letters(self, frame_of):
-        frame = frame_of({("p", f"o{i}"): [float(i)] for i in range(53)})
-        summary = summarise(frame)
-        names = summary["optimizer"]
-        pairs = pd.DataFrame(
-            [("p", one, other, 0.0, 0.0, other) for i, one in enumerate(names) for other in names[:i]],
-            columns=["problem", "first", "second", "p_holm", "a12", "lower"],
-        )
-        assert compact_letters(summary, pairs)["letters"].tolist() == ["?"] * 53
-        assert compact_letters(summary[1:], pairs)["letters"].nunique() == 52
-
-    @pytest.mark.parametrize(
-        ("separable", "groups"),
-        [
-            ([], ["abcde"]),
-            (["ac", "ad", "ae", "bd", "be", "ce"], ["ab", "bc", "cd", "de"]),
-            (["ab", "cd"], ["ace", "ade", "bce", "bde"]),
-            (["ab", "bc", "cd", "de", "ae"], ["ac", "ad", "bd", "be", "ce"]),
-            (["ad", "ae", "bd", "be", "cd", "ce", "de"], ["abc", "d", "e"]),
-        ],
-    )
-    def test_groups_are_those_that_scikit_posthocs_finds(self, separable, groups):
-        # of 0.17.1: compact_letter_display(p, alpha=0.5), where p is 0 of separable pairs and 1 of the others
-        matrix = np.zeros((5, 5), dtype=bool)
-        for one, other in separable:
-            matrix["abcde".index(one), "abcde".index(other)] = matrix["abcde".index(other), "abcde".index(one)] = True
-        assert ["".join("abcde"[item] for item in group) for group in alike_groups(matrix)] == groups

@@ -16,17 +16,7 @@ FRAME = pd.DataFrame({"problem": ["p"], "optimizer": ["a"], "trial": [0], "statu
         (lambda: analysis.timing(FRAME), "timing misses in 'frame': .*wall_s.*; it has the columns problem, optimizer"),
         (lambda: analysis.summarise("results"), "summarise takes as 'frame' a frame, such as .* not an object of str"),
         (lambda: analysis.coverage(frame=None), "coverage takes as 'frame' a frame"),
-        (
-            lambda: analysis.cliques(FRAME, FRAME),
-            "cliques takes as 'average_ranks' a series of a number",
-        ),
-        (
-            lambda: analysis.friedman(FRAME),
-            "friedman takes the ranks of .* the column 'problem' holds no numbers",
-        ),
         (lambda: analysis.holm(FRAME), "holm takes as 'p' an array of numbers, .* not an object of DataFrame"),
-        (lambda: analysis.nemenyi(FRAME, 2), "nemenyi takes as 'average_ranks' a series"),
-        (lambda: plots.cd_diagram(FRAME), "cd_diagram takes as 'average_ranks' a series .* not an object of DataFrame"),
         (lambda: plots.box_plot("results", "p"), "box_plot takes as 'frame' a frame, such as .* not an object of str"),
         (lambda: analysis.convergence(FRAME, [], 10), "convergence takes as 'traces' traces, such as results.traces"),
     ],
@@ -44,5 +34,5 @@ def test_a_key_that_no_frame_could_have_stays_what_it_is():
 
 
 def test_the_public_names_are_those_that_a_reader_of_frames_needs():
-    assert len(analysis.__all__) == 52  # 45 functions, with their constants and types
+    assert len(analysis.__all__) == 42  # 35 functions, with their constants and types
     assert all(hasattr(analysis, name) for name in analysis.__all__)

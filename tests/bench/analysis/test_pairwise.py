@@ -83,7 +83,6 @@ class TestColumns:
             expected |= dict(zip(INTERVALS, ends, strict=True))
             assert {name: pair[name] for name in expected} == {name: own[0] for name, own in expected.items()}
             assert (pair["n_first"], pair["n_second"]) == tuple(own.shape[1] for own in both)
-            assert pair["cliffs_delta"] == 2 * pair["a12"] - 1
 
     def test_do_not_depend_on_how_many_are_compared_at_once(self, monkeypatch):
         rng = np.random.default_rng(6)
@@ -109,7 +108,7 @@ class TestColumns:
 class TestByHand:
     def test_complete_separation(self, frame_of):
         pair = pair_of(frame_of, [6, 7, 8, 9, 10, 11.0], [0, 1, 2, 3, 4, 5.0])
-        assert (pair.a12, pair.cliffs_delta, pair.separated, pair.a12_low) == (0.0, -1.0, True, pytest.approx(0))
+        assert (pair.a12, pair.separated, pair.a12_low) == (0.0, True, pytest.approx(0))
         assert (pair.p, pair.p_holm, pair.lower, pair.significant) == (2**-5, 2**-5, "b", True)
 
     def test_the_level_decides(self, frame_of):
@@ -142,7 +141,7 @@ class TestByHand:
         pair = one(pairs, problem="q")
         assert (pair.n_second, pair.p, pair.p_holm, pair.lower) == (0, 1.0, 1.0, "")
         assert (pair.testable, pair.separated, pair.ks_tied, pair.ks_p) == (False, False, False, 1.0)
-        assert pair[["a12", "ratio", *INTERVALS, "cliffs_delta", "ks_distance"]].isna().all()
+        assert pair[["a12", "ratio", *INTERVALS, "ks_distance"]].isna().all()
         alone = pairwise_tests(frame_of(full)).iloc[0]
         assert one(pairs, problem="p")[["p_holm", "testable", "joint_low"]].equals(
             alone[["p_holm", "testable", "joint_low"]]

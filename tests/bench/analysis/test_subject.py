@@ -73,7 +73,7 @@ def test_an_outcome_needs_a_test(probability, significant, said):
 
 def test_the_signs_are_those_of_the_subject():
     pairs = pairwise_tests(WORSE, subject="b")
-    signs = signs_of(summarise(WORSE), pairs, "b").pivot(index="problem", columns="optimizer", values="letters")
+    signs = signs_of(summarise(WORSE), pairs, "b").pivot(index="problem", columns="optimizer", values="sign")
     assert set(signs["a"]) == {"−"}
     assert set(signs["b"]) == {""}
     assert set(signs["c"]) == {"="}

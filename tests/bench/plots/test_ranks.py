@@ -1,35 +1,11 @@
-"""Critical-difference diagrams and forests."""
+"""Ranks over the budget and forests."""
 
 import numpy as np
 import pandas as pd
 
 from bench import plots
 from bench.plots.ranks import legible, moved_apart
-from tests.bench.plots.frames import axes, ranks_of, svg, texts
-
-
-class TestRanks:
-    def test_names_stand_by_their_rank_and_bars_join_cliques(self):
-        ranks = pd.Series({"worst": 4.0, "best": 1.25, "good": 2.0, "fair": 2.75})
-        ax = plots.cd_diagram(ranks, [["best", "good"], ["good", "fair"], ["worst"]], 1.0, ax=axes())
-        assert texts(ax)[:4] == ["best  1.25", "good  2.00", "4.00  worst", "2.75  fair"]
-        assert "CD = 1.00" in texts(ax)
-        bars = [bar.get_segments()[0][:, 0] for bar in ax.collections]
-        np.testing.assert_allclose(bars, [[1.25, 2.0], [2.0, 2.75]], atol=0.05)
-        elbows = [line.get_xdata()[0] for line in ax.lines[:4]]
-        assert elbows == [1.25, 2.0, 4.0, 2.75]
-        assert [line.get_xdata()[1] - line.get_xdata()[0] for line in ax.lines[4:]] == [1.0]
-
-    def test_a_missing_rank_is_left_out(self):
-        ax = plots.cd_diagram(pd.Series({"a": 1.0, "b": np.nan}), [["a", "b"]], ax=axes())
-        assert texts(ax) == ["a  1.00"]
-        assert not ax.collections
-
-    def test_of_too_many_the_best_and_the_worst_are_named(self):
-        ax = plots.cd_diagram(ranks_of([f"o{i}" for i in range(100)]), ax=axes())
-        assert texts(ax)[0] == "o0  1.00"
-        assert "100.00  o99" in texts(ax)
-        assert "40 more between these" in texts(ax)
+from tests.bench.plots.frames import axes, svg
 
 
 class TestCourse:

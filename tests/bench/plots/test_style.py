@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from bench import BenchError, plots
 from bench.plots import style
-from tests.bench.plots.frames import axes, clock, curves, fractions, improvements, ranks_of, times, trials
+from tests.bench.plots.frames import axes, clock, curves, fractions, improvements, times, trials
 
 
 @pytest.mark.parametrize(("count", "length"), [(1, 3), (7, 3), (30, 20)])
@@ -22,18 +22,9 @@ def test_a_legend_above_takes_the_height_it_says(count, length):
     style.legend_above(figure, ax.get_legend_handles_labels()[0])
     figure.draw_without_rendering()
     box = figure.legends[0].get_window_extent().transformed(figure.dpi_scale_trans.inverted())
-    assert box.x1 <= style.page_width()
+    assert box.x1 <= style.PAGE
     assert box.y0 >= figure.get_figheight() - style.legend_height(texts)
     assert [text.get_text() for text in figure.legends[0].texts] == texts
-
-
-def test_a_document_decides_the_widths():
-    usual = style.column_width(), style.page_width()
-    with style.context(style.Widths(2.0, 4.0)):
-        with style.context():
-            assert (style.column_width(), style.page_width()) == (2.0, 4.0)
-        assert style.grid(1, height=1.0, left=0.5)[0].get_figwidth() == 4.0
-    assert (style.column_width(), style.page_width()) == usual
 
 
 def test_a_title_has_as_many_letters_as_its_panel_has_room_for():
@@ -86,7 +77,7 @@ def test_log_axes_have_plain_numbers_or_powers_alone(limits, wanted):
 def test_functions_draw_on_the_axes_given_or_on_new_ones():
     from matplotlib import pyplot
 
-    frame, ranks = trials({("p", "a"): [1.0, 2.0]}), ranks_of(["a", "b"])
+    frame = trials({("p", "a"): [1.0, 2.0]})
     draw = [
         lambda ax: plots.box_plot(frame, "p", ax=ax),
         lambda ax: plots.convergence(curves(["p"], ["a"]), "p", ax=ax),
@@ -94,8 +85,6 @@ def test_functions_draw_on_the_axes_given_or_on_new_ones():
         lambda ax: plots.ert(times(["p"], ["a"]), "p", ax=ax),
         lambda ax: plots.ecdf(fractions(["a"]), ax=ax),
         lambda ax: plots.data_profile(fractions(["a"], "groups"), ax=ax),
-        lambda ax: plots.performance_profile(fractions(["a"], "ratio"), ax=ax),
-        lambda ax: plots.cd_diagram(ranks, ax=ax),
         lambda ax: plots.a12_forest(improvements(["a", "b"]), ax=ax),
         lambda ax: plots.timing(clock(["a"]), ax=ax),
     ]

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("draws")
 
 def figure(title="a title"):
     with style.context():
-        made = matplotlib.figure.Figure(figsize=(style.column_width(), 2), layout="constrained")
+        made = matplotlib.figure.Figure(figsize=(style.COLUMN, 2), layout="constrained")
         ax = made.subplots()
         ax.set_title(title)
         ax.plot([1, 2, 3], [3, 1, 2], "o-", label="a label")
@@ -125,7 +125,7 @@ def test_a_drawing_is_sent_as_json():
 def test_many_points_are_drawn_as_the_same_image(elsewhere):
     def cloud():
         with style.context():
-            made = matplotlib.figure.Figure(figsize=(style.column_width(), 2))
+            made = matplotlib.figure.Figure(figsize=(style.COLUMN, 2))
             ax = made.subplots()
             ax.plot(*np.random.default_rng(0).random((2, 1000)), ".", rasterized=True)
         return made

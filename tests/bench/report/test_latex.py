@@ -14,9 +14,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bench import BenchError, run
+from bench import run
 from bench.plots import style
-from bench.report.latex import ACCENTS, BLOCK, JOURNALS, SYMBOLS, escape, figure_to_latex, journal_of, prose, to_latex
+from bench.report.latex import ACCENTS, BLOCK, LAYOUTS, SYMBOLS, escape, figure_to_latex, prose, to_latex
 from bench.report.parts import Figure, Table
 from bench.topics import write_report
 
@@ -32,7 +32,7 @@ def drawn(width, height):
     return Figure("f", "90% of α", matplotlib.figure.Figure(figsize=(width, height)), pd.DataFrame())
 
 
-PAGE = JOURNALS["plain"].page
+PAGE = LAYOUTS[1].page
 
 needs_pdflatex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 
@@ -153,32 +153,29 @@ class TestToLatex:
         assert text.count("Italics: an exact test") == 1
         assert "rotatebox" not in text
 
-    @pytest.mark.parametrize("journal", [name for name in JOURNALS if name != "plain"])
-    def test_a_journal_of_two_columns_has_parts_in_place_of_a_longtable(self, journal):
-        text = to_latex(comparison(150, 4), "t", JOURNALS[journal])
-        assert text.splitlines()[1] == f"% fits {JOURNALS[journal].document}"
+    def test_two_columns_have_parts_in_place_of_a_longtable(self):
+        text = to_latex(comparison(150, 4), "t", LAYOUTS[2])
+        assert text.splitlines()[1] == f"% fits {LAYOUTS[2].document}"
         assert packages_of(text)[0] == "booktabs"
         assert "longtable" not in text
         assert text.count("(continued)") >= 2
         assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 150
 
-    def test_a_table_wider_than_a_column_spans_both_columns_of_a_journal(self):
-        table = comparison(10, 9)
-        assert r"\begin{table*}" in to_latex(table, "t", journal_of("ieee"))
-        assert r"\begin{table}" in to_latex(table, "t", journal_of("lncs"))
+    def test_a_table_wider_than_a_column_spans_both(self):
+        assert r"\begin{table*}" in to_latex(comparison(10, 9), "t", LAYOUTS[2])
+        assert r"\begin{table}" in to_latex(comparison(10, 3), "t", LAYOUTS[2])
 
-    @pytest.mark.parametrize(("width", "environment"), [(style.column_width(), "figure"), (7.0, "figure*")])
+    @pytest.mark.parametrize(("width", "environment"), [(style.COLUMN, "figure"), (7.0, "figure*")])
     def test_a_figure_has_its_environment_width_and_escaped_caption(self, width, environment):
-        text = figure_to_latex(drawn(width, 2.0), "figures/f.pdf", "a study-f", journal_of("ieee"))
+        text = figure_to_latex(drawn(width, 2.0), "figures/f.pdf", "a study-f", LAYOUTS[2])
         assert packages_of(text) == ["graphicx"]
         assert f"\\begin{{{environment}}}[tbp]" in text
         assert "\\includegraphics{figures/f.pdf}\n\\caption{90\\% of $\\alpha$}\\label{fig:a-study-f}\n" in text
         assert text.endswith(f"\\end{{{environment}}}\n")
 
     def test_a_figure_larger_than_the_page_shrinks(self):
-        for size, name in (((7.0, 2.0), "lncs"), ((3.4, 2.0), "plain")):
-            assert r"\resizebox" in figure_to_latex(drawn(*size), "f.pdf", "f", journal_of(name))
-        tall = figure_to_latex(drawn(3.4, 7.0), "f.pdf", "f", journal_of("lncs"))
+        assert r"\resizebox" in figure_to_latex(drawn(3.4, 2.0), "f.pdf", "f", LAYOUTS[1])
+        tall = figure_to_latex(drawn(3.4, 8.0), "f.pdf", "f", LAYOUTS[2])
         assert r"\begin{figure}[p]" in tall
         assert r"\includegraphics[totalheight=0.8\textheight]{f.pdf}" in tall
 
@@ -186,14 +183,10 @@ class TestToLatex:
         assert prose("from 1e-08 in [-5, 5]^d") == "from 10$^{-8}$ in [$-$5, 5]$^d$"
         assert prose("rde.py:RestartDE, 0.5") == r"rde.\allowbreak{}py:\allowbreak{}RestartDE, 0.5"
 
-    @pytest.mark.parametrize("journal", JOURNALS)
-    def test_columns_stand_apart_whatever_the_class_sets_between_them(self, journal):
-        text = to_latex(comparison(3, 2), "t", journal_of(journal))
+    @pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
+    def test_columns_stand_apart_whatever_the_class_sets_between_them(self, layout):
+        text = to_latex(comparison(3, 2), "t", layout)
         assert "\\setlength{\\tabcolsep}{4pt}\n\\begin{tabular}" in text
-
-    def test_a_journal_that_is_none_is_named(self):
-        with pytest.raises(BenchError, match=r"no journal is called 'iee'; did you mean 'ieee'\?"):
-            journal_of("iee")
 
     def test_a_long_note_takes_the_place_of_rows(self):
         table = comparison(60, 9)
@@ -331,9 +324,9 @@ class TestCompiled:
         assert "Float too large" not in log
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("journal", JOURNALS)
-    def test_tables_of_every_shape_fit_the_class_of_a_journal(self, journal, tmp_path):
-        options, name = re.search(r"(?:\[(.*)\])?\{(\w+)\}", JOURNALS[journal].document).groups()
+    @pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
+    def test_tables_of_every_shape_fit_the_class_of_a_layout(self, layout, tmp_path):
+        options, name = re.search(r"(?:\[(.*)\])?\{(\w+)\}", layout.document).groups()
         if subprocess.run(["kpsewhich", f"{name}.cls"], capture_output=True, check=False).returncode:
             pytest.skip(f"the class {name} is not installed (Debian: texlive-publishers)")
         sentence = "A sentence of more than forty characters about seeds and of what follows from them."
@@ -344,15 +337,13 @@ class TestCompiled:
             replace(shapes[1], caption="Many words. " * 40),
         ]
         tables = [*shapes, *tall, checkpoints(40), words]
-        body = "\n\\clearpage\n".join(
-            to_latex(table, f"t{number}", JOURNALS[journal]) for number, table in enumerate(tables)
-        )
+        body = "\n\\clearpage\n".join(to_latex(table, f"t{number}", layout) for number, table in enumerate(tables))
         log = compiled(
             tmp_path, f"\\title{{T}}\\author{{A}}\\maketitle Text.\n{body}", options=options or "", name=name
         )
         assert "Float too large" not in log
         assert max(overfull(log), default=0) < 4
-        assert JOURNALS[journal].breaks or "longtable" not in body
+        assert layout.breaks or "longtable" not in body
 
     @pytest.mark.skipif(shutil.which("lualatex") is None, reason="lualatex is not installed")
     def test_lualatex_takes_them_too(self, tmp_path):

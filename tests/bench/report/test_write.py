@@ -43,7 +43,7 @@ class TestFigures:
     @staticmethod
     def figure(title):
         with style.context():
-            figure = matplotlib.figure.Figure(figsize=(style.page_width(), 2), layout="constrained")
+            figure = matplotlib.figure.Figure(figsize=(style.PAGE, 2), layout="constrained")
             ax = figure.subplots()
             ax.set_title(style.plain(title))
             ax.plot([1, 2], [1, 2], "o-", clip_on=True)

@@ -15,7 +15,7 @@ from bench.topics.anytime.figures import convergence_figure, ecdf_figure, ert_fi
 from bench.topics.datasets.figures import distribution_figure
 from bench.topics.figures import at_round_numbers
 from bench.topics.findings import BEST
-from bench.topics.ranks.figures import forest_figure, rank_figure
+from bench.topics.ranks.figures import forest_figure
 from bench.topics.suite.figures import reached_figure, scatter_figure
 from bench.topics.time.figures import timing_figure
 from tests.bench.plots.frames import (
@@ -24,7 +24,6 @@ from tests.bench.plots.frames import (
     curves,
     fractions,
     improvements,
-    ranks_of,
     strict,
     svg,
     times,
@@ -51,7 +50,6 @@ def strictly():
 
 def every_figure(optimizers, problems=("p", "q")):
     frame = trials({(p, o): [1.0, 2.0, 4.0] for p in problems for o in optimizers})
-    ranks = ranks_of(optimizers)
     shares = fractions([*optimizers, BEST]).rename(columns={"evaluations": "per_dimension"})
     reached = pd.concat([shares.assign(problem=f"{each}, d = 2") for each in problems])
     ends = {f"{each}, d = 2": dict.fromkeys(optimizers, 10.0) for each in problems}
@@ -67,8 +65,6 @@ def every_figure(optimizers, problems=("p", "q")):
         reached_figure("targets", reached, optimizers, ends=ends),
         reached_figure("targets-of-all", reached, optimizers, ends=ends, columns=2),
         scatter_figure(erts, optimizers[0], "another"),
-        rank_figure(ranks, [list(ranks.index)]),
-        rank_figure(ranks, [list(ranks.index)], 1.5),
         forest_figure(improvements(optimizers)),
         timing_figure(clock(optimizers)),
     ]
@@ -98,7 +94,7 @@ class TestEveryFigure:
         figures = every_figure(optimizers, ("p", "$q$ 日本" * 20))
         for each in figures:
             assert svg(each.figure).startswith("<?xml")
-            assert each.figure.get_figwidth() in (style.column_width(), style.page_width())
+            assert each.figure.get_figwidth() in (style.COLUMN, style.PAGE)
             assert each.table.rows or optimizers == ["one"]
         assert len({each.name for each in figures}) == len(figures)
 
@@ -143,7 +139,6 @@ class TestEveryFigure:
             ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], target="tau = 0.01"),
             forest_figure(improvements(["a"])),
             timing_figure(clock([])),
-            rank_figure(pd.Series(dtype=float), []),
         ]
         for each in empty:
             svg(each.figure)
@@ -164,8 +159,8 @@ def test_a_panel_for_each_figure_whose_truth_is_known():
     frame = trials({("p", "a"): [1.0, 2.0]})
     wide = distribution_figure(frame, "p", None, {"speed_rpm": (1.0, 2.0), "unknown": (1.0, 1.0)})
     assert [ax.get_xlabel() for ax in wide.figure.axes] == ["objective value", "speed_rpm"]
-    assert wide.figure.get_figwidth() == style.page_width()
-    assert distribution_figure(frame, "p", None, {}).figure.get_figwidth() == style.column_width()
+    assert wide.figure.get_figwidth() == style.PAGE
+    assert distribution_figure(frame, "p", None, {}).figure.get_figwidth() == style.COLUMN
     assert wide.data["speed_rpm"].tolist() == [101.0, 102.0]
 
 

@@ -36,7 +36,7 @@ def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
     assert [item.name for item in section.items] == [
         "ranks-over-budget", "targets-reached", "success-rates", "target-sets",
     ]  # fmt: skip
-    _, each = section.sections  # all are of one dimension, below the performance profiles
+    (each,) = section.sections
     assert each.folded
     assert each.title == "Each problem"
     assert [item.name for item in each.items] == ["convergence", "expected-running-time"]
@@ -46,7 +46,7 @@ def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
 def test_problems_of_several_dimensions_are_folded_by_dimension(make, tmp_path):
     findings = Findings(Results(make(tmp_path / "s", tuple(f"p{i}" for i in range(MANY_PROBLEMS + 1)), trials=1)))
     findings.trials.__dict__["dimensions"] = {label: 2 if label == "p3" else 5 for label in findings.trials.problems}
-    _, *sections = anytime.section(findings).sections
+    sections = anytime.section(findings).sections
     assert [each.title for each in sections] == ["Each problem in dimension 5", "Each problem in dimension 2"]
     assert [item.name for item in sections[1].items] == ["convergence-d2", "expected-running-time-d2"]
     assert set(sections[1].items[0].data["problem"]) == {"p3"}

@@ -74,7 +74,7 @@ def test_the_picture_is_as_wide_as_a_page_and_no_text_is_cut(count):
     figure = drawn({(f"problem-{i}", name): [1.0, 20.0, 1e6] for i in range(count) for name in ("a", "random-search")})
     width, height = figure.figure.get_size_inches()
     box = figure.figure.get_tightbbox()
-    assert width in (style.column_width(), style.page_width())
+    assert width in (style.COLUMN, style.PAGE)
     assert height < 4
     assert (box.x0 >= -0.01, box.y0 >= -0.01, box.x1 <= width + 0.01, box.y1 <= height + 0.01) == (True,) * 4
 

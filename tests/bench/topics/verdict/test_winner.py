@@ -31,8 +31,6 @@ def standing(ranks, *, beaten=(), lower=(), problems=18, first=15, separable=14,
             "worse": [worse, *[problems] * (len(labels) - 1)],
             "mean_rank": list(ranks.values()),
             "place": list(ranks.values()),
-            "rank_low": [each - 0.1 for each in ranks.values()],
-            "rank_high": [each + 0.1 for each in ranks.values()],
         }
     )
     across = {}
@@ -95,7 +93,7 @@ CASES = {
     "dimensions differ": standing(THREE, **SHOWN, differing="not in dimension 5 (gwo)", worse=3),
     "two on a problem": ON_P,
     "two on a problem, not shown": with_pairs(ON_P, lower=False),
-    "one trial": replace(UNTESTED, ranking=UNTESTED.ranking.assign(rank_low=NAN)),
+    "one trial": UNTESTED,
     "several share the lead": standing(LEVEL | {"c": 3.0}, beaten={("a", "c"): 18}),
     "all are level": TIED,
     "all are level, on other problems each": replace(TIED, ranking=TIED.ranking.assign(separable=[9, 9])),

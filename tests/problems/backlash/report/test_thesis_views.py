@@ -396,7 +396,7 @@ def test_everything_can_be_drawn_and_written(tmp_path, change):
                     svg, _ = save_figure(item, tmp_path, item.name)
                     assert "nan" not in svg.lower()
                     assert item.table.rows
-                    assert item.figure.get_figwidth() in (style.column_width(), style.page_width())
+                    assert item.figure.get_figwidth() in (style.COLUMN, style.PAGE)
 
 
 def test_every_trial_failed(tmp_path):
