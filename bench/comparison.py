@@ -115,3 +115,5 @@ def _report_losses(outcome: Outcome, results: Results) -> None:
         warnings.warn(f"{count(len(lost), 'trial')} of {len(frame):,} failed, such as {example}", stacklevel=3)
     for line in outcome.different:
         warnings.warn(f"a trial made again is another one; {line}", stacklevel=3)
+    if outcome.doubtful:
+        warnings.warn(f"{outcome.doubtful[0]}; {outcome.remedy}", stacklevel=3)

@@ -156,6 +156,8 @@ def command(
         report_on([outcome.folder], console, n_jobs=jobs)
     for line in outcome.different:
         print_line(line, "red", console)
+    for line in outcome.doubtful:
+        print_line(line, "red", console)
     if outcome.spared:
         print_line(
             f"an evaluation takes a second or more, so no such run of {listed(outcome.spared)} was made again at the "
@@ -169,10 +171,12 @@ def command(
         print_error(f"{count(outcome.failed, 'trial')} failed; see the report or 'bench status {outcome.folder}'")
     if outcome.different:
         print_error("some trials are not repeated bit by bit: what their optimizers keep from trial to trial, or time")
+    if outcome.doubtful:
+        print_error(outcome.remedy)
     if outcome.undeclared:
         remedy = 'loop until the budget ends the run, or call objective.stop("reason")'
         print_error(f"{too_early(outcome.undeclared)}; {remedy}")
-    if outcome.failed or unsound or outcome.different or outcome.undeclared:
+    if outcome.failed or unsound or outcome.different or outcome.doubtful or outcome.undeclared:
         sys.exit(1)
 
 

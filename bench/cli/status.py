@@ -62,7 +62,7 @@ def command(
 
 def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
     """Yield a line on each check, failure, killed run and environment of a folder, with its colour."""
-    from bench.storage.folder import STORE, VERIFICATION
+    from bench.storage.folder import AT_ENDS, STORE
 
     if noted := folder.noted(STORE):
         yield f"store checked {noted.get('checked')}: {noted.get('sentence')}", None if noted.get("sound") else "red"
@@ -70,12 +70,11 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
         yield "store not checked yet: a report, 'bench verify' or 'bench status --check' does it", None
     yield from ((line, "red") for line in _failures(folder))
     yield from ((line, "yellow") for line in _killed(folder))
-    trials, different = folder.repeated()
-    if trials:
-        again = f"made again at the ends of runs: {trials - len(different):,} of {trials:,} are the same bit by bit"
-        yield again, "red" if different else None
-    yield from ((line, "red") for line in different)
-    if "verified" in (verified := folder.noted(VERIFICATION)):
+    verified = folder.verification()
+    if again := verified.get(AT_ENDS):
+        yield again["sentence"], "red" if again["different"] else None
+        yield from ((line, "red") for line in again["different"])
+    if "verified" in verified:
         line = f"verified {verified['verified']}: {verified.get('sentence')}"
         yield line, "red" if verified.get("different") else None
     made = folder.store.made()

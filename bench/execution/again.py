@@ -1,20 +1,23 @@
-"""Make one trial of each optimizer again at the end of a run, and compare trials made again with stored ones."""
+"""Make stored trials again and compare them: before a cell gets more, and one of each optimizer at the end of a run."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from bench.columns import Row, named
 from bench.execution.local import Answer
-from bench.execution.plan import EXPENSIVE
-from bench.helpers.text import count
+from bench.execution.plan import EXPENSIVE, Plan
 from bench.objective import OUT_OF_TIME
-from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
+from bench.plugins.inputs import conflicts
+from bench.storage.cells import split
+from bench.storage.folder import Folder, difference_line
 from bench.storage.rows import disagreement
 from bench.storage.store import Store
 from bench.study import Study
+from bench.study.cell import Labels
 from bench.trial import Trial
 
 
@@ -55,23 +58,54 @@ class Repetition:
         chosen = [replace(trial, again=True) for _, trial in self._chosen.values()]
         if not chosen:
             return []
-        made, different = 0, []
-        for trial, row, _ in answers(lambda: chosen):
-            row.pop("inputs", None)
-            if row["status"] != "timeout" and not by_the_clock(row, self._study):
-                made += 1
-                if what := difference(folder.store, trial, row):
-                    different.append(difference_line(trial, what))
-        if made:
-            trials, lines = folder.repeated()
-            trials, lines = trials + made, [*dict.fromkeys([*lines, *different])]
-            sentence = (
-                f"{trials - len(lines):,} of {count(trials, 'trial')} that runs made again at their ends, one of each "
-                f"optimizer in a fresh process, {'is' if trials == 1 else 'are'} the same bit by bit"
-            )
-            part = {"trials": trials, "sentence": sentence, "different": lines}
-            folder.note(VERIFICATION, folder.noted(VERIFICATION) | {AT_ENDS: part})
-        return different
+        compared = _compared(chosen, folder, self._study, answers)
+        folder.note_repeated(compared)
+        return [difference_line(trial, what) for trial, what in compared.items() if what]
+
+
+def doubtful(
+    plan: Plan, folder: Folder, answers: Callable[[Callable[[], Iterable[Trial]]], Iterator[Answer]]
+) -> dict[Trial, str]:
+    """Make a stored trial of each cell again that is to get more; return those that differ, and how.
+
+    Something that no process was seen to read is then another: nothing may be added to their cells. The trials are
+    those that took least time; none is made again where evaluations are expensive.
+    """
+    growing = {trial.key[:2] for trial in plan.missing()}
+    columns = ("problem", "optimizer", "trial", "seed", "status", "stop", "failures", "wall_s", "objective_s", "nfev")
+    least: dict[Labels, tuple[float, Trial]] = {}
+    for row in folder.store.rows("status = 'ok' AND seed IS NOT NULL", columns=columns) if growing else ():
+        labels = row["problem"], row["optimizer"]
+        dear = row["objective_s"] * plan.study.parallel >= EXPENSIVE * row["nfev"]
+        if labels in growing and not dear and not by_the_clock(row, plan.study):
+            found = row["wall_s"], Trial(*labels, row["trial"], row["seed"], again=True)
+            least[labels] = min(least.get(labels, found), found, key=lambda each: each[0])
+    compared = _compared([trial for _, trial in least.values()], folder, plan.study, answers)
+    return {trial: what for trial, what in compared.items() if what}
+
+
+def _compared(
+    chosen: Sequence[Trial],
+    folder: Folder,
+    study: Study,
+    answers: Callable[[Callable[[], Iterable[Trial]]], Iterator[Answer]],
+) -> dict[Trial, str]:
+    """Make trials again; return how each differs, "" where it does not.
+
+    One that takes longer than the limits of time, on a machine that may be busier now, is left out, and so is one whose
+    inputs were edited meanwhile.
+    """
+    compared = {}
+    held = folder.store.held()
+    cells = held.by_labels
+    for trial, row, _ in answers(lambda: chosen) if chosen else ():
+        made_from, _ = row.pop("inputs", None), row.pop("after", None)
+        theirs = split(json.loads(made_from or "{}") or {})
+        if any(conflicts(*pair) for pair in zip(held.made_from(cells[trial.key[:2]]), theirs, strict=True)):
+            continue
+        if row["status"] != "timeout" and not by_the_clock(row, study):
+            compared[trial] = difference(folder.store, trial, row)
+    return compared
 
 
 def by_the_clock(row: Mapping[str, Any], study: Study) -> bool:
@@ -91,8 +125,3 @@ def difference(store: Store, trial: Trial, row: Row) -> str:
     if name in ("", "trace"):
         return name and "another course, the same end"
     return f"{name} was {named(before, name)} and is {named(again, name)}"
-
-
-def difference_line(trial: Trial, what: str) -> str:
-    """Return the line on a trial that differs."""
-    return f"different: {trial.optimizer} on {trial.problem}, trial {trial.number}: {what}"

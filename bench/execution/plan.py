@@ -48,6 +48,7 @@ class Plan:
     cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
     notes: Sequence[str] = ()  # warnings to print before the run begins
     seeds: Mapping[Labels, Labels] = field(default_factory=dict)  # of cells: the labels that seeds are made from
+    doubtful: set[Labels] = field(default_factory=set)  # cells that get no more trials, as a stored one differs
     verify: bool = False  # whether one trial of each optimizer is made again at the end
 
     def trials(self) -> Iterator[Trial]:
@@ -57,7 +58,8 @@ class Plan:
 
     def missing(self) -> Iterator[Trial]:
         """Yield the trials that are not finished at the moment they are reached."""
-        return (trial for trial in self.trials() if trial.key not in self.finished)
+        left = (trial for trial in self.trials() if trial.key[:2] not in self.doubtful)
+        return (trial for trial in left if trial.key not in self.finished)
 
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""

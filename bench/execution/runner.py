@@ -15,7 +15,7 @@ from joblib import cpu_count
 
 from bench.errors import BenchError
 from bench.execution import open_files
-from bench.execution.again import Repetition
+from bench.execution.again import Repetition, doubtful
 from bench.execution.backends import open_pool
 from bench.execution.job import Task
 from bench.execution.local import Answer
@@ -28,7 +28,7 @@ from bench.plugins import loading
 from bench.plugins.inputs import Present, large, shown
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
-from bench.storage.folder import DESCRIPTIONS, Folder, default_path
+from bench.storage.folder import DESCRIPTIONS, Folder, default_path, difference_line
 from bench.storage.merge import Reusable, reusable, take
 from bench.storage.selection import Selection
 from bench.study import Study
@@ -50,6 +50,7 @@ class Outcome:
         different: a line for each trial that differed when it was made again at the end.
         edited: what was changed during the run, by name, with the number of trials that were made after that, and are
             another version.
+        doubtful: a line for each cell that gets no more trials, as a stored one differed when it was made again.
         spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
     """
 
@@ -60,6 +61,17 @@ class Outcome:
     different: list[str]
     edited: dict[str, int]
     spared: list[str]
+    doubtful: list[str]
+
+    @property
+    def remedy(self) -> str:
+        """What to do where stored trials differ, in a sentence."""
+        return (
+            f"nothing was added to {count(len(self.doubtful), 'cell')}, as a stored trial of each differs when it is "
+            "made again: something changed that no process was seen to read, such as a library of the system or a file "
+            "that C code opens; put it back, or remove the old trials and run again ('bench rm "
+            f"{self.folder} --optimizer NAME'), or give another --output"
+        )
 
 
 def run(
@@ -127,6 +139,7 @@ def run(
         asked = [record.get("trials") for record in folder.environments()]
         before = max((number for number in asked if isinstance(number, int)), default=0)
         folder.claim(study, selection)
+        folder.note_selected(study)
         for other, found in zip(others, _reusable(folder, selection, others, checked.present), strict=True):
             with folder.store.writer() as writer:
                 take(other, writer, found.cells, where=other.path.name)
@@ -153,6 +166,9 @@ def run(
         def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
             return pool.answers(task, checked.machine, missing, under_way.begin)
 
+        with interrupts.allowed():
+            doubted = doubtful(plan, folder, make)
+        plan.doubtful.update(trial.key[:2] for trial in doubted)
         repetition = Repetition(study)
         made, edited = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
         if not (counted := folder.store.check_count()).sound:
@@ -162,7 +178,8 @@ def run(
             different = repetition.make(folder, make) if verify else []
         failed = sum(cell.failed for cell in folder.store.cells())
         spared = sorted(repetition.expensive) if verify else []
-        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared)
+        doubts = [difference_line(trial, what) for trial, what in doubted.items()]
+        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared, doubts)
 
 
 def plan(
@@ -239,7 +256,7 @@ def _plan(
     store = folder.store
     shown = selection.labels_in(store.held())
     finished = store.keys(finished_only=True, shown=shown)
-    return Plan(study, shard, finished, store.cells(shown), notes, selection.seeds, verify)
+    return Plan(study, shard, finished, store.cells(shown), notes, selection.seeds, verify=verify)
 
 
 def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder], present: Present) -> list[Reusable]:

@@ -12,14 +12,14 @@ from joblib import cpu_count
 
 from bench.errors import BenchError
 from bench.execution import open_files
-from bench.execution.again import by_the_clock, difference, difference_line
+from bench.execution.again import by_the_clock, difference
 from bench.execution.backends import open_pool
 from bench.execution.runner import prepare
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
-from bench.storage.folder import AT_ENDS, VERIFICATION, Folder
+from bench.storage.folder import AT_ENDS, VERIFICATION, Folder, difference_line
 from bench.storage.reading import StoreCheck
 from bench.study import Study
 from bench.trial import Trial

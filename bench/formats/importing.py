@@ -166,6 +166,7 @@ def _write(folder: Path, study: Study, runs: Iterable[ImportedRun], record: dict
         temporary.mkdir(parents=True)
         target = Folder(temporary)
         target.claim(study)
+        target.note_selected(study)
         with target.store.writer() as writer:
             number = writer.environment(record)
             with writer.transaction():

@@ -31,7 +31,7 @@ from bench.results.tidy import Tidy
 from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
 from bench.scoring import Scored
-from bench.storage.folder import DESCRIPTIONS, VERIFICATION, Folder
+from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.reading import StoreCheck
 from bench.storage.traces import Traces
 from bench.study.selection import Dimensions, Patterns, selected
@@ -109,7 +109,7 @@ class StoredResults:
         _require_one_data([source.folder for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
         self.checks = by_label(self._sources, Folder.checks)
-        self.verifications = [source.folder.noted(VERIFICATION) for source in self._sources]
+        self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
 

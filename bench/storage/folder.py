@@ -18,7 +18,7 @@ from filelock import FileLock, Timeout
 from bench.errors import BenchError, explained, reason
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
-from bench.helpers.text import listed
+from bench.helpers.text import count, listed
 from bench.plugins.inputs import Inputs, Present, is_data
 from bench.storage import committed, provenance, under_way
 from bench.storage.reading import StoreCheck
@@ -26,6 +26,7 @@ from bench.storage.selection import Selection, changed, select
 from bench.storage.store import DamagedStoreError, Store
 from bench.storage.under_way import UnderWay
 from bench.study import Study
+from bench.trial import Trial
 
 LOCK = ".lock"  # the file that a run locks
 STUDY = "study.toml"
@@ -131,6 +132,22 @@ class Folder:
                 chosen = selection or Selection(study.cells({}))
                 writer.select(study.identity(), chosen.cells)
 
+    def note_selected(self, study: Study) -> None:
+        """Add what a run selects to the history of this folder, which must be locked."""
+        with self.store.writer() as writer:
+            writer.history(
+                {
+                    "when": provenance.now(),
+                    "study": study.identity(),
+                    "seed": study.seed,
+                    "trials": study.trials,
+                    "budget": study.budget.plain,
+                    "subject": study.subject,
+                    "problems": [entry.label for entry in study.problems],
+                    "optimizers": [entry.label for entry in study.optimizers],
+                }
+            )
+
     def save(self, path: Path) -> Path:
         """Copy the folder, with its store as it is at one moment, to a new or empty one, and return that.
 
@@ -168,7 +185,11 @@ class Folder:
         }
 
     def history(self) -> list[dict[str, Any]]:
-        """Return what runs selected here, oldest first."""
+        """Return what runs selected here, and in the folders that trials were taken from, oldest first.
+
+        Each record has ``when``, ``study`` (its identity), ``seed``, ``trials``, ``budget``, ``subject``, the labels of
+        ``problems`` and ``optimizers``, and ``reused``, the name of the folder where it was another one.
+        """
         with self.store.reader() as reader:
             return reader.history()
 
@@ -194,13 +215,33 @@ class Folder:
         """Replace a note (:meth:`noted`)."""
         self._write(name, json.dumps(content, indent=1))
 
-    def repeated(self) -> tuple[int, list[str]]:
-        """Return the number of trials that runs have made again at their ends, and a line for each that differed."""
-        part = self.noted(VERIFICATION).get(AT_ENDS)
-        noted = part if isinstance(part, dict) else {}
-        trials, different = noted.get("trials"), noted.get("different")
-        lines = [str(line) for line in different] if isinstance(different, list) else []
-        return trials if isinstance(trials, int) else len(lines), lines
+    def note_repeated(self, compared: Mapping[Trial, str]) -> None:
+        """Note trials that a run made again at its end, and how each differs, "" where it does not."""
+        numbers = {labels: number for number, labels in self.store.held().selected.items()}
+        found = [[numbers[trial.key[:2]], difference_line(trial, what)] for trial, what in compared.items()]
+        if found:
+            noted = self.noted(VERIFICATION)
+            before = noted.get(AT_ENDS)
+            self.note(VERIFICATION, noted | {AT_ENDS: [*(before if isinstance(before, list) else []), *found]})
+
+    def verification(self) -> dict[str, Any]:
+        """Return what ``bench verify`` noted, and of the trials that runs made again those of the selected cells.
+
+        Trials of earlier versions say nothing of those that are shown.
+        """
+        noted = self.noted(VERIFICATION)
+        part = noted.pop(AT_ENDS, None)
+        pairs = [pair for pair in part if isinstance(pair, list) and len(pair) == 2] if isinstance(part, list) else []
+        selected = self.store.held().selected
+        lines = [str(line) for number, line in pairs if isinstance(number, int) and number in selected]
+        different = [*dict.fromkeys(filter(None, lines))]
+        if lines:
+            sentence = (
+                f"{lines.count(''):,} of {count(len(lines), 'trial')} that runs made again at their ends, one of each "
+                f"optimizer in a fresh process, {'is' if len(lines) == 1 else 'are'} the same bit by bit"
+            )
+            noted[AT_ENDS] = {"trials": len(lines), "sentence": sentence, "different": different}
+        return noted
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.
@@ -309,6 +350,11 @@ class Folder:
     def _write(self, name: str, text: str) -> None:
         with replacing(self.path / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
+
+
+def difference_line(trial: Trial, what: str) -> str:
+    """Return the line on a trial that differs, "" for one that does not."""
+    return what and f"different: {trial.optimizer} on {trial.problem}, trial {trial.number}: {what}"
 
 
 def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
