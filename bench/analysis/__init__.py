@@ -2,7 +2,7 @@
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`standings`,
 :func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`across_problems`, :func:`medians`,
-:func:`mean_ranks`. How many trials are enough: :func:`detectable_a12`, :func:`trials_needed`,
+:func:`mean_ranks`. How many trials are enough: :func:`detectable_a12`,
 :func:`trials_to_separate`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`target_table`,
 :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`,
 :func:`aocc`. And :func:`coverage`, :func:`timing`, :func:`feasibility`, :func:`integrity`.
@@ -47,7 +47,6 @@ from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import effect_size, holm, pairwise_tests
 from bench.analysis.standings import mean_ranks, standings
 from bench.analysis.target_sets import aocc, target_table, targets
-from bench.analysis.trials_needed import trials_needed
 from bench.study.targets import PRECISIONS, RUN_LENGTHS
 
 __all__ = [
@@ -90,7 +89,6 @@ __all__ = [
     "target_table",
     "targets",
     "timing",
-    "trials_needed",
     "trials_to_separate",
     "u_scores",
 ]

@@ -92,28 +92,6 @@ def effects(these: Floats, others: Floats) -> Effects:
     return _estimated(n, m, lost, won)
 
 
-def effects_of_draws(this: Floats, other: Floats, drawn: Floats, rival: Floats) -> Effects:
-    """Return A12 of g pairs of samples that are drawn from (n,) and (m,) values, as :func:`effects` does.
-
-    Args:
-        this: the values of which the first samples consist.
-        other: those of the second ones.
-        drawn: how often each value of ``this`` is drawn in each sample, (g, n), which are all of one size.
-        rival: how often each value of ``other`` is, (g, m), likewise.
-    """
-    lower = 2 * wins(this, other)
-    pooled, times = np.append(this, other), np.append(drawn, rival, axis=1)
-    alike = times @ (pooled[:, np.newaxis] == pooled).astype(np.float64)
-    sides = (drawn, rival @ (2 - lower).T, alike[:, : len(this)]), (rival, drawn @ lower, alike[:, len(this) :])
-    lost, won = (
-        np.stack([(of * placed).sum(axis=1), (of * placed**2).sum(axis=1), (of * tied**2).sum(axis=1)], axis=1).astype(
-            np.int64
-        )
-        for of, placed, tied in sides
-    )
-    return _estimated(int(drawn[0].sum()), int(rival[0].sum()), lost, won)
-
-
 def _estimated(n: int, m: int, lost: NDArray[np.int64], won: NDArray[np.int64]) -> Effects:
     """Return the estimates for g pairs of n and m values, from the sums of their :func:`_placements`, (g, 3) each."""
     total = won[:, 0].astype(np.float64)

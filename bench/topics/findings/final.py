@@ -15,7 +15,6 @@ from bench.analysis.error_rates import levels as levels_of
 from bench.analysis.pairwise import adjusted
 from bench.analysis.standings import disagreements as disagreements_of
 from bench.analysis.subject import signs_of
-from bench.analysis.trials_needed import POWER
 from bench.topics.findings.trials import Trials
 
 
@@ -115,17 +114,6 @@ class Final:
         return table.merge(places(self.overall, self.trials.optimizers), on="optimizer")
 
     # across problems
-
-    @cached_property
-    def needed(self) -> pd.DataFrame:
-        """The trials that would separate the pairs that are not separated, with a power of 80%."""
-        return self.needed_for(POWER)
-
-    def needed_for(self, power: float) -> pd.DataFrame:
-        """Return the trials that would separate the pairs that are not separated, with a power."""
-        return analysis.trials_needed(
-            self.trials.frame, self.tested_pairs, self.standings, power=power, alpha=self.level_on_problems
-        )
 
     @cached_property
     def medians(self) -> pd.DataFrame:

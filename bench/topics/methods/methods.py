@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from bench.analysis.cells import scores, stopped_early
+from bench.analysis.integrity import undeclared
 from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
 from bench.report.latex import prose
@@ -105,6 +106,8 @@ def runs(trials: Trials) -> list[str]:
         said.append(f"As budgets differ, we compare values {trials.common_words}.")
     if skipped.failed:
         said.append(f"Not compared, as the problem's own code raised in a trial: {listing(list(skipped.failed))}.")
+    added = undeclared(trials.extensions)
+    said += [f"{held:,} trials of each were complete when {asked:,} were asked for." for held, asked in added]
     early = trials.frame.loc[stopped_early(trials.frame), "optimizer"].astype(object).value_counts(sort=False)
     if len(early):
         stopped = listing([f"{count(number, 'trial')} of {label}" for label, number in early.items()], at_most=4)
@@ -122,8 +125,8 @@ def scored(study: Study, trials: Trials) -> str:
     said += f", {measures.pop()}" if len(measures) == 1 and all(measures) else ""
     said += ", less the optimum where instances are pooled" if trials.precisions else ""
     said += ", without noise" if any(problem.noisy for problem in known) else ""
-    handled = any(problem.constraints for problem in known)
-    return f"{said}; the handling of constraints is {study.constraints}." if handled else f"{said}."
+    handled = f"; the handling of constraints is {study.constraints}" * any(each.constraints != "" for each in known)
+    return f"{said}{handled}."
 
 
 def tested(final: Final, subject: str) -> list[Piece]:
@@ -151,12 +154,11 @@ def machine(environments: Sequence[Mapping[str, Any]]) -> list[Piece]:
     records = [{"Python": each.get("python"), **(each.get("packages") or {})} for each in environments]
     versions = {name: _distinct(each.get(name) for each in records) for record in records for name in record}
     used = [f"{name} {' and '.join(found)}" for name, found in versions.items() if found and name not in NEUTRAL]
-    if not used:
-        return []
     cited = [key for name, key in (("numpy", "harris2020"), ("scipy", "virtanen2020")) if versions.get(name)]
     processors = listing(_distinct(each.get("processor") for each in environments), at_most=3)
     named = listing(used[:MOST_PACKAGES], at_most=MOST_PACKAGES)
-    return [f"The trials used {named}", tuple(cited), " on " * bool(processors) + f"{processors}."]
+    pieces: list[Piece] = [f"The trials used {named}", tuple(cited), " on " * bool(processors) + f"{processors}."]
+    return pieces if used else []
 
 
 def bibliography(study: Study, found: Mapping[str, Description]) -> tuple[dict[str, Work], Keys, tuple[str, ...]]:

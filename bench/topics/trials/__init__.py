@@ -1,1 +1,1 @@
-"""A topic of reports: whether the trials suffice, and the power of the tests."""
+"""Whether trials suffice: the power of the tests, and their error rates."""

@@ -1,51 +1,88 @@
-"""Foresee the differences that a study's tests can detect, from its design alone, before any trial."""
+"""Foresee from a study's design alone which difference its trials can show, and how many a difference needs."""
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter
-from math import comb, isnan
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from math import comb, isnan, nan
 
 from bench import analysis
-from bench.analysis.error_rates import detectable_across, enough_trials
+from bench.analysis.error_rates import POWER, detectable_across, power_at
 from bench.analysis.error_rates import levels as levels_of
-from bench.analysis.trials_needed import POWER
 from bench.families import function_of
 from bench.report.wording import count
 from bench.study import Study
 
-MORE = 10  # trials, or problems, that are added
+GAP = 0.71  # an A12 that Vargha and Delaney (2000) call large
+MOST = 500  # trials a cell; a difference that needs more is practically not found
 
 
-def foreseen(study: Study, power: float = POWER) -> list[str]:
-    """Return sentences on the smallest A12 that a study's tests find with a power, as it is and with more of it.
+@dataclass(frozen=True)
+class Design:
+    """How many problems are tested, how many pairs on each, and with which power."""
 
-    Two normal samples of one spread are assumed, as in the part *Power* of a report. The instances of a function count
-    as trials of one problem.
+    problems: int
+    pairs: int
+    power: float
+
+    def shown(self, trials: int) -> tuple[float, float]:
+        """Return the smallest A12 that the test on a problem finds, and that over all; NaN where none can be found."""
+        single, across = self._levels(trials)
+        return (
+            analysis.detectable_a12(trials, single, self.power) if single else nan,
+            detectable_across(trials, self.problems, across, self.power) if across else nan,
+        )
+
+    def shows_on_a_problem(self, gap: float, trials: int) -> bool:
+        """Return whether the test on a problem finds an A12 with so many trials."""
+        level = self._levels(trials)[0]
+        return level > 0 and power_at(gap, trials, level) >= self.power
+
+    def shows_over_all(self, gap: float, trials: int) -> bool:
+        """Return the same of the test over all problems, on each of which A12 is the same."""
+        level = self._levels(trials)[1]
+        return level > 0 and power_at(gap, trials, level, self.problems) >= self.power
+
+    def _levels(self, trials: int) -> tuple[float, float]:
+        """Return the level of the first of all tests on problems, and of those over all."""
+        tests = self.pairs * self.problems
+        levels = levels_of([trials] * self.problems, self.pairs, tests)
+        return levels.problems / tests, levels.across / self.pairs
+
+
+def foreseen(study: Study, gap: float = GAP, power: float = POWER) -> list[str]:
+    """Return sentences on the smallest A12 that the study's tests find, and on the trials that find a ``gap``.
+
+    Two normal samples of one spread are assumed. The instances of a function count as trials of one problem.
     """
     of_function = Counter(function_of(entry.label) for entry in study.problems)
-    k, problems, instances = len(study.optimizers), len(of_function), min(of_function.values())
+    k, instances = len(study.optimizers), min(of_function.values())
     trials = study.trials * instances
-    alone = bool(study.subject)
-    pairs = k - 1 if alone else comb(k, 2)
-    words = f"{count(k, 'optimizer')}, {count(problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
+    design = Design(len(of_function), k - 1 if study.subject else comb(k, 2), power)
+    words = (
+        f"{count(k, 'optimizer')}, {count(design.problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
+    )
     words += f" ({study.trials:,} on each of {instances:,} instances)" if instances > 1 else ""
-    of = f", {study.subject} against each other one" if alone else ""
-    lines = [f"The design: {words}{of}; no result is known.", f"As it is: {_found(trials, problems, pairs, power)}."]
-    each = f" on each instance, {trials + MORE * instances:,} on a problem" if instances > 1 else ""
+    words += f", {study.subject} against each other one" if study.subject else ""
+    places = ["on a problem", "over all problems"][: min(design.problems, 2)]
+    finds = (design.shows_on_a_problem, design.shows_over_all)
+    found = [f"{place} {_shown(a12)}" for place, a12 in zip(places, design.shown(trials), strict=False)]
+    needed = [f"{place} {_needed(partial(shows, gap))}" for place, shows in zip(places, finds, strict=False)]
     return [
-        *lines,
-        f"With {MORE} more trials{each}: {_found(trials + MORE * instances, problems, pairs, power)}.",
-        f"With {MORE} more problems: {_found(trials, problems + MORE, pairs, power)}.",
+        f"The design: {words}.",
+        f"The smallest A12 that it shows with a power of {power:.0%}: {', '.join(found)}.",
+        f"Trials of each on a problem that an A12 of {gap:g} needs: {', '.join(needed)}.",
     ]
 
 
-def _found(trials: int, problems: int, pairs: int, power: float) -> str:
-    """Return the smallest A12 that the tests on problems, and those over all of them, find, or what they would need."""
-    levels = levels_of([trials] * problems, pairs, pairs * problems)
-    single = analysis.detectable_a12(trials, levels.problems / (pairs * problems), power) if levels.problems else 0.0
-    across = detectable_across(trials, problems, levels.across / pairs, power) if levels.across else 0.0
-    enough, _ = enough_trials(problems, pairs, pairs * problems)
-    few = f", where {enough} trials of each are the fewest that can be significant" if trials < enough else ""
-    one = f"an A12 of {single:.2f}" if single and not isnan(single) else f"nothing{few}"
-    every = f"an A12 of {across:.2f} that is the same on each" if across and not isnan(across) else "nothing"
-    return f"found with a power of {power:.0%}: on a single problem {one}; over all problems {every}"
+def _shown(a12: float) -> str:
+    return "none" if isnan(a12) else f"{a12:.2f}"
+
+
+def _needed(shows: Callable[[int], bool]) -> str:
+    every = range(2, MOST + 1)
+    place = bisect_left(every, True, key=shows)
+    return f"{every[place]:,}" if place < len(every) else f"more than {MOST:,}"

@@ -5,45 +5,13 @@ from __future__ import annotations
 from math import isnan, nan
 
 import numpy as np
-import pandas as pd
 
 from bench import analysis
-from bench.analysis import ALPHA
 from bench.analysis.error_rates import MOST, ClaimRates, detectable_across, rates_of_equals, rates_of_spreads
 from bench.analysis.strata import strata
-from bench.report.parts import Section, Table
 from bench.report.wording import count, percent
 from bench.topics.findings import Findings
 from bench.topics.subject.against import parts_of
-from bench.topics.topic import Topic
-
-TITLE = "Power"
-
-
-def section(findings: Findings) -> Section:
-    """Return the differences that the tests can and cannot find with this study's trials."""
-    if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
-        return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs, level = findings.final.tests, findings.final.tested, findings.final.level_on_problems
-    rows = []
-    for n in sorted(set(findings.trials.per_cell)):
-        for name, level_of_test in (("a single test", ALPHA), ("the first of all tests", level / tests)):
-            smallest = analysis.detectable_a12(n, level_of_test)
-            rows.append((n, name, level_of_test, smallest, analysis.trials_to_separate(1, level_of_test)))
-    names = ["trials", "adjusted as", "level", "A12 found", "separation from"]
-    table = pd.DataFrame(rows, columns=names)
-    shown = Table(
-        "power",
-        "The smallest A12 that a test on a problem finds with a power of 80%, and the trials from which on complete "
-        "separation is significant.",
-        table.astype({"level": str}).assign(level=[f"{level:.2g}" for level in table["level"]]),
-        decimals={"A12 found": 2},
-        note="For two normal samples of one spread. –: nothing can be significant. Tests: "
-        f"{tests:,} on problems, {pairs:,} across them.",
-        data=table,
-    )
-    text = blindness(findings)
-    return Section(TITLE, (f"{text[0].upper()}{text[1:]}",), (shown,), on_demand=True)  # the verdict has the sentence
 
 
 def blindness(findings: Findings) -> str:
@@ -99,6 +67,3 @@ def _rate(rates: ClaimRates) -> str:
         f"optimizer separably lower on any problem in {percent(rates.problems)}, a difference over all problems in "
         f"{percent(rates.across)}"
     )
-
-
-TOPIC = Topic(TITLE, section, place=710)

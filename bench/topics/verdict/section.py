@@ -9,6 +9,7 @@ import numpy as np
 
 from bench import analysis
 from bench.analysis import ALPHA
+from bench.analysis.integrity import undeclared
 from bench.report.parts import Card, File, Part, Section
 from bench.report.prose import speaker
 from bench.report.wording import count, listing, percent, unfinished_trials
@@ -22,7 +23,6 @@ from bench.topics.ranks.words import across
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
 from bench.topics.topic import Topic
 from bench.topics.trials.power import error_text
-from bench.topics.trials.section import extension_text
 from bench.topics.verdict.answer import answer
 from bench.topics.verdict.clock import clock
 from bench.topics.verdict.first_picture import evidence
@@ -226,10 +226,20 @@ def _limits(findings: Findings) -> tuple[str, ...]:
         SAY("unequal_budgets", trials.common_words) if trials.common else "",
         SAY("counts", len(findings.final.medians)),
         across(findings),
-        *extension_text(findings),
+        *_extensions(findings),
         SAY("unused", unused) if unused else "",
     )
     return tuple(filter(None, texts))
+
+
+def _extensions(findings: Findings) -> list[str]:
+    """Return the sentences on trials added to complete ones; none where there were none."""
+    return [
+        f"Optional stopping: {held:,} trials of each cell were complete, and could be looked at, when {asked:,} were "
+        "asked for. If the results were a reason for that, the p-values are too small and the tests err more often "
+        "than alpha says."
+        for held, asked in undeclared(findings.trials.extensions)
+    ]
 
 
 def _grounds(findings: Findings) -> str:

@@ -12,7 +12,6 @@ from bench.analysis.direction import (
     Effects,
     a12,
     effects,
-    effects_of_draws,
     intervals,
     least_p,
     p_values,
@@ -79,20 +78,6 @@ def test_the_layout_of_samples_in_memory_changes_nothing():
         found = effects(arrange(these), arrange(others))
         np.testing.assert_array_equal(found.a12, expected.a12)
         np.testing.assert_array_equal(found.ratio, expected.ratio)
-
-
-@pytest.mark.parametrize("kind", ["untied", "tied", "failed"])
-@pytest.mark.parametrize(("n", "m"), [(5, 5), (9, 4), (30, 25)])
-def test_draws_by_how_often_each_value_counts_are_the_drawn_samples(n, m, kind):
-    (this,), (other,) = samples(n, m, kind, number=1)
-    rng = np.random.default_rng(1)
-    first, second = rng.integers(0, n, (20, 12)), rng.integers(0, m, (20, 7))
-    times = [np.array([np.bincount(row, minlength=size) for row in rows], dtype=float)
-             for rows, size in ((first, n), (second, m))]  # fmt: skip
-    found, expected = effects_of_draws(this, other, *times), effects(this[first], other[second])
-    assert (found.a12 == expected.a12).all()
-    assert (found.ratio == expected.ratio).all()
-    assert found.smaller == expected.smaller == 7
 
 
 @pytest.mark.filterwarnings("error")

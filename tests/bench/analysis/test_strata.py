@@ -7,7 +7,6 @@ from bench.analysis import pairwise_tests, standings, summarise
 from bench.analysis.direction import a12
 from bench.analysis.noninferiority import noninferiority
 from bench.analysis.strata import strata
-from bench.analysis.trials_needed import power_of
 
 
 def frame_with(frame_of, values, instances):
@@ -53,12 +52,6 @@ def test_the_gate_compares_within_instances(apart):
     assert noninferiority(apart, "a", "b").outcome == "worse"
     assert noninferiority(apart.drop(columns="instance"), "a", "b").outcome == "undecided"
     assert noninferiority(apart, "a", "b").problems["n_old"].tolist() == [16]
-
-
-def test_the_power_is_that_of_draws_within_instances(apart):
-    by_stratum = [(one, other) for one, other in strata(apart)["p"]]
-    together = [tuple(np.concatenate(own) for own in zip(*by_stratum, strict=True))]
-    assert power_of(by_stratum, 16, 0.05) > 0.9 > 0.5 > power_of(together, 16, 0.05)
 
 
 @pytest.mark.parametrize("variance", [0.0, 0.5, 0.8])

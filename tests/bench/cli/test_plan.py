@@ -1,32 +1,37 @@
 """bench plan."""
 
-import shutil
-
 from bench import Study, run
 
+STUDY = {
+    "name": "s", "trials": 6, "budget": 60, "problems": [{"name": "sphere-2"}],
+    "optimizers": [{"name": "scatter"}, {"name": "scatter", "label": "other"}],
+}  # fmt: skip
+SHOWN = "The smallest A12 that it shows with a power of 80%: on a problem "
 
-def test_plan_prints_open_pairs_and_a_caution(bench_here, tmp_path):
-    study = Study.from_dict(
-        {"name": "s", "trials": 6, "seed": 3, "budget": 60, "problems": [{"name": "sphere-2"}],
-         "optimizers": [{"name": "scatter"}, {"name": "scatter", "label": "other"}]}
-    )  # fmt: skip
-    run(study, tmp_path / "out", n_jobs=1)
+
+def test_plan_prints_the_gap_that_trials_show_and_the_trials_that_a_gap_needs(bench_here, tmp_path):
+    run(Study.from_dict(STUDY), tmp_path / "out", n_jobs=1)
     before = {file.name for file in (tmp_path / "out").iterdir()}
     done = bench_here("plan", "out", cwd=tmp_path)
     assert done.returncode == 0
-    first, *rest = done.stdout.splitlines()
-    assert first.startswith("sphere-2: scatter and other, A12 0.")
-    assert " of 6 trials: " in first
-    assert rest[0].startswith("1 pair is not separated. With a power of 80%, ")
-    assert "optional stopping" in rest[1]
-    assert "power of 95%" in bench_here("plan", "out", "--power", 0.95, cwd=tmp_path).stdout
+    design, shown, needed = done.stdout.splitlines()
+    assert design == "The design: 2 optimizers, 1 problem, 6 trials of each on a problem."
+    assert shown.startswith(SHOWN)
+    assert needed.startswith("Trials of each on a problem that an A12 of 0.71 needs: on a problem ")
     assert {file.name for file in (tmp_path / "out").iterdir()} <= before | {"trials.sqlite-wal", "trials.sqlite-shm"}
-    for power in (0, 1, 2, "nan"):
-        assert bench_here("plan", "out", "--power", power, cwd=tmp_path).returncode == 2
-    (tmp_path / "empty").mkdir()
-    shutil.copy(tmp_path / "out" / "study.toml", tmp_path / "empty")
-    for name, reason in (("empty", "no trials.sqlite"), ("nowhere", "holds no study.toml")):
-        failed = bench_here("plan", name, cwd=tmp_path)
+    assert bench_here("plan", "out/study.toml", cwd=tmp_path).stdout == done.stdout
+    asked = bench_here("plan", "out", "--power", 0.95, "--gap", 0.9, cwd=tmp_path).stdout
+    assert "power of 95%" in asked
+    assert "an A12 of 0.9 needs" in asked
+
+
+def test_what_cannot_be_planned_is_one_sentence(bench_here, tmp_path):
+    run(Study.from_dict(STUDY), tmp_path / "out", n_jobs=1)
+    for arguments, reason in (
+        (["out", "--power", 0], "the power is a chance"), (["out", "--gap", 0.5], "the gap is an A12"),
+        (["nowhere"], "holds no study.toml"),
+    ):  # fmt: skip
+        failed = bench_here("plan", *arguments, cwd=tmp_path)
         assert failed.returncode == 2
         assert reason in failed.stderr
         assert failed.stderr.count("\n") == 1

@@ -15,7 +15,7 @@ from bench.topics import topic, write_report
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
-    "Time", "Enough trials", "Power", "Methods", "Environment, seeds and data", "Downloads",
+    "Time", "Methods", "Environment, seeds and data", "Downloads",
 ]  # fmt: skip
 
 

@@ -30,6 +30,6 @@ def test_the_trials_that_are_enough_are_those_of_the_rule(make, tmp_path, proble
 def test_a_report_has_the_power_that_was_foreseen(make, tmp_path):
     findings = Findings(Results(make(tmp_path / "s", trials=15)))
     as_it_is = foreseen(findings.study)[1]
-    found = re.findall(r"A12 of (\d\.\d+)", as_it_is)
+    found = re.findall(r"(?:problem|problems) (\d\.\d+)", as_it_is)
     assert re.findall(r"A12 below (\d\.\d+)", power.blindness(findings)) == found
     assert len(found) == 2
