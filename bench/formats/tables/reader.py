@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from io import BytesIO
 from pathlib import PurePosixPath
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -58,17 +58,28 @@ def _runs_of(source: Source, file: PurePosixPath) -> Iterator[ImportedRun]:
 
 
 def _plain(source: Source, file: PurePosixPath) -> Iterator[ImportedRun]:
-    table = _table(source, file)
-    for key, rows in table.groupby(KEYS, sort=False):
-        problem, optimizer, number = cast("tuple[str, str, int]", key)
-        nfev = int(rows["evaluations"].iloc[-1])
-        yield ImportedRun(problem, optimizer, naming.dimension_of(problem), nfev, _trace(rows, file), int(number))
+    for (problem, optimizer, number), nfev, trace in _traces(_table(source, file), file):
+        yield ImportedRun(problem, optimizer, naming.dimension_of(problem), nfev, trace, number)
 
 
-def _trace(rows: pd.DataFrame, file: PurePosixPath) -> Trace:
-    evaluations = rows["evaluations"].to_numpy(dtype=np.int64)
-    require_increasing(evaluations, rows["line"], str(file))
-    return improvements(evaluations, rows["value"].to_numpy(dtype=np.float64))
+def _traces(table: pd.DataFrame, file: PurePosixPath) -> Iterator[tuple[tuple[str, str, int], int, Trace]]:
+    """Yield problem, optimizer and trial of each run, its last evaluation and its trace, in order of their first rows.
+
+    The rows of all runs are brought together at once: a table may hold as many runs as rows.
+    """
+    runs = table.groupby(KEYS, sort=False).ngroup().to_numpy()
+    rows = table.iloc[np.argsort(runs, kind="stable")]
+    ends = (np.flatnonzero(np.diff(np.sort(runs), append=-1)) + 1).tolist()
+    starts = [0, *ends[:-1]]
+    keys = zip(*(rows[name].iloc[starts].tolist() for name in KEYS), strict=True)
+    evaluations, values = (
+        rows[name].to_numpy(kind) for name, kind in (("evaluations", np.int64), ("value", np.float64))
+    )
+    lines = rows["line"].to_numpy()
+    for key, start, end in zip(keys, starts, ends, strict=True):
+        run = slice(start, end)
+        require_increasing(evaluations[run], lines[run], str(file))
+        yield key, int(evaluations[end - 1]), improvements(evaluations[run], values[run])
 
 
 def _read(source: Source, file: PurePosixPath) -> pd.DataFrame:
@@ -118,7 +129,7 @@ def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[f
 
 def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Iterator[ImportedRun]:
     """Yield the trials of this package's own export, with those that failed."""
-    traces = {key: _trace(rows, file) for key, rows in _table(source, file).groupby(KEYS, sort=False)}
+    traces = {key: trace for key, _, trace in _traces(_table(source, file), file)}
     table = _read(source, trials)
     if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
