@@ -149,11 +149,11 @@ def news(verdict: Verdict, before: Verdict) -> bool:
 def by_biases(methods: Any) -> Iterator[str]:
     marks: dict[str, list[bool]] = {}
     for method in methods:
-        plain = {each.check: each.passed for each in diagnose(Planted(method, ""), jobs=2)}
+        plain = {each.check: each.passed for each in diagnose(Planted(method, ""), n_jobs=2)}
         broken = [name for name, passed in plain.items() if not passed]
         yield f"{method} alone: biased in {', '.join(broken) or 'nothing'}"
         for defect, check in BIAS_OF.items():
-            found = {each.check: each for each in diagnose(Planted(method, defect), jobs=2)}
+            found = {each.check: each for each in diagnose(Planted(method, defect), n_jobs=2)}
             marks.setdefault(defect, []).append(not found[check].passed)
             yield f"{method}, {defect}: {found[check].outcome}, {found[check].finding}"
     for defect, found_ones in marks.items():

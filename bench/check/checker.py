@@ -117,7 +117,7 @@ def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callabl
     return Checkup(subject.label, tuple(made), left)
 
 
-def _verdicts(subject: Subject, bias: bool, jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
+def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
     rules = [*RULES, *([APART] if apart else []), *([ROTATION] if bias else [])]
     with closing(Checker(subject, apart)) as checker:
@@ -131,7 +131,7 @@ def _verdicts(subject: Subject, bias: bool, jobs: int, apart: Sandbox | None) ->
     from bench.check.bias import diagnose  # not at the top: it imports scipy.stats and joblib
 
     try:
-        yield from diagnose(subject if apart else subject.fresh(), jobs=jobs, seed=subject.seed, sandbox=apart)
+        yield from diagnose(subject if apart else subject.fresh(), n_jobs=n_jobs, seed=subject.seed, sandbox=apart)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
         finding = f"it could not be examined: {describe_error(error)}"
         yield Verdict("bias", "bias", False, finding, "fix what raises on ordinary functions of seven variables")

@@ -42,13 +42,13 @@ class Diagnosis:
 
 
 def diagnose_folder(
-    folder: Folder, jobs: int = -1, *, anew: bool = False, untrusted: bool = False
+    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False
 ) -> Iterator[Diagnosis]:
     """Yield a diagnosis of every optimizer of a study, with its own options; each is noted in the folder for reports.
 
     Args:
         folder: the folder of a study.
-        jobs: runs made at a time, -1 for one a core.
+        n_jobs: runs made at a time, -1 for one a core.
         anew: whether to diagnose again what has not changed since it was diagnosed.
         untrusted: whether to load and run all of them in a sandbox alone; they are then diagnosed anew each time.
     """
@@ -73,7 +73,7 @@ def diagnose_folder(
             yield Diagnosis(entry.label, kept, kept=True)
         else:
             changed[entry.label] = optimizer, code
-    verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], jobs=jobs, sandbox=apart)
+    verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs, sandbox=apart)
     for (label, (_, code)), outcome in zip(changed.items(), verdicts, strict=True):
         if isinstance(outcome, BenchError):
             noted.pop(label, None)

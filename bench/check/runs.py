@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,11 @@ from bench.check.conformance.subject import Subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.errors import BenchError
 from bench.execution.job import MEMORY, TIMEOUT
-from bench.execution.safe_runs import in_order, safe_run, safe_runs
+from bench.execution.safe_runs import found, safe_call, safe_run
 from bench.objective import scanner
 from bench.optimizer import Optimizer
 from bench.sandbox.bubblewrap import Sandbox
+from bench.sandbox.callers import Call, Callers
 from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
 from bench.typing import Floats
@@ -84,7 +85,7 @@ def make_runs(
     dimension: int = 7,
     runs: int = 10,
     noise_runs: int = 100,
-    jobs: int = -1,
+    n_jobs: int = -1,
     seed: int = 0,
     sandbox: Sandbox | None = None,
 ) -> Iterator[Runs | BenchError]:
@@ -97,7 +98,7 @@ def make_runs(
         dimension: the number of variables of every function.
         runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
         noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
-        jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
+        n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         seed: repeats every number.
         sandbox: in which all runs are made.
     """
@@ -109,24 +110,41 @@ def make_runs(
     ]
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     limits: dict[str, Any] = {"seconds": TIMEOUT, "memory": MEMORY} if sandbox else {}
-    with safe_runs(jobs, ready, sandbox) as begin:
-        begun: list[list[Future[Any]] | BenchError] = []
-        for group, optimizer in enumerate(optimizers):
-            try:
-                packed = pack(optimizer if isinstance(optimizer, Subject) else Subject.of(optimizer, {}, 0))
-                begun.append([begin(group, make_run, packed, task, **limits) for task in tasks])
-            except Exception as error:  # pickling runs a plug-in's code
-                begun.append(BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}"))
-        for futures in begun:
-            yield futures if isinstance(futures, BenchError) else _collect(tasks, futures)
+    packed = [_packed(optimizer) for optimizer in optimizers]
+    failed: set[int] = set()  # whose other runs are given up
+
+    def calls() -> Iterator[Call]:
+        for group, each in enumerate(packed):
+            for task in tasks if isinstance(each, bytes) else ():
+                if group not in failed:
+                    yield safe_call(group, make_run, each, task, **limits)
+
+    with Callers(n_jobs, ready, sandbox) as callers:
+        groups = groupby(callers.answers(calls()), lambda answered: answered[0].group)
+        for each in packed:
+            if isinstance(each, BenchError):
+                yield each
+                continue
+            group, answered = next(groups)
+            made = _collected(tasks, (answer for _, answer in answered))
+            if isinstance(made, BenchError):
+                failed.add(group)
+            yield made
 
 
-def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchError:
-    """Wait for the runs of one optimizer; with the first that fails the others are given up."""
+def _packed(optimizer: Optimizer | Subject) -> bytes | BenchError:
+    try:
+        return pack(optimizer if isinstance(optimizer, Subject) else Subject.of(optimizer, {}, 0))
+    except Exception as error:  # pickling runs a plug-in's code
+        return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
+
+
+def _collected(tasks: list[CheckRun], answers: Iterable[Any]) -> Runs | BenchError:
+    """Return the runs of one optimizer, or the error of the first that failed."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
-        for task, summary in zip(tasks, in_order(begun, _summary), strict=True):
-            made[task.kind].setdefault(task.name, []).append(summary)
+        for task, answer in zip(tasks, answers, strict=True):
+            made[task.kind].setdefault(task.name, []).append(found(answer, _summary))
     except BenchError as error:
         return error
     return Runs(**made)

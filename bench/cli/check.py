@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from joblib import effective_n_jobs
 from rich.console import Console
 
 from bench.cli.console import Jobs, Parameters, Untrusted
 from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error, print_line
+from bench.helpers.parallel import side_by_side
 from bench.helpers.text import count
 from bench.plugins import registry, selection
 from bench.plugins.loading import is_problem
@@ -85,20 +84,20 @@ def check_problems(names: list[str], console: Console, jobs: int, **options: Any
     """Check problems, several at a time, and print the verdicts in order; return whether all keep the contract."""
     from bench.check import check_problem
 
+    def check(name: str) -> Checkup | BenchError:
+        try:
+            return check_problem(name, on_check=_shown(name, console, len(names)), **options)
+        except BenchError as error:
+            return error
+
     sound: list[bool] = []
-    with console.status(f"checking {count(len(names), 'problem')}"), ThreadPoolExecutor(effective_n_jobs(jobs)) as pool:
-        begun: list[tuple[str, Future[Checkup]]] = [
-            (name, pool.submit(check_problem, name, on_check=_shown(name, console, len(names)), **options))
-            for name in names
-        ]
-        for name, check in begun:
-            try:
-                checkup = check.result()
-            except BenchError as error:
+    with console.status(f"checking {count(len(names), 'problem')}"):
+        for name, checkup in zip(names, side_by_side(check, names, jobs), strict=True):
+            if isinstance(checkup, BenchError):
                 if len(names) == 1:
-                    raise
+                    raise checkup
                 sound.append(False)
-                print_error(f"{name} could not be checked: {error}")
+                print_error(f"{name} could not be checked: {checkup}")
                 continue
             sound.append(checkup.conforms)
             print_line(checkup.summary, console=console)

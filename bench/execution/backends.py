@@ -7,7 +7,6 @@ from contextlib import AbstractContextManager
 from bench.errors import BenchError, nearest
 from bench.execution.dask import Cluster, cluster
 from bench.execution.local import Local
-from bench.sandbox.pool import number
 
 BACKENDS = ("dask", "local")
 
@@ -23,5 +22,5 @@ def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContext
     if (backend == "dask") != (scheduler is not None):
         raise BenchError("the dask backend needs --scheduler tcp://HOST:PORT, and no other backend takes one")
     if scheduler is None:
-        return Local(number(jobs))
+        return Local(jobs)
     return cluster(scheduler)

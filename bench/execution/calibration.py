@@ -35,7 +35,7 @@ class TimeEstimate(NamedTuple):
     source: str
 
 
-def estimated(plan: Plan, jobs: int, untrusted: bool = False) -> TimeEstimate:
+def estimated(plan: Plan, n_jobs: int, untrusted: bool = False) -> TimeEstimate:
     """Return how long a plan's trials will take, one point at a time.
 
     Up to three problems, at equal steps, are evaluated at one point twice. Where an evaluation takes more than a
@@ -46,7 +46,7 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False) -> TimeEstimate:
 
     Args:
         plan: of a study.
-        jobs: trials made at a time.
+        n_jobs: trials made at a time.
         untrusted: make the evaluations in a sandbox.
     """
     study = plan.study
@@ -56,7 +56,7 @@ def estimated(plan: Plan, jobs: int, untrusted: bool = False) -> TimeEstimate:
     if isinstance(probed, str):
         return TimeEstimate(None, probed)
     if max(probed.values()) <= _CHEAP:
-        return _from_short_trials(plan, some, jobs, untrusted)
+        return _from_short_trials(plan, some, n_jobs, untrusted)
     each = sum(probed.values()) / len(probed)
     source = f"{each:.3g} s an evaluation, in {count(2 * len(probed), 'evaluation')} on some of the problems"
     evaluations = _evaluations(plan)
@@ -92,11 +92,11 @@ def _probed(study: Study, untrusted: bool) -> dict[str, float] | str:
     return found
 
 
-def _from_short_trials(plan: Plan, some: Study, jobs: int, untrusted: bool) -> TimeEstimate:
+def _from_short_trials(plan: Plan, some: Study, n_jobs: int, untrusted: bool) -> TimeEstimate:
     study = plan.study
     short = replace(some, trials=2, budget=study.budget.shortened(SHARE, LEAST))
     with TemporaryDirectory() as place:
-        made = run(short, Path(place) / "short", n_jobs=jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
+        made = run(short, Path(place) / "short", n_jobs=n_jobs, timeout=LONGEST, untrusted=untrusted, verify=False)
         folder = Folder(made.folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
     if not rows:

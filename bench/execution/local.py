@@ -1,17 +1,17 @@
-"""Make trials on this machine: a thread for each job, which supervises the processes that make its trials."""
+"""Make trials on this machine: supervisors side by side, each of which owns the processes that make its trials."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager
-from itertools import islice
-from queue import SimpleQueue
 from threading import Lock
+
+from joblib import effective_n_jobs
 
 from bench.columns import Row
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor
+from bench.helpers.parallel import side_by_side
 from bench.trial import Trial
 
 OnBegin = Callable[[int, Trial], None]
@@ -19,10 +19,10 @@ Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that ma
 
 
 class Local(AbstractContextManager["Local"]):
-    """A context of ``jobs`` supervisors of processes, which are kept for the next trials of the same task."""
+    """A context of ``n_jobs`` supervisors of processes, which are kept for the next trials of the same task."""
 
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
+    def __init__(self, n_jobs: int) -> None:
+        self.jobs = effective_n_jobs(n_jobs)
         self._task: Task | None = None
         self._supervisors: list[Supervisor] = []
 
@@ -37,7 +37,7 @@ class Local(AbstractContextManager["Local"]):
     def answers(
         self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
     ) -> Iterator[Answer]:
-        """Yield each missing trial with its row and its machine's record as they finish, in any order.
+        """Return each missing trial with its row and its machine's record as they finish, in any order.
 
         Args:
             task: what all trials have in common.
@@ -48,30 +48,16 @@ class Local(AbstractContextManager["Local"]):
         if self._task is not task or not self._supervisors:
             self._end()
             self._task, self._supervisors = task, [Supervisor(task) for _ in range(self.jobs)]
-        idle, turn = SimpleQueue[int](), Lock()
-        for job in range(self.jobs):
-            idle.put(job)
+        idle, turn = [*enumerate(self._supervisors)], Lock()
 
         def make(trial: Trial) -> Answer:
-            job = idle.get()  # there is one for each thread
+            job, supervisor = idle.pop()  # there is one for each thread
             try:
                 if on_begin is not None:
                     with turn:
                         on_begin(job, trial)
-                return trial, self._supervisors[job].make(trial), machine
+                return trial, supervisor.make(trial), machine
             finally:
-                idle.put(job)
+                idle.append((job, supervisor))
 
-        with ThreadPoolExecutor(self.jobs) as pool:  # which waits for its threads
-            try:
-                trials = iter(missing())
-                begun = {pool.submit(make, trial) for trial in islice(trials, 2 * self.jobs)}  # so that none waits
-                while begun:
-                    done, begun = wait(begun, return_when=FIRST_COMPLETED)
-                    begun |= {pool.submit(make, trial) for trial in islice(trials, len(done))}
-                    for future in done:
-                        yield future.result()
-            except BaseException:  # GeneratorExit, too
-                pool.shutdown(wait=False, cancel_futures=True)
-                self._end()
-                raise
+        return side_by_side(make, missing(), self.jobs, in_order=False, end=self._end)

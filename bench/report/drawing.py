@@ -6,19 +6,21 @@ import base64
 import io
 import pickle
 import warnings
-from collections.abc import Iterable
-from concurrent.futures import Future
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
+from threading import Event, Lock
 from types import TracebackType
 from typing import Any, NamedTuple
 
 import matplotlib.figure
-from joblib import cpu_count
+from joblib import effective_n_jobs
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+from bench.helpers.parallel import side_by_side
 from bench.plots import style
-from bench.sandbox.pool import Pool
+from bench.sandbox.callers import Call, Callers
 
 MOST = 3  # processes beside this one, which takes about as long to prepare figures as one of them to draw them
 
@@ -49,51 +51,85 @@ class Drawer:
     """Draws figures one by one, in this process or in others.
 
     Args:
-        jobs: the processes to use, this one included; -1 for one a core.
+        n_jobs: the processes to use, this one included; -1 for one a core.
     """
 
-    def __init__(self, jobs: int) -> None:
-        processes = min(MOST, (cpu_count() if jobs == -1 else jobs) - 1)
-        self._pool = Pool(processes, ready) if processes else None
-        self._begun: dict[int, tuple[matplotlib.figure.Figure, bool, Future[Any]]] = {}  # by identity: without a hash
-        self._drawn: dict[int, Drawing] = {}  # of figures begun
-        if self._pool is not None:
-            for _ in range(processes):  # start now, while the first figures are prepared
-                self._pool.submit(0, ready)
+    def __init__(self, n_jobs: int) -> None:
+        self._others = min(MOST, effective_n_jobs(n_jobs) - 1)
+        self._callers = Callers(self._others, ready) if self._others else None
+        self._sent: dict[int, _Sent] = {}  # by the identity of their figures, which have no hash
+        self._under_way: list[Generator[None]] = []
+        if self._callers is not None:  # start now, while the first figures are prepared
+            self._begin(self._callers.answer, [Call(0, ready) for _ in range(self._others)])
 
     def __enter__(self) -> Drawer:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self._pool is not None:
-            self._pool.close()
+        if self._callers is not None:
+            self._callers.kill()
+        for drawings in self._under_way:
+            drawings.close()
 
     def begin(self, figures: Iterable[matplotlib.figure.Figure], *, pdf: bool = True) -> None:
         """Have figures drawn by other processes, as far as they can be sent there; their drawing may not change."""
-        if self._pool is None:
+        if self._callers is None:
             return
+        sent = []
         for figure in figures:
             with suppress(Exception):  # it may hold anything
                 if figure.canvas.manager is None:  # a copy of pyplot's own would open a window
-                    future = self._pool.submit(0, draw_copy, pickle.dumps(figure), pdf)
-                    self._begun[id(figure)] = figure, pdf, future
+                    sent.append(_Sent(figure, pdf, pickle.dumps(figure)))
+        self._sent |= {id(each.figure): each for each in sent}
+        self._begin(self._draw, sent)
 
     def help(self) -> None:
         """Draw here what no other process has begun to draw, the last one first."""
-        for figure, pdf, future in reversed(self._begun.values()):
-            if future.cancel():
+        for sent in reversed(self._sent.values()):
+            if sent.claimed():
                 with suppress(Exception):  # raised again where the drawing is asked for
-                    self._drawn[id(figure)] = draw(figure, pdf=pdf)
+                    sent.drawing = draw(sent.figure, pdf=sent.pdf)
+                sent.drawn.set()
 
     def finish(self, figure: matplotlib.figure.Figure, *, pdf: bool = True) -> Drawing:
         """Return the drawing of a figure; raises what matplotlib raises."""
-        if id(figure) in self._drawn:
-            return self._drawn[id(figure)]
-        if id(figure) in self._begun:
-            with suppress(Exception):  # it is drawn here instead
-                answer = self._begun[id(figure)][2].result()
-                return Drawing(answer["svg"].encode(), base64.b64decode(answer["pdf"]) if pdf else None)
+        if sent := self._sent.get(id(figure)):
+            sent.drawn.wait()
+            if sent.drawing is not None:
+                return sent.drawing
         return draw(figure, pdf=pdf)
+
+    def _begin(self, function: Callable[[Any], Any], items: Sequence[Any]) -> None:
+        """Have calls begin, in threads beside this one also where there is but one other process."""
+        if items:
+            self._under_way.append(side_by_side(function, items, self._others + 1))
+
+    def _draw(self, sent: _Sent) -> None:
+        """Have a figure drawn in another process; where that fails, it is drawn here when it is asked for."""
+        assert self._callers is not None
+        call = Call(0, draw_copy, (sent.pickled, sent.pdf), wanted=sent.claimed)
+        answer = self._callers.answer(call)[1]
+        if answer is not None:
+            with suppress(Exception):  # no drawing
+                pdf = base64.b64decode(answer["pdf"]) if sent.pdf else None
+                sent.drawing = Drawing(answer["svg"].encode(), pdf)
+            sent.drawn.set()
+
+
+@dataclass
+class _Sent:
+    """A figure that other processes may draw."""
+
+    figure: matplotlib.figure.Figure
+    pdf: bool
+    pickled: bytes
+    drawing: Drawing | None = None
+    drawn: Event = field(default_factory=Event)
+    _claim: Lock = field(default_factory=Lock)
+
+    def claimed(self) -> bool:
+        """Return whether the caller is the first who asks, and so the one who draws it."""
+        return self._claim.acquire(blocking=False)
 
 
 def ready() -> None:

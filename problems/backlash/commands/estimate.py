@@ -127,7 +127,7 @@ def estimate(
     for remark in remarks:
         print_line(remark, console=stderr)
     read = partial(read_joints, speed=speed, unit=unit, window=part, joint_column=joint_column)
-    made = estimate_files(paths, read, settings, jobs=-1)
+    made = estimate_files(paths, read, settings, n_jobs=-1)
     bar = track(made, "estimating", len(paths), console=stderr, transient=True, disable=not stderr.is_terminal)
     outcomes = [outcome for outcomes in bar for outcome in outcomes]
     stray = [one for one in outcomes if isinstance(one, Failed) and one.stray and str(one.path) not in recordings]

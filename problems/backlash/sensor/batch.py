@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
@@ -61,7 +62,7 @@ def estimate_files(
     read: Callable[[Path], Joints],
     settings: Settings,
     *,
-    jobs: int = 1,
+    n_jobs: int = 1,
 ) -> Iterator[list[Outcome]]:
     """Yield the outcomes of each file, one for each joint in it, in the order of the files.
 
@@ -69,28 +70,28 @@ def estimate_files(
         paths: the files.
         read: returns the joints in a file; a function of a module, or a partial of one. It raises BenchError.
         settings: of every estimate.
-        jobs: worker processes for more than ``FEW`` files; -1 takes every core. The outcomes do not depend on it, but
+        n_jobs: worker processes for more than ``FEW`` files; -1 takes every core. The outcomes do not depend on it, but
             a file that ends a worker process costs itself only.
 
     Raises:
         BenchError: for no worker.
     """
-    require_jobs("the number of jobs", jobs)
+    require_jobs("the number of jobs", n_jobs)
     work = partial(_estimated, read=read, settings=settings)
-    return map(work, paths) if jobs == 1 or len(paths) <= FEW else _in_processes(work, paths, jobs)
+    return map(work, paths) if n_jobs == 1 or len(paths) <= FEW else _in_processes(work, paths, n_jobs)
 
 
-def _in_processes(work: Callable[[Path], list[Outcome]], paths: Sequence[Path], jobs: int) -> Iterator[list[Outcome]]:
-    from bench.sandbox.pool import Pool, number  # a single file need not wait for it
+def _in_processes(work: Callable[[Path], list[Outcome]], paths: Sequence[Path], n_jobs: int) -> Iterator[list[Outcome]]:
+    from bench.sandbox.callers import Call, Callers  # a single file need not wait for it
 
-    with Pool(min(number(jobs), len(paths)), ready) as pool:
-        calls = [pool.submit("recordings", pickled, work, path) for path in paths]
-        for path, call in zip(paths, calls, strict=True):
-            try:
-                yield pickle.loads(base64.b64decode(call.result()))
-            except RuntimeError as error:  # whatever has ended it
-                yield [Failed(path, f"{path}: the process that estimated it ended ({printable(str(error), 100)}), such "
-                              "as for want of memory; estimate it alone to see why")]  # fmt: skip
+    with Callers(min(effective_n_jobs(n_jobs), len(paths)), ready) as callers:
+        calls = [Call("recordings", pickled, (work, path)) for path in paths]
+        for path, (_, answer) in zip(paths, callers.answers(calls), strict=True):
+            if isinstance(answer, RuntimeError):  # whatever has ended its process
+                yield [Failed(path, f"{path}: the process that estimated it ended ({printable(str(answer), 100)}), "
+                              "such as for want of memory; estimate it alone to see why")]  # fmt: skip
+            else:
+                yield pickle.loads(base64.b64decode(answer))
 
 
 def ready() -> None:

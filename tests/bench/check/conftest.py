@@ -1,5 +1,4 @@
 import json
-from concurrent.futures import Future
 
 import pytest
 
@@ -20,9 +19,9 @@ def little_work(monkeypatch):
 
 
 class InThisProcess:
-    """Stands in for a pool: makes every call at once, and passes its answer on as JSON."""
+    """Stands in for the processes: makes every call here, and passes its answer on as JSON."""
 
-    def __init__(self, jobs, ready, sandbox=None):
+    def __init__(self, n_jobs, ready, sandbox=None):
         ready()
 
     def __enter__(self):
@@ -31,16 +30,12 @@ class InThisProcess:
     def __exit__(self, *_):
         pass
 
-    def submit(self, group, function, *arguments, seconds=None, printed=None, memory=None):
-        future = Future()
-        try:
-            future.set_result(json.loads(json.dumps(function(*arguments))))
-        except Exception as error:
-            future.set_exception(error)
-        return future
+    def answers(self, calls):
+        for call in calls:
+            yield call, json.loads(json.dumps(call.function(*call.arguments)))
 
 
 @pytest.fixture
 def in_this_process(monkeypatch):
     """Make the runs that show biases without other processes, which take a second to start."""
-    monkeypatch.setattr("bench.execution.safe_runs.Pool", InThisProcess)
+    monkeypatch.setattr("bench.check.runs.Callers", InThisProcess)

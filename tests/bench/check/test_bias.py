@@ -9,7 +9,7 @@ from bench import BenchError, load_optimizer
 from bench.check import bias
 from bench.check.bias import LIMIT, centre_bias, diagnose, starts_and_seeds, structural_bias
 from bench.check.runs import BOXES, Runs, RunSummary
-from bench.sandbox.pool import Pool
+from bench.sandbox.callers import Callers
 from tests.bench.check.biased import (
     Central,
     Chains,
@@ -99,23 +99,23 @@ def test_a_method_that_does_better_off_the_centre_is_told_so():
 
 @pytest.mark.slow
 def test_random_search_passes_every_check():
-    assert all(verdict.passed for verdict in diagnose(load_optimizer("random-search"), runs=5, jobs=1))
+    assert all(verdict.passed for verdict in diagnose(load_optimizer("random-search"), runs=5, n_jobs=1))
 
 
 def test_gwo_is_biased():
     gwo = load_optimizer("gwo", agents=30)
-    verdicts = diagnose(gwo, runs=2, noise_runs=40, jobs=1)
+    verdicts = diagnose(gwo, runs=2, noise_runs=40, n_jobs=1)
     assert [verdict.check for verdict in verdicts if not verdict.passed] == CHECKS[:3]
 
 
 @pytest.mark.slow
 def test_the_seed_alone_repeats_the_figures_whatever_the_number_of_processes(monkeypatch):
     gwo, sizes = load_optimizer("gwo", agents=30), {"runs": 1, "noise_runs": 5}
-    first = diagnose(gwo, jobs=1, **sizes)
+    first = diagnose(gwo, n_jobs=1, **sizes)
     with monkeypatch.context() as patch:
-        patch.setattr("bench.execution.safe_runs.Pool", Pool)
-        assert diagnose(gwo, jobs=2, **sizes) == first
-    assert diagnose(gwo, jobs=1, seed=1, **sizes)[:2] != first[:2]
+        patch.setattr("bench.check.runs.Callers", Callers)
+        assert diagnose(gwo, n_jobs=2, **sizes) == first
+    assert diagnose(gwo, n_jobs=1, seed=1, **sizes)[:2] != first[:2]
 
 
 def test_an_unbiased_method_is_hardly_ever_accused():
@@ -134,7 +134,7 @@ def test_a_run_without_a_finite_value_counts_as_the_worst():
 @pytest.mark.slow
 def test_a_failing_optimizer_is_named_with_its_error():
     with pytest.raises(BenchError, match="failed on sphere: ZeroDivisionError: boom"):
-        diagnose(Raising(), jobs=1)
+        diagnose(Raising(), n_jobs=1)
 
 
 def test_every_check_has_its_place_in_the_report():

@@ -21,9 +21,9 @@ def asked(monkeypatch):
     """Make few runs; return the optimizers that were diagnosed."""
     asked = []
 
-    def few(optimizers, jobs, **given):
+    def few(optimizers, n_jobs, **given):
         asked.extend(optimizers)
-        return diagnose_all(optimizers, jobs=jobs, **(SIZES | given))
+        return diagnose_all(optimizers, n_jobs=n_jobs, **(SIZES | given))
 
     monkeypatch.setattr("bench.check.bias.diagnose_all", few)
     return asked
@@ -45,9 +45,9 @@ def made(tmp_path):
 def test_a_folder_keeps_the_verdicts_on_its_optimizers(made, asked):
     folder = made({"name": "scatter", "agents": 7}, {"name": "early"})
     assert Results(folder.path).checks == {}
-    found = list(diagnose_folder(folder, jobs=1))
+    found = list(diagnose_folder(folder, n_jobs=1))
     assert [(each.label, each.failed, each.kept) for each in found] == [("scatter", "", False), ("early", "", False)]
-    assert found[0].verdicts == diagnose(folder.study().optimizer("scatter"), jobs=1, **SIZES)
+    assert found[0].verdicts == diagnose(folder.study().optimizer("scatter"), n_jobs=1, **SIZES)
     noted = Results(folder.path).checks
     assert {each["code"] for those in noted.values() for each in those} == {
         checked.key(entry, folder.study().optimizer(entry.label)) for entry in folder.study().optimizers
@@ -60,8 +60,8 @@ def test_a_folder_keeps_the_verdicts_on_its_optimizers(made, asked):
 
 @pytest.mark.slow
 def test_an_unchanged_optimizer_is_not_diagnosed_again_when_trials_are_added(made, asked):
-    first = list(diagnose_folder(made({"name": "scatter"}, {"name": "early"}), jobs=1))
-    again = list(diagnose_folder(made({"name": "scatter"}, {"name": "early"}, trials=2), jobs=1))
+    first = list(diagnose_folder(made({"name": "scatter"}, {"name": "early"}), n_jobs=1))
+    again = list(diagnose_folder(made({"name": "scatter"}, {"name": "early"}, trials=2), n_jobs=1))
     assert len(asked) == 2
     assert all(each.kept for each in again)
     assert [each.verdicts for each in again] == [each.verdicts for each in first]
@@ -70,7 +70,7 @@ def test_an_unchanged_optimizer_is_not_diagnosed_again_when_trials_are_added(mad
 def test_the_user_may_ask_for_a_diagnosis_anew(made, asked):
     folder = made({"name": "scatter"})
     for anew in (False, True):
-        (found,) = diagnose_folder(folder, jobs=1, anew=anew)
+        (found,) = diagnose_folder(folder, n_jobs=1, anew=anew)
         assert not found.kept
     assert len(asked) == 2
 
@@ -83,23 +83,23 @@ def test_a_changed_optimizer_alone_is_diagnosed_again(made, asked, tmp_path, mon
     for file in files:
         file.write_text(code.format(file.stem))
     folder = made({"name": "one.py:one"}, {"name": "two.py:two"})
-    assert not any(each.kept for each in diagnose_folder(folder, jobs=1))
-    assert all(each.kept for each in diagnose_folder(folder, jobs=1))
+    assert not any(each.kept for each in diagnose_folder(folder, n_jobs=1))
+    assert all(each.kept for each in diagnose_folder(folder, n_jobs=1))
     files[1].write_text(code.format("two") + "# not changed\n")
-    assert all(each.kept for each in diagnose_folder(folder, jobs=1))
+    assert all(each.kept for each in diagnose_folder(folder, n_jobs=1))
     files[1].write_text(code.format("two") + "CHANGED = 1\n")
-    assert [(each.label, each.kept) for each in diagnose_folder(folder, jobs=1)] == [("one", True), ("two", False)]
+    assert [(each.label, each.kept) for each in diagnose_folder(folder, n_jobs=1)] == [("one", True), ("two", False)]
 
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("damage", [{"code": "0" * 16}, {"kind": "praise"}, {"passed": 1}, {"finding": None}])
 def test_noted_verdicts_of_other_code_and_damaged_ones_are_not_kept(damage, made, asked):
     folder = made({"name": "scatter"})
-    list(diagnose_folder(folder, jobs=1))
+    list(diagnose_folder(folder, n_jobs=1))
     noted = json.loads((folder.path / "checks.json").read_text())
     noted["scatter"][1] |= damage
     (folder.path / "checks.json").write_text(json.dumps(noted))
-    assert [each.kept for each in diagnose_folder(folder, jobs=1)] == [False]
+    assert [each.kept for each in diagnose_folder(folder, n_jobs=1)] == [False]
 
 
 @pytest.mark.slow
@@ -113,10 +113,10 @@ def test_the_key_depends_on_options_and_on_the_code_of_the_harness(made, monkeyp
 
 def test_what_was_diagnosed_before_an_interrupt_is_kept(made, asked, monkeypatch):
     folder = made({"name": "scatter"}, {"name": "early"})
-    found = diagnose_folder(folder, jobs=1)
+    found = diagnose_folder(folder, n_jobs=1)
     next(found)
     found.close()
-    assert [(each.label, each.kept) for each in diagnose_folder(folder, jobs=1)] == [
+    assert [(each.label, each.kept) for each in diagnose_folder(folder, n_jobs=1)] == [
         ("scatter", True), ("early", False)
     ]  # fmt: skip
 
@@ -146,7 +146,7 @@ def test_notes_of_older_versions_are_read_and_what_is_no_verdict_is_passed_over(
 
 def test_an_optimizer_that_fails_costs_the_others_nothing(made, asked):
     folder = made({"name": "faulty"}, {"name": "scatter"})  # 'faulty' raises in two dimensions
-    failed, sound = diagnose_folder(folder, jobs=1)
+    failed, sound = diagnose_folder(folder, n_jobs=1)
     assert (failed.label, failed.verdicts) == ("faulty", [])
     assert failed.failed == "the optimizer failed on sphere: RuntimeError: cannot do planes"
     assert (sound.label, sound.failed) == ("scatter", "")
@@ -161,9 +161,9 @@ def test_an_optimizer_that_cannot_be_loaded_costs_the_others_nothing(made, asked
             raise BenchError("it is gone")
         return load(study, label)
 
-    list(diagnose_folder(folder, jobs=1))
+    list(diagnose_folder(folder, n_jobs=1))
     monkeypatch.setattr(Study, "optimizer", optimizer)
-    assert [(each.label, each.failed, each.kept) for each in diagnose_folder(folder, jobs=1)] == [
+    assert [(each.label, each.failed, each.kept) for each in diagnose_folder(folder, n_jobs=1)] == [
         ("early", "it is gone", False), ("scatter", "", True)
     ]  # fmt: skip
     assert list(Results(folder.path).checks) == ["scatter"]

@@ -14,14 +14,14 @@ pytestmark = pytest.mark.usefixtures("little_work")
 
 
 def made_here(optimizer, **sizes):
-    (made,) = make_runs([optimizer], dimension=2, jobs=1, **sizes)
+    (made,) = make_runs([optimizer], dimension=2, n_jobs=1, **sizes)
     assert isinstance(made, Runs)
     return made
 
 
-def failures(*optimizers, jobs=2):
+def failures(*optimizers, n_jobs=2):
     """Return why each failed, or None."""
-    made = make_runs(optimizers, dimension=2, runs=1, noise_runs=3, jobs=jobs)
+    made = make_runs(optimizers, dimension=2, runs=1, noise_runs=3, n_jobs=n_jobs)
     return [str(each) if isinstance(each, BenchError) else None for each in made]
 
 
@@ -65,7 +65,7 @@ def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
 
 def test_an_optimizer_that_prints_without_end_is_stopped(monkeypatch):
     monkeypatch.setattr(safe_runs, "PRINTED", 100)
-    assert failures(faulty.Chatty(), jobs=1) == ["the optimizer printed more than 0.0001 MB in one run"]
+    assert failures(faulty.Chatty(), n_jobs=1) == ["the optimizer printed more than 0.0001 MB in one run"]
 
 
 @pytest.mark.parametrize(

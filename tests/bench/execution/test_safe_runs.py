@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Optimizer, load_optimizer
-from bench.execution.safe_runs import found, in_order, recorded, safe_run, safe_runs
+from bench.execution.safe_runs import found, recorded, safe_call, safe_run
+from bench.sandbox.callers import Callers
 
 RECORD = {"number": 5, "text": "a", "points": np.full((2, 1), np.pi), "worst": np.inf}
 
@@ -16,28 +17,25 @@ def bowl(x):
 
 
 def test_numbers_texts_and_arrays_arrive_with_every_digit():
-    with safe_runs(1, os.getpid) as begin:
-        there = found(begin("a", dict, RECORD), dict)
+    with Callers(1, os.getpid) as callers:
+        there = found(callers.answer(safe_call("a", dict, RECORD))[1], dict)
     assert there["points"].tolist() == [[np.pi], [np.pi]]
     assert {**there, "points": 0} == {**RECORD, "points": 0}
 
 
 def test_a_lost_process_costs_no_other_group_anything():
-    with safe_runs(1, os.getpid) as begin:
-        lost, kept = begin("a", os._exit, 3), begin("b", dict, RECORD)
-        with pytest.raises(BenchError, match=r"^the optimizer ended its process \(exit code 3\)$"):
-            list(in_order([lost], dict))
-        assert found(kept, lambda record: record["number"]) == 5
+    with Callers(1, os.getpid) as callers:
+        calls = safe_call("a", os._exit, 3), safe_call("b", dict, RECORD)
+        (_, lost), (_, kept) = callers.answers(calls)
+    with pytest.raises(BenchError, match=r"^the optimizer ended its process \(exit code 3\)$"):
+        found(lost, dict)
+    assert found(kept, lambda record: record["number"]) == 5
 
 
 @pytest.mark.parametrize("answer", [None, 5, [], "x", {}, {"x": [1]}, {"x": [[2], "AAAA"]}, {"x": ["y", "z", 1]}])
 def test_what_is_no_record_is_refused(answer):
-    class Answered:
-        def result(self):
-            return answer
-
     with pytest.raises(BenchError, match="gave an answer that is no record of a run"):
-        found(Answered(), lambda each: each["x"].shape)
+        found(answer, lambda each: each["x"].shape)
 
 
 class Raising(Optimizer):

@@ -1,80 +1,89 @@
-"""Calls side by side: groups share no process, an error costs one call, and nothing outlives the pool."""
+"""Calls side by side: groups share no process, an error costs one call, and nothing outlives the context."""
 
 import os
 import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import CancelledError
+from threading import Thread
 
 import psutil
 import pytest
 
-from bench.sandbox.pool import Pool
-from bench.sandbox.process import DiedError, PrintedTooMuchError, RemoteError, TimeExceededError
+from bench.sandbox.callers import Call, Callers
+from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, RemoteError, TimeExceededError
 from tests.bench.sandbox.helpers import LONG, gone
 
 HANGS = """
 import time
-from bench.sandbox.pool import Pool
-with Pool(2, time.monotonic) as pool:
-    begun = [pool.submit(0, time.sleep, 600) for _ in range(5)]
+from bench.sandbox.callers import Call, Callers
+with Callers(JOBS, time.monotonic) as callers:
+    answers = callers.answers([Call(0, time.sleep, (600,)) for _ in range(5)])
     print("begun", flush=True)
-    begun[0].result()
+    next(answers)
 """
 
 
 @pytest.fixture
-def pool():
-    with Pool(1, os.getpid) as pool:
-        yield pool
+def callers():
+    with Callers(1, os.getpid) as callers:
+        yield callers
 
 
-def test_a_group_s_calls_share_a_process_and_no_other_group_s_run_in_it(pool):
-    pids = [pool.submit(group, os.getpid).result(LONG) for group in ("a", "a", "b", "a")]
+def answers(callers, *calls):
+    return [answer for _, answer in callers.answers(calls)]
+
+
+def test_a_group_s_calls_share_a_process_and_no_other_group_s_run_in_it(callers):
+    pids = answers(callers, *(Call(group, os.getpid) for group in ("a", "a", "b", "a")))
     assert pids[0] == pids[1]
     assert len({os.getpid(), *pids}) == 4
 
 
-def test_calls_are_made_side_by_side_and_answered_in_any_order():
-    with Pool(2, os.getpid) as pool:
-        slow, quick = pool.submit(0, time.sleep, LONG), pool.submit(0, len, "abc")
-        assert quick.result(LONG) == 3
-        assert not slow.done()
+def test_calls_are_made_side_by_side_and_answered_in_their_order(tmp_path):
+    waits = f"while [ ! -e {tmp_path}/second ]; do sleep 0.01; done"
+    with Callers(2, os.getpid) as callers:
+        calls = Call(0, os.system, (waits,)), Call(0, os.system, (f"touch {tmp_path}/second; exit 1",))
+        assert answers(callers, *calls) == [0, 256]
 
 
-def test_an_error_costs_its_own_call_alone(pool):
-    begun = [
-        pool.submit(0, os._exit, 3), pool.submit(0, int, "x"), pool.submit(0, os.write, 1, b"xxx", printed=2),
-        pool.submit(0, len, "abc"),
-    ]  # fmt: skip
-    for each, error in zip(begun, (DiedError, RemoteError, PrintedTooMuchError), strict=False):
-        with pytest.raises(error):
-            each.result(LONG)
-    assert begun[-1].result(LONG) == 3
+def test_an_error_costs_its_own_call_alone(callers):
+    found = answers(
+        callers, Call(0, os._exit, (3,)), Call(0, int, ("x",)), Call(0, os.write, (1, b"xxx"), {"printed": 2}),
+        Call(0, time.sleep, (600,), {"seconds": 0.2}), Call(0, len, ("abc",)),
+    )  # fmt: skip
+    assert [*map(type, found[:-1])] == [DiedError, RemoteError, PrintedTooMuchError, TimeExceededError]
+    assert found[-1] == 3
 
 
-def test_closing_ends_what_runs_and_cancels_what_has_not_begun():
-    with Pool(1, os.getpid) as pool:
-        pid = pool.submit(0, os.getpid).result(LONG)
-        running_, waiting = pool.submit(0, time.sleep, 600), pool.submit(0, time.sleep, 600)
-        while not running_.running():
+def test_what_is_not_wanted_any_more_is_not_called(callers):
+    assert answers(callers, Call(0, os._exit, (3,), wanted=lambda: False), Call(0, len, ("abc",))) == [None, 3]
+
+
+def test_the_end_of_the_context_ends_what_runs():
+    found = []
+    with Callers(1, os.getpid) as callers:
+        pid = callers.answer(Call(0, os.getpid))[1]
+        thread = Thread(target=lambda: found.append(callers.answer(Call(0, time.sleep, (600,)))[1]))
+        thread.start()
+        while callers._idle:
             time.sleep(0.01)
+    thread.join(LONG)
+    assert isinstance(found[0], (DiedError, LostError))
     assert gone(pid)
-    with pytest.raises(RuntimeError):
-        running_.result(0)
-    with pytest.raises(CancelledError):
-        waiting.result(0)
 
 
+@pytest.mark.parametrize("jobs", [1, 2])
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="a terminal's interrupt is sent to a process group")
-def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes():
-    command = [sys.executable, "-c", HANGS]
+def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes(jobs):
+    command = [sys.executable, "-c", HANGS.replace("JOBS", str(jobs))]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, start_new_session=True, **pipes) as parent:
         assert parent.stdout.readline() == "begun\n"
         until = time.monotonic() + LONG
-        while len(others := psutil.Process(parent.pid).children(recursive=True)) < 4 and time.monotonic() < until:
+        while (
+            len(others := psutil.Process(parent.pid).children(recursive=True)) < 2 * jobs and time.monotonic() < until
+        ):
             time.sleep(0.01)
         os.killpg(parent.pid, signal.SIGINT)
         printed = parent.communicate(timeout=LONG)
@@ -82,11 +91,3 @@ def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes():
     assert printed[1].count("Traceback") == 1  # the parent's own
     assert printed[1].endswith("KeyboardInterrupt\n")
     assert gone(*(each.pid for each in others))
-
-
-def test_a_call_that_takes_too_long_is_ended_and_costs_no_other():
-    with Pool(1, os.getpid) as pool:
-        slow, next_one = pool.submit(0, time.sleep, 600, seconds=0.2), pool.submit(0, os.getpid)
-        with pytest.raises(TimeExceededError):
-            slow.result(LONG)
-        assert next_one.result(LONG) != os.getpid()

@@ -52,7 +52,7 @@ def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, 
 @pytest.mark.parametrize("jobs", [0, -2, 1.5])
 def test_without_a_worker_there_is_no_estimate(jobs):
     with pytest.raises(BenchError, match="jobs must be a whole number from 1 to 1000, or -1 for every core"):
-        estimate_files([Path("5.csv")], read, NONE, jobs=jobs)
+        estimate_files([Path("5.csv")], read, NONE, n_jobs=jobs)
 
 
 def test_a_fault_of_the_program_is_one_sentence_too(monkeypatch):
@@ -75,9 +75,9 @@ def content(outcome):
 def test_estimates_do_not_depend_on_the_number_of_workers(paths, monkeypatch):
     monkeypatch.setattr(batch, "FEW", 1)
     settings = Settings(resamples=10)
-    alone = [content(each) for (each,) in estimate_files(paths, read_joints, settings, jobs=1)]
+    alone = [content(each) for (each,) in estimate_files(paths, read_joints, settings, n_jobs=1)]
     for jobs in (2, 3, -1):
-        assert [content(each) for (each,) in estimate_files(paths, read_joints, settings, jobs=jobs)] == alone
+        assert [content(each) for (each,) in estimate_files(paths, read_joints, settings, n_jobs=jobs)] == alone
 
 
 def test_what_ends_its_process_costs_itself_only(monkeypatch, tmp_path):
@@ -87,7 +87,7 @@ def test_what_ends_its_process_costs_itself_only(monkeypatch, tmp_path):
     for path in paths:
         path.write_text("raise ValueError('no recording')")
     paths[1].write_text("import os\nos.kill(os.getpid(), 9)")
-    first, deadly, last = [outcome.error for (outcome,) in estimate_files(paths, runpy.run_path, NONE, jobs=2)]
+    first, deadly, last = [outcome.error for (outcome,) in estimate_files(paths, runpy.run_path, NONE, n_jobs=2)]
     assert (first, last) == tuple(
         f"{path}: the estimate failed with ValueError: no recording" for path in (paths[0], paths[2])
     )
