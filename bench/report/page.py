@@ -108,7 +108,8 @@ def render(
 def _anchors(views: list[View]) -> dict[str, str]:
     """Return the ids that a line of the first part can link to, by title: those of parts and of its folded cards."""
     folded = [card.title for view in views[:1] for card in view.section.cards if card.folded]
-    return {title: f"card.{slug(title)}" for title in folded} | {view.section.title: view.anchor for view in views}
+    shown = [view for outer in views for view in (outer, *outer.views)]
+    return {title: f"card.{slug(title)}" for title in folded} | {view.section.title: view.anchor for view in shown}
 
 
 def grid(table: Table) -> PageTable:

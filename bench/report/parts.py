@@ -225,6 +225,7 @@ class Section:
         on_demand: whether this section is printed only when it is open.
         problem: the label of the problem that a subsection is about; rows of tables that name it link to it.
         apart: figures that are written as files and listed among them, and not shown on the page.
+        files: what the report's folder has besides the files of tables and figures.
     """
 
     title: str
@@ -239,6 +240,7 @@ class Section:
     on_demand: bool = False
     problem: str = ""
     apart: tuple[Figure, ...] = ()
+    files: tuple[File, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
@@ -253,6 +255,16 @@ class Section:
             raise TypeError("a section's cards must be Card")
         if any(not isinstance(section, Section) or section.sections for section in _sequence(self.sections)):
             raise TypeError("a section's sections must be Section, without sections of their own")
+        if not all(isinstance(file, File) for file in _sequence(self.files)):
+            raise TypeError("a section's files must be File")
+
+    def joined(self, other: Section) -> Section:
+        """Return this section with the parts of another one after its own."""
+        several = ("text", "items", "warnings", "cards", "sections", "apart", "files")
+        parts: dict[str, Any] = {name: (*getattr(self, name), *getattr(other, name)) for name in several}
+        for name in ("code", "lost"):
+            parts[name] = "\n".join(filter(None, (getattr(self, name), getattr(other, name))))
+        return replace(self, **parts)
 
 
 def _check_texts(of: str, *texts: Any) -> None:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import pandas as pd
 
@@ -18,7 +17,7 @@ from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.latex import ONE_COLUMN, Layout, figure_to_latex, to_latex
 from bench.report.page import Item, View, inline, render
-from bench.report.parts import Figure, File, Part, Section, Table
+from bench.report.parts import Figure, Part, Section, Table
 
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
 TABLES, FIGURES = "tables", "figures"
@@ -33,21 +32,13 @@ class Chapter:
     Attributes:
         name: of the plug-in that makes them, for the warning.
         title: printed while they are made.
-        sections: makes them.
-        files: makes the files that belong to them.
+        sections: makes them. A section whose title another chapter has stands at the place of that one, and sections
+            of one title are one section of the page.
     """
 
     name: str
     title: str
     sections: Callable[[], list[Section]]
-    files: Callable[[], list[File]]
-
-
-class Prepared(NamedTuple):
-    """The parts of a chapter."""
-
-    sections: list[Section]
-    files: list[File]
 
 
 class Draft:
@@ -97,25 +88,30 @@ class Draft:
         with style.context():
             prepared = [self.prepare(chapter) for chapter in chapters]
             self.drawer.help()
-            for chapter, made in zip(chapters, prepared, strict=True):
+            places = {chapter.title: place for place, chapter in enumerate(chapters)}
+            for place, (chapter, made) in enumerate(zip(chapters, prepared, strict=True)):
                 self.append_all(chapter, made)
+                for view in self.views:
+                    places.setdefault(view.section.title, place)
+        self.views.sort(key=lambda view: places[view.section.title])
         self.add_downloads()
         self.save(CONTENTS, contents(title, self.files), "These files.")
         page = self.save(PAGE, render(title, lead, self.views, self.problems), "This page.")
         self.clean()
         return page
 
-    def prepare(self, chapter: Chapter) -> Prepared | Exception:
-        """Return a chapter's content, whose figures are then drawn while others are prepared, or what it raises."""
+    def prepare(self, chapter: Chapter) -> list[Section] | Exception:
+        """Return a chapter's sections, whose figures are then drawn while others are prepared, or what it raises."""
         self.step(chapter.title)
         try:
-            sections, files = chapter.sections(), chapter.files()
+            sections = chapter.sections()
             for section in sections:
                 self.begin(section)
         except Exception as error:  # a plug-in may raise anything
             return error
-        self.names |= {stem for file in files for folder, _, stem in [file.stem.rpartition("/")] if folder == TABLES}
-        return Prepared(sections, files)
+        stems = [file.stem.rpartition("/") for section in sections for file in section.files]
+        self.names |= {stem for folder, _, stem in stems if folder == TABLES}
+        return sections
 
     def begin(self, section: Section) -> None:
         """Have the figures of a section and of its subsections drawn."""
@@ -133,16 +129,16 @@ class Draft:
         self.anchors.add(name)
         return name
 
-    def append_all(self, chapter: Chapter, prepared: Prepared | Exception) -> None:
+    def append_all(self, chapter: Chapter, prepared: list[Section] | Exception) -> None:
         """Add a chapter, or a warning where it raised, which costs no other part; a full disk raises OSError."""
         views, files = list(self.views), dict(self.files)
         error = prepared if isinstance(prepared, Exception) else None
-        if isinstance(prepared, Prepared):
+        if isinstance(prepared, list):
             try:
-                for section in prepared.sections:
-                    self.views.append(self.view(section, self.anchor(ANCHOR, section.title)))
-                for file in prepared.files:
-                    self.save(file.path, file.content, file.about)
+                for section in prepared:
+                    self.append(section)
+                    for file in section.files:
+                        self.save(file.path, file.content, file.about)
             except OSError:
                 raise
             except Exception as raised:
@@ -152,8 +148,17 @@ class Draft:
                 (self.folder / path).unlink()
             self.views, self.files = views, files
             reason = f"The report section {chapter.name!r} failed and is left out: {type(error).__name__}: {error}"
-            failed = Section(chapter.title, warnings=(reason,))
-            self.views.append(self.view(failed, self.anchor(ANCHOR, failed.title)))
+            self.append(Section(chapter.title, warnings=(reason,)))
+
+    def append(self, section: Section) -> None:
+        """Add a section, or its parts to the section of the same title."""
+        for place, same in enumerate(self.views):
+            if same.section.title == section.title:
+                added = self.view(section, same.anchor)
+                whole = same.section.joined(section)
+                self.views[place] = View(same.anchor, whole, same.items + added.items, same.views + added.views, [])
+                return
+        self.views.append(self.view(section, self.anchor(ANCHOR, section.title)))
 
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""

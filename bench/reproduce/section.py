@@ -26,7 +26,7 @@ from bench.reproduce.verdict import (
     unjudged,
 )
 from bench.results.results import StoredResults
-from bench.topics import Findings, Topic
+from bench.topics import Findings
 
 FILES = ("published.csv", "published.toml")
 """What the imported table is called in a study's folder."""
@@ -86,6 +86,3 @@ def beside(judgements: list[Judgement], name: str) -> tuple[Table, ...]:
             data=frame(judgements),
         ),
     )  # fmt: skip
-
-
-TOPIC = Topic("Beside published tables", sections, place=25)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -12,18 +11,16 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError, nearest, reason
 from bench.helpers.console import OnStep
 from bench.helpers.text import file_name
-from bench.plots import style
 from bench.report.drawing import Drawer
 from bench.report.latex import LAYOUTS
-from bench.report.parts import Figure, Section
 from bench.report.wording import count
-from bench.report.write import MANIFEST, Chapter, Draft
+from bench.report.write import MANIFEST, Draft
 from bench.results.results import StoredResults
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import Targets
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import each_problem
-from bench.topics.topic import Topic, topics
+from bench.topics.page import chapters
 
 FEW = 4  # problems up to which other processes would take longer to start than to draw
 COMPARISONS = Path("results") / "comparisons"
@@ -105,32 +102,6 @@ def write_report(
         raise BenchError(f"the report cannot be written into {folder}: {reason(error)}") from error
     results.note_stores()
     return page
-
-
-def chapters(findings: Findings) -> list[Chapter]:
-    """Return the chapters of a report, one a topic that is installed.
-
-    Raises:
-        BenchError: when none is, as after an update of the harness that was not installed again.
-    """
-    installed = topics()
-    if not installed:
-        raise BenchError("no topic of a report is installed; install the harness again: python -m pip install .")
-    return [
-        Chapter(name, topic.title, partial(_marked, topic, findings), partial(topic.files, findings))
-        for name, topic in installed
-    ]
-
-
-def _marked(topic: Topic, findings: Findings) -> list[Section]:
-    """Return the sections of a topic, with the subject's name marked in their figures."""
-    sections = topic.sections(findings)
-    if findings.subject:
-        for part in (part for section in sections for part in (section, *section.sections)):
-            for item in (*part.items, *part.apart):
-                if isinstance(item, Figure):
-                    style.mark(item.figure, findings.subject)
-    return sections
 
 
 def lead(findings: Findings) -> str:

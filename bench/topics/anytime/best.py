@@ -8,7 +8,6 @@ import pandas as pd
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 from bench.topics.findings import Anytime, Findings
-from bench.topics.topic import Topic
 
 TITLE = "Beside the best of 2009"
 
@@ -83,6 +82,3 @@ def _table(findings: Findings, ratios: pd.DataFrame) -> Table:
         "Bold: the lowest of a row. The CSV file has every problem and target.",
         data=findings.anytime.target_set.in_unit(ratios, unit),
     )
-
-
-TOPIC = Topic(TITLE, section, place=670)

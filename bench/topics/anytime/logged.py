@@ -15,7 +15,6 @@ from bench.report.parts import Section
 from bench.report.wording import listing
 from bench.topics.anytime.figures import over_evaluations
 from bench.topics.findings import Findings
-from bench.topics.topic import Topic
 
 TITLE = "Inside the search"
 NAMES, PROBLEMS = 6, 12  # that are drawn; the file has all
@@ -59,6 +58,3 @@ def _medians(logs: pd.DataFrame) -> pd.DataFrame:
     frame = pd.DataFrame([*traces], columns=keys).assign(status="ok")
     grid = analysis.evaluation_grid(max(int(logs["evaluations"].max()), 1))
     return analysis.convergence(frame, traces, np.asarray(grid))
-
-
-TOPIC = Topic(TITLE, section, place=665)

@@ -26,7 +26,6 @@ from bench.topics.anytime.figures import (
 )
 from bench.topics.anytime.leads import SAY, figure, sentences
 from bench.topics.findings import Findings, Trials
-from bench.topics.topic import Topic
 
 TITLE = "Convergence and targets"
 
@@ -288,6 +287,3 @@ def tables(findings: Findings) -> list[File]:
     frame = targets.in_unit(findings.anytime.running_times, targets.unit)
     about = "The expected running times (ERT) of every optimizer on every problem, with their spread."
     return [File("tables/running-times.csv", about, frame)] if len(frame) else []
-
-
-TOPIC = Topic(TITLE, section, place=660, files=tables)

@@ -13,7 +13,6 @@ from bench.report.wording import count, leaders, listing, row_texts
 from bench.topics.comparison import feasibility
 from bench.topics.findings import CROWD, Findings, Trials
 from bench.topics.ranks.tables import turned
-from bench.topics.topic import Topic
 
 TITLE = "Comparison"
 OTHER = "lowest by"  # the column of those that are best by the median or the mean
@@ -189,6 +188,3 @@ def tables(findings: Findings) -> list[File]:
             findings.display.written_pairs.assign(level=findings.final.level_on_problems),
         ),
     ]
-
-
-TOPIC = Topic(TITLE, section, place=70, files=tables)

@@ -11,7 +11,6 @@ from bench.analysis.instances import SOLVED
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 from bench.topics.findings import Findings
-from bench.topics.topic import Topic
 
 TITLE = "The competition’s table"
 SIGNS = {"+": "+", "=": "=", "-": "−"}
@@ -182,6 +181,3 @@ def _checkpoints(findings: Findings, shares: dict[str, tuple[float, ...]]) -> li
             )
         )
     return tables
-
-
-TOPIC = Topic(TITLE, section, place=40)

@@ -15,7 +15,6 @@ from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.wording import count, interval, listing, usual_decimals
 from bench.topics.datasets.figures import distribution_figure
 from bench.topics.findings import BEST, CROWD, MANY_OPTIMIZERS, Final, Findings
-from bench.topics.topic import Topic
 
 TITLE = "Problem by problem"
 SHOWN = 20  # of many optimizers, in the figure of a problem; of a crowd, in its tables
@@ -254,6 +253,3 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
 
 def _intervals(low: pd.Series[float], high: pd.Series[float], decimals: int | None) -> list[str]:
     return [interval(one, other, decimals) for one, other in zip(low, high, strict=True)]
-
-
-TOPIC = Topic(TITLE, section, place=680)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bench.report.parts import Section
 from bench.topics.findings import Findings
-from bench.topics.topic import Topic
 
 TITLE = "What is compared"
 
@@ -13,6 +12,3 @@ def section(findings: Findings) -> Section | None:
     """Return the differences in problems, dimensions, instances, trials and budgets; None where there are none."""
     sentences = findings.results.differences
     return Section(TITLE, tuple(sentences)) if sentences else None
-
-
-TOPIC = Topic(TITLE, section, place=20)

@@ -13,7 +13,6 @@ from bench.report.wording import count, listing
 from bench.topics.findings import Findings, Trials
 from bench.topics.integrity.checks import checks
 from bench.topics.integrity.left_out import left_out
-from bench.topics.topic import Topic
 
 TITLE = "Integrity checks"
 TROUBLE = ("error", "warning")
@@ -98,6 +97,3 @@ def _failures(failed: pd.DataFrame) -> Table:
         .reset_index()[["optimizer", "status", "trials", "problems", "error"]]
     )
     return Table("failures", "Failed trials by optimizer and reason.", reasons, lost=reasons[["trials"]] > 0)
-
-
-TOPIC = Topic(TITLE, section, place=60)

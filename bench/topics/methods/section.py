@@ -5,11 +5,12 @@ from __future__ import annotations
 from bench.report.parts import File, Section
 from bench.topics.conditions.conditions import conditions_table
 from bench.topics.findings import Findings
+from bench.topics.hung import hung
 from bench.topics.methods.methods import methods
 from bench.topics.methods.problems import problems_table
-from bench.topics.topic import Topic
+from bench.topics.time import environment
 
-TITLE = "Methods"
+TITLE = "Methods, environment, files"
 DOI = (  # plainnat and elsarticle-num set a DOI as text, where "_" is an error, unless a package defines these
     r'@preamble{"\providecommand{\doi}[1]{\texttt{\detokenize{doi:#1}}}'
     r'\providecommand{\href}[2]{#2}\providecommand{\path}[1]{\texttt{\detokenize{#1}}}"}'
@@ -18,16 +19,21 @@ DOI = (  # plainnat and elsarticle-num set a DOI as text, where "_" is an error,
 ABOUT = "The works cited in the methods; join the files of two studies such that each key stands there once."
 
 
-def section(findings: Findings) -> Section:
+def section(findings: Findings) -> Section | None:
+    """Return the methods, the environment and the files."""
+    return hung(findings, TITLE, paragraph, environment.section, files=(texts,))
+
+
+def paragraph(findings: Findings) -> Section:
     """Return the paragraph that is true of this run, with the BibTeX of the works they cite."""
     if findings.trials.whole.empty:
-        return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
+        return Section("Methods", ("The study has no trial yet, so there are no methods to describe.",))
     stated = findings.of(methods)
     tables = (
         problems_table(findings.trials.known, findings.trials.pooled.members),
         conditions_table(findings.study, findings.descriptions),
     )
-    return Section(TITLE, (stated.text,), tables, stated.warnings, code=stated.bibtex)
+    return Section("Methods", (stated.text,), tables, stated.warnings, code=stated.bibtex)
 
 
 def texts(findings: Findings) -> list[File]:
@@ -40,6 +46,3 @@ def texts(findings: Findings) -> list[File]:
         File("methods.tex", "The methods as LaTeX.", stated.latex),
         File("references.bib", ABOUT, f"{DOI}\n\n{stated.bibtex}"),
     ]
-
-
-TOPIC = Topic(TITLE, section, place=720, files=texts)

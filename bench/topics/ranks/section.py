@@ -9,7 +9,6 @@ from bench.topics.findings import MANY_OPTIMIZERS, Final, Findings
 from bench.topics.ranks.figures import forest_figure
 from bench.topics.ranks.tables import pair_matrix, ranking_table
 from bench.topics.ranks.words import across
-from bench.topics.topic import Topic
 
 TITLE = "Across problems"
 SIGNS = ("optimizer", "better", "alike", "worse")
@@ -79,6 +78,3 @@ def _tests(final: Final) -> Table:
         + ("" if final.subject else WINNER),
         data=tests.assign(lower=shown["lower"]),
     )
-
-
-TOPIC = Topic(TITLE, section, place=620)

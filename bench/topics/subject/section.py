@@ -10,7 +10,6 @@ from bench.report.parts import Section, Table
 from bench.report.prose import speaker
 from bench.topics.findings import Findings
 from bench.topics.subject.against import TITLE, Against, against
-from bench.topics.topic import Topic
 
 SAY = speaker(__package__)
 WIDER = {"better": "good", "worse": "bad", "open": ""}
@@ -78,6 +77,3 @@ def _where(known: Against) -> Table:
         f"Holm’s method. Classes and dimensions of two problems at least.",
         data=table,
     )
-
-
-TOPIC = Topic(TITLE, section, place=1)

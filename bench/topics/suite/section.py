@@ -16,7 +16,6 @@ from bench.report.wording import count, listing
 from bench.topics.findings import BEST, Anytime, Findings, Trials
 from bench.topics.suite.ert_table import ert_table
 from bench.topics.suite.figures import reached_figure, scaling_figure, scatter_figure
-from bench.topics.topic import Topic
 
 TITLE = "The suite at a glance"
 ALL = "all functions"
@@ -221,6 +220,3 @@ def _scaling(anytime: Anytime, members: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(problem=rows["function"], ert=rows["ert"] / rows["dimension"])[
         ["problem", "dimension", "optimizer", "trials", "successes", "ert"]
     ]
-
-
-TOPIC = Topic(TITLE, section, place=30)

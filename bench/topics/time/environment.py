@@ -17,7 +17,6 @@ from bench.results.results import StoredResults
 from bench.storage.provenance import differences
 from bench.study import Study
 from bench.topics.findings import Findings
-from bench.topics.topic import Topic
 
 TITLE = "Environment, seeds and data"
 NAMED = 3  # environments that the warning compares with the first; the table has all
@@ -218,6 +217,3 @@ def _text(value: Any, key: str) -> str | None:
     if value is None:
         return None
     return str(value).removesuffix("+00:00").replace("T", " ") if key in ("started", "ended") else str(value)
-
-
-TOPIC = Topic(TITLE, section, place=730)

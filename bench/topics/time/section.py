@@ -12,7 +12,6 @@ from bench.report.parts import Section, Table
 from bench.report.wording import interval, listing, seconds, usual_decimals
 from bench.topics.findings import Findings
 from bench.topics.time.figures import timing_figure
-from bench.topics.topic import Topic
 
 TITLE = "Time"
 
@@ -104,6 +103,3 @@ def _table(timing: pd.DataFrame) -> Table:
 def _interval(timing: pd.DataFrame, name: str) -> list[str]:
     quartiles = zip(timing[f"{name}_q1"], timing[f"{name}_q3"], strict=True)
     return [interval(q1, q3, 0 if q3 >= 1000 else usual_decimals([q3])) for q1, q3 in quartiles]
-
-
-TOPIC = Topic(TITLE, section, place=690)

@@ -21,7 +21,6 @@ from bench.topics.integrity.section import warnings
 from bench.topics.ranks.tables import rank_map
 from bench.topics.ranks.words import across
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
-from bench.topics.topic import Topic
 from bench.topics.trials.power import error_text
 from bench.topics.verdict.answer import answer
 from bench.topics.verdict.clock import clock
@@ -260,6 +259,3 @@ def answer_file(findings: Findings) -> list[File]:
     """Return the answer in a few lines, which 'bench run' and 'bench status' print."""
     lines = answer(findings, findings.of(section))
     return [File(ANSWER, "The answer in a few lines, as JSON.", json.dumps(lines, ensure_ascii=False, indent=1))]
-
-
-TOPIC = Topic(TITLE, lambda findings: findings.of(section), place=0, files=answer_file)

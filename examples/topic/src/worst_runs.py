@@ -5,7 +5,7 @@ import pandas as pd
 
 from bench.analysis import scores
 from bench.report import Figure, Section, Table, leaders
-from bench.topics import Findings, Topic
+from bench.topics import Findings
 
 TITLE = "Worst runs"
 
@@ -45,6 +45,3 @@ def bars(last: pd.DataFrame) -> matplotlib.figure.Figure:
     ax.barh(list(last.columns), last.sum())
     ax.set_xlabel("problems")
     return figure
-
-
-TOPIC = Topic(TITLE, section, place=450)  # before the sections that say nothing of their place

@@ -5,7 +5,8 @@ from difflib import unified_diff
 from pathlib import Path
 
 from bench.report import Table
-from bench.topics.write import chapters, lead
+from bench.topics.page import chapters
+from bench.topics.write import lead
 
 PAGES = Path(__file__).parent / "pages"
 PROBLEMS = 2  # that are shown one by one
@@ -27,9 +28,9 @@ def page_text(findings):
     for chapter in chapters(findings):
         for section in chapter.sections():
             lines += section_lines(section)
-        for file in chapter.files():
-            lines += ["", f"File {file.path}: {file.about}"]
-            lines += file.content.splitlines() if file.path.endswith(".md") else []
+            for file in section.files:
+                lines += ["", f"File {file.path}: {file.about}"]
+                lines += file.content.splitlines() if file.path.endswith(".md") else []
     text = "\n".join(lines) + "\n"
     for pattern, instead in MOVING:
         text = re.sub(pattern, instead, text)

@@ -9,13 +9,12 @@ import pytest
 
 from bench import BenchError
 from bench.formats.archive.contents import report_files
-from bench.plugins import registry
 from bench.report import Figure, Section, Table
-from bench.topics import topic, write_report
+from bench.topics import page as page_of
+from bench.topics import write_report
 
 PARTS = [
-    "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
-    "Time", "Methods", "Environment, seeds and data", "Downloads",
+    "Answer", "Can you trust it?", "Every run", "Over the budget", "Cost", "Methods, environment, files", "Downloads",
 ]  # fmt: skip
 
 
@@ -24,14 +23,9 @@ def numbered(titles):
 
 
 def patch_plugins(monkeypatch, **sections):
-    """Have the harness's own topics and these functions alone installed."""
-    installed = registry.entries("report_sections").items()
-    own = {name: entry for name, entry in installed if entry.value.startswith("bench.")}
-    plugins = SimpleNamespace(
-        entries=lambda group: own | sections,
-        load=lambda group, name: sections.get(name) or registry.load(group, name),
-    )
-    monkeypatch.setattr(topic, "registry", plugins)
+    """Have these functions alone installed."""
+    plugins = SimpleNamespace(entries=lambda group: sections, load=lambda group, name: sections[name])
+    monkeypatch.setattr(page_of, "registry", plugins)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -57,7 +51,7 @@ def usual(read, folder):
     return read(folder / "report.html")
 
 
-def test_the_twelve_parts_stand_in_their_order(usual):
+def test_the_sections_stand_in_their_order(usual):
     assert usual.texts("h2") == numbered(PARTS)
 
 
@@ -143,11 +137,25 @@ def test_hostile_labels_are_only_text(make, read, tmp_path):
     assert len(list((folder / "tables").glob("tests-*.csv"))) == len(problems)
 
 
-def test_a_plugins_sections_come_after_the_comparison(make, read, tmp_path, monkeypatch):
+def test_a_plugins_sections_come_after_the_harness_own(make, read, tmp_path, monkeypatch):
     patch_plugins(monkeypatch, mine=lambda findings: Section("Mine", (findings.study.name,)))
     page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    assert page.texts("h2") == numbered([*PARTS[:3], "Mine", *PARTS[3:]])
+    assert page.texts("h2") == numbered([*PARTS[:6], "Mine", PARTS[6]])
     assert "Mine made" in page.text
+
+
+def test_a_plugins_section_with_the_title_of_another_adds_to_it(make, read, tmp_path, monkeypatch):
+    table = Table("mine", "A table.", pd.DataFrame({"x": [1]}))
+    patch_plugins(
+        monkeypatch,
+        cost=lambda findings: Section("Cost", ("Mine is cheap.",), (table,)),
+        units=lambda findings: [Section("In your units", ("One.",)), Section("In your units", ("Two.",))],
+    )
+    folder = make(tmp_path / "s", problems=("p",), trials=2)
+    page = read(write_report(folder))
+    assert page.texts("h2") == numbered([*PARTS[:4], "In your units", *PARTS[4:]])
+    assert all(text in page.text for text in ("Mine is cheap.", "One.", "Two."))
+    assert (folder / "tables" / "mine.csv").exists()
 
 
 @pytest.mark.slow
@@ -167,7 +175,7 @@ def test_a_plugin_that_fails_costs_only_its_own_section(make, read, tmp_path, mo
     patch_plugins(monkeypatch, mine=lambda findings: [Section("Mine")], **bad)
     page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
     added = ["Section boom", "Mine", "Section number", "Section texts"]
-    assert page.texts("h2") == numbered([*PARTS[:3], *added, *PARTS[3:]])
+    assert page.texts("h2") == numbered([*PARTS[:6], *added, PARTS[6]])
     for name in bad:
         assert f"The report section '{name}' failed and is left out" in page.text
     assert "'mine'" not in page.text

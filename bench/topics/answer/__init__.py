@@ -1,0 +1,1 @@
+"""The section “Answer”: who ends lowest, and how sure that is."""

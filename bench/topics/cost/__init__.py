@@ -1,0 +1,1 @@
+"""The section “Cost”: what the optimizers cost."""

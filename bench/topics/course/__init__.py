@@ -1,0 +1,1 @@
+"""The section “Over the budget”: what was reached when."""

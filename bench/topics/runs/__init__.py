@@ -1,0 +1,1 @@
+"""The section “Every run”: all final values."""

@@ -1,0 +1,1 @@
+"""The section “Can you trust it?”: what may limit the answer."""
