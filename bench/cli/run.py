@@ -135,7 +135,7 @@ def command(
     if dry_run:
         with _folders(reuse or []) as others:
             planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
-        _show_estimate(planned, jobs, console, untrusted)
+        _show_estimate(planned, jobs, console)
         return
     with _folders(reuse or []) as others:
         outcome = run_shown(
@@ -196,11 +196,10 @@ def _folders(paths: list[Path]) -> Iterator[list[Path]]:
         yield folders
 
 
-def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> None:
-    """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials or few evaluations."""
+def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
+    """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials."""
     from joblib import cpu_count
 
-    from bench.execution.calibration import estimated
     from bench.execution.progress import show_plan
     from bench.execution.runner import at_a_time
 
@@ -212,14 +211,9 @@ def _show_estimate(plan: Plan, jobs: int, console: Console, untrusted: bool) -> 
     workers = cpu_count() if jobs == -1 else jobs
     if beside := at_a_time(plan.study, workers):
         print_line(beside, console=console)
-    seconds, source = plan.seconds(), "the stored trials"
+    seconds = plan.seconds()
     if seconds is None:
-        with console.status("few evaluations"):
-            seconds, source = estimated(plan, jobs, untrusted)
-        seconds = seconds and seconds / plan.study.parallel
-    if seconds is None:
-        estimate = f"no duration can be estimated: {source}"
+        estimate = "no duration can be estimated before trials are stored: run some, as by --trials 1"
     else:
-        most = "at least " if plan.study.parallel > 1 else ""
-        estimate = f"{most}about {duration(seconds / workers)} with {count(workers, 'job')}, estimated from {source}"
+        estimate = f"about {duration(seconds / workers)} with {count(workers, 'job')}, estimated from the stored trials"
     print_line(estimate, console=console)

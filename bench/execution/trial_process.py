@@ -10,10 +10,8 @@ import contextlib
 import traceback
 from contextlib import AbstractContextManager, closing
 from functools import cache
-from time import perf_counter
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench import scoring
@@ -110,17 +108,6 @@ def _load_problem(label: str) -> dict[str, Any] | str:
         warm_problem(problem, _study.evaluations(problem.dimension), evaluated=kind not in _warm)
         _warm.add(kind)
     return described
-
-
-def probe(label: str) -> float:
-    """Evaluate a point of a problem; return the wall seconds that it took."""
-    problem = _problem(label)
-    counted = scoring.objective(problem, 1, np.random.default_rng(0))
-    points = counted.initial(1)
-    with closing(problem.unscored):
-        began = perf_counter()
-        counted(points)
-        return perf_counter() - began
 
 
 def load_optimizer(label: str) -> None:

@@ -6,6 +6,7 @@ import base64
 import io
 import pickle
 import warnings
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -69,7 +70,7 @@ class Drawer:
         if self._callers is not None:
             self._callers.kill()
         for drawings in self._under_way:
-            drawings.close()
+            deque(drawings, maxlen=0)  # calls without a process end at once
 
     def begin(self, figures: Iterable[matplotlib.figure.Figure], *, pdf: bool = True) -> None:
         """Have figures drawn by other processes, as far as they can be sent there; their drawing may not change."""

@@ -66,10 +66,6 @@ class Budget(Value, ABC):
     def words(self) -> str:
         """The budget in words, such as ``"10,000 d evaluations"``."""
 
-    @abstractmethod
-    def shortened(self, share: int, least: int) -> Budget:
-        """Return 1 / ``share`` of the evaluations, but not below ``least`` where the budget has as many."""
-
     def within(self, dimensions: Iterable[int | None]) -> Budget:  # noqa: ARG002 - of a table
         """Return the budget without dimensions other than these, where it is a table that has one of them."""
         return self
@@ -91,9 +87,6 @@ class _Same(Budget):
     def words(self) -> str:
         return f"{self.plain:,} evaluation{'' if self.plain == 1 else 's'}"
 
-    def shortened(self, share: int, least: int) -> Budget:
-        return _Same(max(min(self.plain, least), self.plain // share))
-
 
 class _Multiple(Budget):
     """A multiple of the dimension, as its text."""
@@ -111,10 +104,6 @@ class _Multiple(Budget):
     def words(self) -> str:
         return f"{self.factor:,.10g} d evaluations"
 
-    def shortened(self, share: int, least: int) -> Budget:
-        factor = max(min(self.factor, least), self.factor / share)
-        return _Multiple(f"{factor:g} * d")
-
 
 class _Table(Budget):
     """A number of evaluations by dimension, which is a text."""
@@ -130,9 +119,6 @@ class _Table(Budget):
     @property
     def words(self) -> str:
         return joined([f"{number:,} evaluations at d = {dimension}" for dimension, number in self.plain.items()])
-
-    def shortened(self, share: int, least: int) -> Budget:
-        return _Table({d: max(min(number, least), number // share) for d, number in self.plain.items()})
 
     def within(self, dimensions: Iterable[int | None]) -> Budget:
         kept = set(map(str, dimensions))
