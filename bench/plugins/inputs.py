@@ -16,7 +16,7 @@ from typing import Any
 
 from bench.helpers.text import short_hash
 from bench.plugins import objects, registry
-from bench.plugins.observing import Observed, Signature, hash_of, listing, signature, variable
+from bench.plugins.observing import Observed, Signature, hash_of, listing, matching, signature, variable
 
 Inputs = dict[str, tuple[str, Signature]]
 """The state of each input, with the signature of a file, by kind and name, such as ``"file:mine.py"``.
@@ -34,9 +34,9 @@ def named(observed: Observed) -> Inputs:
     counted = {*observed.get("libraries", {})} | set(_counted(observed.get("packages", {})))
     for name in sorted(counted):
         found[f"package:{name}"] = _installed(name), []
-    for kind in ("folder", "variable", "object"):
+    for kind in ("folder", "pattern", "variable", "object"):
         for name, state in observed.get(f"{kind}s", {}).items():
-            found[f"{kind}:{_name(name) if kind == 'folder' else name}"] = state, []
+            found[f"{kind}:{_name(name) if kind in ('folder', 'pattern') else name}"] = state, []
     return found
 
 
@@ -97,8 +97,8 @@ def is_data(name: str) -> bool:
 def shown(name: str) -> str:
     """Return an input's name for people."""
     kind, _, name = name.partition(":")
-    if kind == "folder":
-        return f"the files in {name or '.'}"
+    if kind in ("folder", "pattern"):
+        return f"the files {'in ' if kind == 'folder' else ''}{name or '.'}"
     return f"the variable {name}" if kind == "variable" else "its own code or data" if kind == "object" else name
 
 
@@ -126,6 +126,8 @@ def _now(name: str, state: str, known: Signature, folder: str) -> str | None:
     place = os.path.join(folder, name)
     if kind == "folder":
         return listing(place)
+    if kind == "pattern":
+        return variable("\n".join(map(os.path.basename, matching(place))))
     try:
         now, _ = signature(place)
     except OSError:

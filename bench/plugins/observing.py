@@ -34,8 +34,8 @@ Observed = dict[str, dict[str, Any]]
 """What was read, by kind and name.
 
 ``files`` have a hash, whether they had been written long before, and a signature; ``packages``, by the name of the
-module, the folder that they are installed in and the package that read them first; ``variables``, ``folders`` and
-``objects`` a hash; ``libraries`` are packages that a plug-in names.
+module, the folder that they are installed in and the package that read them first; ``variables``, ``folders``,
+``patterns`` and ``objects`` a hash; ``libraries`` are packages that a plug-in names.
 """
 
 PARTS = "problem", "optimizer"
@@ -146,11 +146,17 @@ def note(kind: str, name: str, value: Any) -> None:
 def declare(patterns: Iterable[str]) -> None:
     """Note files that a study names as inputs; raises BenchError for a name of none, and for a file that changed."""
     for pattern in patterns:
-        paths = [path for path in sorted(glob(pattern, recursive=True)) if os.path.isfile(path)]
+        paths = matching(pattern)
         if not paths:
             raise BenchError(f"'files' names {pattern!r}, and there is no such file here")
+        _notes.add("patterns", os.path.abspath(pattern), variable("\n".join(map(os.path.basename, paths))))
         for path in paths:
             _program_file(os.path.abspath(path))
+
+
+def matching(pattern: str) -> list[str]:
+    """Return the files whose names match a pattern, sorted."""
+    return [path for path in sorted(glob(pattern, recursive=True)) if os.path.isfile(path)]
 
 
 def hash_of(path: str) -> str:
