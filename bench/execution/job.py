@@ -35,7 +35,7 @@ from bench.objective import OUT_OF_TIME
 from bench.plugins import from_file, loading, objects, registry
 from bench.plugins.inputs import Inputs, named
 from bench.plugins.objects import Objects
-from bench.plugins.observing import PARTS, Signature
+from bench.plugins.observing import PARTS, Observed, Signature
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
@@ -103,7 +103,8 @@ class Job:
         self._root = root(task)
         self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
-        self._read: dict[str, dict[str, Inputs]] = {}  # what processes have read, by its digest
+        self._read: dict[str, dict[str, Observed]] = {}  # what processes have read, by its digest
+        self._inputs: dict[tuple[str, str, str], dict[str, Inputs]] = {}  # of it, by problem and optimizer
         self._named = {entry.label: named_by(entry) for entry in (*study.problems, *study.optimizers)}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
@@ -208,18 +209,17 @@ class Job:
         """Put what a trial was made from in the place of its digest; the process is asked for what is not known."""
         digest = str(answer.get("inputs"))
         if digest not in self._read:
-            found = process.call(trial_process.inputs, **self._loading)
-            self._read[digest] = {part: named(found.get(part, {})) for part in PARTS}
-        others = {
-            file: label
-            for label, files in self._named.items()
-            for file in files
-            if file not in self._named[trial.problem] | self._named[trial.optimizer]
-        }
-        answer["inputs"] = {
-            part: {name: known for name, known in inputs.items() if name not in others}
-            for part, inputs in self._read[digest].items()
-        }
+            self._read[digest] = process.call(trial_process.inputs, **self._loading)
+        labels = trial.key[:2]
+        if (digest, *labels) not in self._inputs:
+            own = {name for label in labels for name in self._named[label]}
+            others = {name for names in self._named.values() for name in names} - own
+            found = {part: named(self._read[digest].get(part, {}), labels) for part in PARTS}
+            self._inputs[digest, *labels] = {
+                part: {name: known for name, known in inputs.items() if name not in others}
+                for part, inputs in found.items()
+            }
+        answer["inputs"] = self._inputs[digest, *labels]
 
     def _with_problem(self, problem: str) -> ForkServer:
         """Return the server of processes that have loaded a problem, and the others of its family where they can."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import contextlib
 import traceback
-from contextlib import AbstractContextManager, closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
 from typing import Any
 
@@ -86,7 +86,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
     compiled code alone; no other problem is evaluated, as that may take long, but for the call by which a function is
     found to take one point or many.
     """
-    with reading("problem"):
+    with reading("problem", label):
         described = _load_problem(label)
     _settle()
     return described
@@ -112,7 +112,7 @@ def _load_problem(label: str) -> dict[str, Any] | str:
 
 def load_optimizer(label: str) -> None:
     """Load an optimizer, so that its modules are imported; its trials report errors."""
-    with contextlib.suppress(BaseException), reading("optimizer"):
+    with contextlib.suppress(BaseException), reading("optimizer", label):
         optimizer = _study.optimizer(label)
         observing.declare(_study.files(label))
         for name in optimizer.libraries:
@@ -126,7 +126,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
     Return whether one was made, which is once. The problem itself stays unseen, as what an optimizer keeps from here
     reaches all its trials.
     """
-    with contextlib.suppress(BaseException), reading("optimizer"):  # the trial itself will report the error
+    with contextlib.suppress(BaseException), reading("optimizer", optimizer):  # the trial itself will report the error
         budget = _study.evaluations(len(box.lower))
         is_warm = optimizer in _warm
         _warm.add(optimizer)
@@ -155,11 +155,14 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
     try:
         optimizer = _study.optimizer(trial.optimizer)
         if box is None:
+            with reading("problem", trial.problem):
+                observing.declare(_study.files(trial.problem))
             problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation)
         else:
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
-        with effects, problem as minimized, reading("optimizer"):
-            observing.declare((*_study.files(trial.optimizer), *(_study.files(trial.problem) if box is None else ())))
+        beside = reading("problem", trial.problem) if box is None else nullcontext()
+        with effects, beside, problem as minimized, reading("optimizer", trial.optimizer):
+            observing.declare(_study.files(trial.optimizer))
             budget = _study.evaluations(minimized.dimension)
             limit = _study.time if box is None else None  # else the other process has it
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit)
@@ -182,7 +185,7 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
     problem.
     """
     problem = _problem(trial.problem)
-    with evaluated(problem, *_study.evaluation) as minimized, reading("problem"):
+    with reading("problem", trial.problem), evaluated(problem, *_study.evaluation) as minimized:
         observing.declare(_study.files(trial.problem))
         budget = _study.evaluations(problem.dimension)
         objective = scoring.objective(minimized, budget, streams(trial.seed)[0], seconds=_study.time)
@@ -196,7 +199,7 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
 
 def confirm(label: str) -> dict[str, Any]:
     """Evaluate the best point of the trial that this process has made once more; return its metrics, or an error."""
-    with reading("problem"):
+    with reading("problem", label):
         return _confirmed(_found, _problem(label)) | {"inputs": observing.digest()}
 
 

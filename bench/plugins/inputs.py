@@ -6,7 +6,7 @@ import ast
 import os
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -26,17 +26,21 @@ comments and docstrings; of another file, of its content; of a package, its vers
 """
 
 
-def named(observed: Observed) -> Inputs:
-    """Return what a process read as inputs."""
+def named(observed: Observed, labels: Collection[str] = ()) -> Inputs:
+    """Return what a process read as inputs, without what others than those of these labels use alone."""
     found: Inputs = {}
+    owners = observed.get("owners", {})
+    others = {name for name, own in owners.items() if labels and not {*own} & {*labels}}
     for place, (content, settled, now) in observed.get("files", {}).items():
-        found[f"file:{_name(place)}"] = _state(place, content), now if settled else []
+        if place not in others:
+            found[f"file:{_name(place)}"] = _state(place, content), now if settled else []
     counted = {*observed.get("libraries", {})} | set(_counted(observed.get("packages", {})))
     for name in sorted(counted):
         found[f"package:{name}"] = _installed(name), []
     for kind in ("folder", "pattern", "variable", "object"):
         for name, state in observed.get(f"{kind}s", {}).items():
-            found[f"{kind}:{_name(name) if kind in ('folder', 'pattern') else name}"] = state, []
+            if name not in others:
+                found[f"{kind}:{_name(name) if kind in ('folder', 'pattern') else name}"] = state, []
     return found
 
 

@@ -35,7 +35,8 @@ Observed = dict[str, dict[str, Any]]
 
 ``files`` have a hash, whether they had been written long before, and a signature; ``packages``, by the name of the
 module, the folder that they are installed in and the package that read them first; ``variables``, ``folders``,
-``patterns`` and ``objects`` a hash; ``libraries`` are packages that a plug-in names.
+``patterns`` and ``objects`` a hash; ``libraries`` are packages that a plug-in names. ``owners`` has the labels of those
+that alone use a file.
 """
 
 PARTS = "problem", "optimizer"
@@ -70,21 +71,25 @@ class _Notes:
     def __init__(self) -> None:
         self.parts: dict[str, Observed] = {}
         self.part = ""  # whose code is being loaded or run; "" for nobody's
+        self.label = self.problem = ""  # of the problem or the optimizer, and of the last problem
+        self.owners: dict[str, set[str]] = {}  # labels by file; "" where whoever is loaded beside it may use it
         self.excluded: tuple[str, ...] = ()
         self.known: dict[str, tuple[str, Signature]] = {}  # hashes of files by signature, from earlier runs
         self.written: set[str] = set()  # by this process: no input, whoever reads it
         self.places: dict[tuple[Any, int], set[str]] = {}  # variables by the place that reads them
         self.revision, self.digests = 0, dict[int, str]()
 
-    def add(self, kind: str, name: str, value: Any) -> None:
+    def add(self, kind: str, name: str, value: Any, owner: str = "") -> None:
         part = self.part
         if not part:
             return
         if part == "optimizer" and _in_the_objective():
-            part = "problem"
+            part, owner = "problem", owner and self.problem
         noted = self.parts.setdefault(part, {}).setdefault(kind, {})
-        if noted.get(name) != value:
+        owners = self.owners.setdefault(name, set())
+        if noted.get(name) != value or owner not in owners:
             noted[name] = value
+            owners.add(owner)
             self.revision += 1
 
 
@@ -107,18 +112,21 @@ def observe(output: str = "", known: dict[str, tuple[str, Signature]] | None = N
 
 
 @contextmanager
-def reading(part: str) -> Iterator[None]:
-    """Note what is read in this context as inputs of the problem or of the optimizer."""
-    before, _notes.part = _notes.part, part
+def reading(part: str, label: str = "") -> Iterator[None]:
+    """Note what is read in this context as inputs of the problem or of the optimizer of that label."""
+    before = _notes.part, _notes.label
+    _notes.part, _notes.label = part, label
+    _notes.problem = label if part == "problem" else _notes.problem
     try:
         yield
     finally:
-        _notes.part = before
+        _notes.part, _notes.label = before
 
 
 def observed() -> dict[str, Observed]:
     """Return what was noted so far, by whose inputs they are."""
-    return {part: _notes.parts[part] for part in PARTS if part in _notes.parts}
+    owners = {name: sorted(labels) for name, labels in _notes.owners.items() if "" not in labels}
+    return {part: _notes.parts[part] | {"owners": owners} for part in PARTS if part in _notes.parts}
 
 
 def modules() -> dict[str, str]:
@@ -145,13 +153,18 @@ def note(kind: str, name: str, value: Any) -> None:
 
 def declare(patterns: Iterable[str]) -> None:
     """Note files that a study names as inputs; raises BenchError for a name of none, and for a file that changed."""
-    for pattern in patterns:
-        paths = matching(pattern)
-        if not paths:
-            raise BenchError(f"'files' names {pattern!r}, and there is no such file here")
-        _notes.add("patterns", os.path.abspath(pattern), variable("\n".join(map(os.path.basename, paths))))
-        for path in paths:
-            _program_file(os.path.abspath(path))
+    before, _state.busy = _state.busy, True  # what is opened here is noted here
+    try:
+        for pattern in patterns:
+            paths = matching(pattern)
+            if not paths:
+                raise BenchError(f"'files' names {pattern!r}, and there is no such file here")
+            names = variable("\n".join(map(os.path.basename, paths)))
+            _notes.add("patterns", os.path.abspath(pattern), names, _notes.label)
+            for path in paths:
+                _program_file(os.path.abspath(path))
+    finally:
+        _state.busy = before
 
 
 def matching(pattern: str) -> list[str]:
@@ -318,7 +331,7 @@ def _source(place: str) -> str | None:
     return source
 
 
-def _read_file(place: str) -> str:
+def _read_file(place: str, owner: str = "") -> str:
     """Note a file as it is now; return its hash."""
     try:
         now, settled = signature(place)
@@ -328,17 +341,19 @@ def _read_file(place: str) -> str:
         return ""
     for noted in _notes.parts.values():
         if (before := noted.get("files", {}).get(place)) and before[2] == now:
+            if owner or "" not in _notes.owners[place]:
+                _notes.add("files", place, before, owner)
             return str(before[0])
     known, of = _notes.known.get(place, ("", []))
     content = known if settled and of == now else hash_of(place)
-    _notes.add("files", place, [content, settled, now])
+    _notes.add("files", place, [content, settled, now], owner)
     return content
 
 
 def _program_file(place: str) -> None:
     """Note a file of a program, which is started anew for each trial; raises BenchError where the file changed."""
     before = [noted["files"][place][0] for noted in _notes.parts.values() if place in noted.get("files", {})]
-    if _read_file(place) not in (before or [_read_file(place)]):
+    if _read_file(place, _notes.label) not in (before or [_read_file(place, _notes.label)]):
         raise BenchError(
             f"{place} changed while the study ran, so no trial is made with it: run the same command again, which "
             "makes all trials of the changed one"

@@ -102,7 +102,8 @@ FIRST = {
     "__import__": one("SHARE = __import__('helper_%d' % 6).SHARE", "helper_6.py", SHARE, OTHER),
     "spec_from_file_location": one(
         "from importlib.util import spec_from_file_location as s, module_from_spec as m\n"
-        "spec = s('any', HERE + '/plain_7.py')\nmodule = m(spec)\nspec.loader.exec_module(module)\nSHARE = module.SHARE",
+        "spec = s('any', HERE + '/plain_7.py')\nmodule = m(spec)\n"
+        "spec.loader.exec_module(module)\nSHARE = module.SHARE",
         "plain_7.py", SHARE, OTHER,
     ),
     "exec": one("exec(open(HERE + '/plain_8.py').read())", "plain_8.py", SHARE, OTHER),
