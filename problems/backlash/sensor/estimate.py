@@ -198,12 +198,12 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
 def _other_joint(problem: SignatureFit, calibration: Calibration | None, folded: LoadTurn | None) -> str:
     """Return in a sentence what a recording shows of another joint than the calibration's; "" for nothing.
 
-    The ringing of weak impacts is that of the load's ripple, and shows no joint.
+    Impacts that are as weak as the load's ripple show no joint.
     """
     if calibration is None or folded is None or not folded.impacting:
         return ""
     x = problem.reference().x
-    shown = {"ringing": x[OMEGA] / (2 * math.pi), "decay": x[TAU], "ripple": 60 * folded.ripple}
+    shown = {"ringing": folded.ringing, "decay": x[TAU], "ripple": 60 * folded.ripple}
     if infer_gap(infer_peak(x, calibration), calibration) < WEAK_RAD:
         shown = dict.fromkeys(shown, math.nan)
     wider = 1 + NOISY / math.sqrt(folded.impacts.gain)

@@ -118,6 +118,15 @@ class LoadTurn:
         return math.sin(math.pi * abs(0.5 - self.impacts.delay))
 
     @property
+    def ringing(self) -> float:
+        """The frequency of the impacts, Hz: the vertex of a parabola through the gains at three of the grid's."""
+        at, places = self.impacts, self._places * FINER
+        shift, step = round(at.delay * places), float(OMEGAS[1] - OMEGAS[0])
+        below, best, above = (self._best([(at.tau, at.omega + k * step)], places, [shift]).gain for k in (-1, 0, 1))
+        vertex = (above - below) / max(2 * (2 * best - below - above), 1e-12 * best)
+        return (at.omega + min(max(vertex, -1.0), 1.0) * step) / (2 * math.pi)
+
+    @property
     def detectable(self) -> float:
         """The smallest detectable amplitude of the bench's usual signature, rps; infinite without enough harmonics."""
         if len(self.order) < FEWEST:

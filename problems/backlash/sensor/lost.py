@@ -4,8 +4,8 @@ A logger that numbers its rows leaves no gap. Folded, such a recording has the i
 another, which may cancel. So the recording is cut into parts of an eighth of a load turn, and each part gets the phase
 in one common load turn that fits it best, where a change of phase from part to part costs as much as it would gain by
 chance: the cheapest sequence of phases (Viterbi 1967). Load turn and phases are found in turns, from every two
-successive load turns. With the lost samples put back, impacts must explain most of what repeats, so neither tones nor
-noise, whose phases change as well, are taken for a broken train.
+successive load turns. With the lost samples put back, impacts must explain most of what repeats, and far more than
+noise, so that neither tones nor noise, whose phases change as well, are taken for a broken train.
 """
 
 import math
@@ -26,6 +26,7 @@ JUMP = 25.0  # the log-likelihood that a jump costs: one of some 10,000 changes,
 STEP = 3.0  # what a change to the next phase costs, as a period that is not exact asks for
 LEAST = 2  # places; smaller changes are no jumps
 SHORTEST = 3  # parts between two jumps; else they are one
+GAIN = 400.0  # of the impacts with the lost samples put back; noise, with phases chosen for it, has up to 200
 MISFIT = 0.01  # the part of the signal's mean square that counts as noise
 
 
@@ -74,7 +75,10 @@ def lost_samples(recording: Recording, period: float) -> Lost | None:
                 best, phases, turn = cost, found, own
             own = _mean_turn(parts, found)
     jumps = _jumps(phases, PARTS * size)
-    if not jumps or not fold(Recording(0.0, step, _put_back(parts, phases, turn)), period).impacting:
+    if not jumps:
+        return None
+    whole = fold(Recording(0.0, step, _put_back(parts, phases, turn)), period)
+    if not whole.impacting or whole.impacts.gain < GAIN:
         return None
     ends = [-PARTS // 2, *jumps, count + PARTS // 2]
     longest = int(np.argmax(np.diff(ends)))

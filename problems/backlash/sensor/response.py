@@ -26,7 +26,7 @@ from bench.typing import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, to_fit
-from problems.backlash.signature.model import OMEGA, TAU, strength
+from problems.backlash.signature.model import TAU, strength
 
 RATE = 500.0  # Hz; the sampling rate of the recordings
 TURNS = 12  # load turns of a recording, as the published ones have
@@ -65,11 +65,12 @@ def _fits(joint: Joint, gap: float) -> Floats:
     made = simulate(joint, half_gap=gap, duration=((TURNS + 1) * turn + 1) / RATE, rate=RATE)
     stride = (len(made.fine.speed) - 1) // (len(made.speed) - 1)
     count = int(TURNS * turn + 1e-6) + 1
-    fits = np.empty((FITS, 4))
+    fits = np.full((FITS, 4), np.nan)
     for i in range(FITS):
         first = int(turn * i / FITS) * stride + stride * i // FITS
         speed = made.fine.speed[first::stride][:count]
         problem, folded, _ = to_fit(Recording(0.0, 1 / RATE, speed), Settings(calibration=None), joint.turn)
         x = problem.reference().x
-        fits[i] = 60 * strength(x), x[OMEGA] / (2 * np.pi), x[TAU], 60 * folded.ripple if folded else np.nan
+        if folded:  # always, as there are several turns
+            fits[i] = 60 * strength(x), folded.ringing, x[TAU], 60 * folded.ripple
     return fits

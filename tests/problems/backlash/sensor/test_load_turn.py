@@ -104,6 +104,14 @@ def test_the_ripple_alone_is_no_backlash_without_noise_either(joint):
     assert found.interval_rad[1] <= 1e-4
 
 
+@pytest.mark.parametrize("hz", [19.3, 21.0, 24.45])
+def test_the_ringing_is_found_between_the_frequencies_of_the_grid(hz):
+    time = 0.002 * np.arange(2401)
+    x = np.array([0.8, 0.0, 15.0, 2 * np.pi * hz, 100.0, 0.01, 0.19])
+    speed = signature(time, x, period=0.4, replicas=24)
+    assert fold(recorded(speed), 0.4).ringing == pytest.approx(hz, rel=0.01)
+
+
 def test_halves_of_unlike_size_are_asymmetric():
     speed = worn(0.0015) - 100
     lopsided = np.where((TIME % 0.4) < 0.2, speed, 0.15 * speed)

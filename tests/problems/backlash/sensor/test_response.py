@@ -59,8 +59,9 @@ def test_the_recordings_of_a_half_gap_differ_in_their_start_and_in_where_their_s
     def keep(recording, settings, period):
         recordings.append(recording)
         assert period == joint.turn
-        x = np.array([-len(recordings) / 60, 0.0, 15.0, 2 * np.pi * (20 + len(recordings))])
-        return SimpleNamespace(reference=lambda: SimpleNamespace(x=x)), SimpleNamespace(ripple=0.05), None
+        x = np.array([-len(recordings) / 60, 0.0, 15.0])
+        turn = SimpleNamespace(ripple=0.05, ringing=20.0 + len(recordings))
+        return SimpleNamespace(reference=lambda: SimpleNamespace(x=x)), turn, None
 
     monkeypatch.setattr(response, "to_fit", keep)
     made = response.response(joint, [0.001])
