@@ -25,7 +25,6 @@ from problems.backlash.published.recordings import table_7_3
 from problems.backlash.recordings import Recording
 from problems.backlash.report.fitting_errors import ORDER, SWARMS, ordered, published
 from problems.backlash.sensor.estimate import Settings, estimate
-from problems.backlash.sensor.load_turn import fold
 from problems.backlash.signature.calibration import EQUATION_4_7
 from problems.backlash.signature.datasets import dataset
 
@@ -211,16 +210,16 @@ def two_recordings():
 
 
 def gears():
-    """Yield a line a kind of joint: whether a gap of 1.1 mrad is seen, and none without it."""
+    """Yield a line a kind of joint: the verdicts without a gap and with one of 1.1 mrad."""
     kinds = {
         "the bench": {},
         "gear ratio 20": {"gear_ratio": 20.0},
         "gear ratio 80": {"gear_ratio": 80.0},
         "gear ratio 160": {"gear_ratio": 160.0},
-        "a quarter of its stiffness": {"stiffness": 0.25 * Joint().stiffness},
+        "half its stiffness": {"stiffness": 0.5 * Joint().stiffness},
         "four times its stiffness": {"stiffness": 4 * Joint().stiffness},
-        "five times its damping": {"damping": 5 * Joint().damping},
-        "a fifth of its damping": {"damping": 0.2 * Joint().damping},
+        "three times its damping": {"damping": 3 * Joint().damping},
+        "a third of its damping": {"damping": Joint().damping / 3},
         "speed of 30 rps": {"omega_ref": 2 * pi * 30},
     }
     for name, change in kinds.items():
@@ -229,9 +228,11 @@ def gears():
             speed = simulate(joint, half_gap=gap, duration=12 * joint.turn).speed
             speed = speed + 0.1 * np.random.default_rng(1).uniform(-0.5, 0.5, len(speed))
             recording = Recording(0.0, 0.002, speed)
-            found = estimate(recording, Settings(gear_ratio=joint.gear_ratio, calibration=None, resamples=0))
-            share = fold(recording, joint.turn).share
-            cells.append(f"{found.verdict} ({share:.0%} of what repeats)")
+            try:
+                found = estimate(recording, Settings(gear_ratio=joint.gear_ratio, calibration=None, resamples=0))
+                cells.append(found.verdict)
+            except bench.BenchError:  # such as a speed that the controller does not hold
+                cells.append("refused")
         yield f"{name}: without a gap {cells[0]}; with one {cells[1]}"
 
 
