@@ -122,8 +122,8 @@ def ecdf(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None 
     With ``dimensions``, the d of each problem, the unit is an evaluation a dimension, in which COCO compares problems
     of different dimensions and budgets; the column is then ``per_dimension``.
 
-    ``fraction`` is the share of all (target, problem, trial) reached within that many evaluations (Hansen et al. 2016,
-    without simulated restarts). Every trial weighs the same, also where problems have ladders of different lengths.
+    ``fraction`` is the mean over problems of the share of all (target, trial) that are reached within that many
+    evaluations (Hansen et al. 2016, without simulated restarts). Every problem weighs the same, whatever its trials.
     Compare optimizers only where they have trials on the same problems. Missing for an optimizer without trials.
     """
     tables = []
@@ -133,10 +133,9 @@ def ecdf(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None 
     for optimizer in labels(hits, "optimizer"):
         of_optimizer = hits[hits["optimizer"] == optimizer]
         groups = [group for _, group in of_optimizer.groupby("problem", sort=False, observed=True)]
-        trials = np.array([group["trial"].nunique() for group in groups], dtype=float)
         shares = np.array([_share_within(group["evaluations"], grid) for group in groups]).reshape(-1, len(grid))
         # A plain sum, not a matrix product: its rounding is the same everywhere, so that no curve ever falls.
-        fraction = (trials[:, np.newaxis] * shares).sum(axis=0) / trials.sum() if groups else np.nan
+        fraction = shares.sum(axis=0) / len(groups) if groups else np.nan
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
     return _stacked(tables, ["optimizer", unit, "fraction"])
 
@@ -149,7 +148,7 @@ def data_profiles(
 ) -> pd.DataFrame:
     """Return the data profile of each optimizer (Moré and Wild 2009): optimizer, evaluations or groups, fraction.
 
-    ``fraction`` is the share of (problem, trial) solved to ``tau`` within that many evaluations. With ``dimensions``,
+    ``fraction`` is the mean over problems of the share of trials that reached ``tau`` by then. With ``dimensions``,
     the d of each problem, the unit is groups of d + 1 evaluations, the cost of a simplex gradient; the column is
     then ``groups``. Missing for an optimizer without trials.
 
@@ -165,8 +164,9 @@ def data_profiles(
     times = solved["evaluations"] / np.array(cost, dtype=float)
     tables = []
     for optimizer in labels(hits, "optimizer"):
-        of_optimizer = times[solved["optimizer"] == optimizer]
-        fraction = _share_within(of_optimizer, grid) if len(of_optimizer) else np.nan
+        own = solved["optimizer"] == optimizer
+        groups = [group for _, group in times[own].groupby(solved.loc[own, "problem"], sort=False, observed=True)]
+        fraction = np.sum([_share_within(group, grid) for group in groups], axis=0) / len(groups) if groups else np.nan
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
     return _stacked(tables, ["optimizer", unit, "fraction"])
 

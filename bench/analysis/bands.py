@@ -40,14 +40,14 @@ class Curve(NamedTuple):
         variance: of it, (G,).
         freedom: the degrees of freedom of this variance, (G,).
         process: deviations of the curve with normal multipliers of its runs, (MULTIPLIERS, G).
-        runs: their number.
+        runs: as many as their means over problems are worth: their number where all cells have as many.
     """
 
     fraction: Floats
     variance: Floats
     freedom: Floats
     process: Floats
-    runs: int
+    runs: float
 
 
 def curve_bands(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
@@ -174,13 +174,13 @@ def _run_shares(rows: pd.DataFrame, grid: Counts) -> Floats:
 
 
 def curve_of(cells: Sequence[Floats], rng: np.random.Generator) -> Curve:
-    """Return the mean over cells of runs, each cell weighing as its runs do, and what its band is made of."""
+    """Return the mean over cells of the mean over runs, whatever their numbers, and what its band is made of."""
     sizes = np.array([len(cell) for cell in cells])
-    total, shape = int(sizes.sum()), cells[0].shape[1]
+    weight, shape = 1 / len(cells), cells[0].shape[1]
     fraction, process = np.zeros(shape), np.zeros((MULTIPLIERS, shape))
     parts = np.empty((len(cells), shape))
     for place, (runs, cell) in enumerate(zip(sizes, cells, strict=True)):
-        mean, weight = cell.mean(axis=0), runs / total
+        mean = cell.mean(axis=0)
         fraction += weight * mean
         every = runs + 2 * UNSEEN
         centre = (cell.sum(axis=0) + UNSEEN) / every
@@ -190,4 +190,4 @@ def curve_of(cells: Sequence[Floats], rng: np.random.Generator) -> Curve:
         process += weight / runs * multipliers @ (cell - mean)
     variance = parts.sum(axis=0)
     freedom = variance**2 / (parts**2 / np.maximum(sizes - 1, 1)[:, np.newaxis]).sum(axis=0)
-    return Curve(fraction, variance, freedom, process, total)
+    return Curve(fraction, variance, freedom, process, 1 / (weight**2 * float((1 / sizes).sum())))

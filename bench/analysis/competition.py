@@ -11,20 +11,16 @@ the budget errors are recorded.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 import pandas as pd
-from scipy.stats import PermutationMethod, mannwhitneyu
 
 from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, quantiles, traces_of
+from bench.analysis.comparison import inference
+from bench.analysis.direction import ALPHA, effects
 from bench.analysis.instances import SOLVED
 from bench.typing import Floats
-
-ALPHA = 0.05  # of each test, as the field has it
-FEW = 8  # trials up to which p of tied values is that of permutations: the normal approximation is off by too much
-RESAMPLES = 9_999  # permutations, or all of them where there are fewer
-SEED = 1
 
 EARLY = (0.01, 0.02, 0.03, 0.05, *(step / 10 for step in range(1, 11)))  # CEC 2014 and 2017
 STATISTICS = ("mean", "sd", "median", "best", "worst")
@@ -57,13 +53,12 @@ def error_statistics(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.Dat
 
 
 def signs(frame: pd.DataFrame, optima: Mapping[str, float], reference: str) -> pd.DataFrame:
-    """Return Wilcoxon's rank-sum test of the reference against each other optimizer: problem, optimizer, p and sign.
+    """Return the test of A12 = 0.5 of the reference against each other optimizer: problem, optimizer, p and sign.
 
     ``sign`` is seen from the reference: ``"+"`` where its errors are lower with p < 0.05, ``"-"`` where they are
-    higher, ``"="`` for neither. Each test is at this level by itself; nothing is corrected for their number. p is
-    two-sided: exact for few trials without ties, of permutations for few trials with ties, else the normal
-    approximation with correction for ties and continuity. Errors that are near-ties are ties. A failed trial ends at
-    +inf. Only problems on which both have trials have a row.
+    higher, ``"="`` for neither. Each test is at this level by itself; nothing is corrected for their
+    number. The test allows that the spreads differ (:mod:`bench.analysis.direction`). Errors that are near-ties are
+    ties. A failed trial ends at +inf. Only problems on which both have trials have a row.
     """
     by_cell, rows = cells(frame), []
     for problem in labels(frame, "problem"):
@@ -72,7 +67,8 @@ def signs(frame: pd.DataFrame, optima: Mapping[str, float], reference: str) -> p
             of_optimizer = by_cell.get((problem, optimizer), np.empty(0))
             if optimizer != reference and len(of_reference) and len(of_optimizer):
                 both = merge_near_ties(_errors(np.concatenate((of_reference, of_optimizer)), problem, optima))
-                p, lower = rank_sum(both[: len(of_reference)], both[len(of_reference) :])
+                found = effects(both[np.newaxis, : len(of_reference)], both[np.newaxis, len(of_reference) :])
+                p, lower = float(inference(found, ALPHA)[2][0]), bool(found.a12[0] > 0.5)
                 rows.append((problem, optimizer, p, "=" if p >= ALPHA else "+" if lower else "-"))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "p", "sign"])
 
@@ -125,16 +121,3 @@ def _statistics(errors: Floats) -> dict[str, float]:
     return {"trials": len(errors), "failed": failed, "mean": float(errors.mean()), "sd": spread,
             "median": float(quantiles(errors, 0.5)), "best": float(errors.min()),
             "worst": float(errors.max())}  # fmt: skip
-
-
-def rank_sum(these: Floats, others: Floats) -> tuple[float, bool]:
-    """Return the two-sided p of Wilcoxon's rank-sum test of two samples, and whether the first is the lower one."""
-    pooled = np.concatenate((these, others))
-    distinct = np.unique(pooled).size
-    if distinct == 1:
-        return 1.0, False
-    method: PermutationMethod | Literal["auto"] = "auto"
-    if distinct < len(pooled) and min(len(these), len(others)) <= FEW:
-        method = PermutationMethod(n_resamples=RESAMPLES, rng=np.random.default_rng(SEED))
-    test = mannwhitneyu(these, others, alternative="two-sided", method=method)
-    return float(test.pvalue), bool(test.statistic < len(these) * len(others) / 2)

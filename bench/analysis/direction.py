@@ -198,7 +198,7 @@ def intervals(estimates: Effects, level: float = 0.95) -> tuple[Floats, Floats]:
     return np.minimum(low, apart), np.maximum(high, 1 - apart)
 
 
-def wilson_form(chance: Floats, ratio: Floats, quantile: float = TWO_SIDED) -> tuple[Floats, Floats]:
+def wilson_form(chance: Floats, ratio: Floats, quantile: float | Floats = TWO_SIDED) -> tuple[Floats, Floats]:
     """Return both ends of the intervals of chances, (g,), whose variance is ``ratio`` times chance (1 - chance).
 
     ``quantile`` is that of the standardised estimate, by default of the normal distribution for a level of 0.95.

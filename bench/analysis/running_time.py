@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from math import ceil, comb
+from math import ceil
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,8 @@ from scipy.special import betaincinv, stdtrit
 
 from bench.analysis.anytime import Counts, expected_running_time
 from bench.analysis.cells import labels
-from bench.analysis.competition import ALPHA, rank_sum
+from bench.analysis.comparison import inference
+from bench.analysis.direction import ALPHA, effects, least_p
 from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
 
@@ -99,18 +100,18 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
 def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     """Return the targets to which one optimizer is faster than each other one: problem, tau, optimizer and p.
 
-    The one with the lowest ERT is compared with each rival by the rank-sum test of the times of trials, an unsuccessful
-    one later than any other (:func:`bench.analysis.rank_sum`). ``p`` is the largest of these, adjusted by Holm's method
-    over all problems and targets of ``hits`` that any trial reached; rows have p < 0.05. (COCO's tables are corrected
-    for the problems alone.) Which targets any trial reached does not depend on which optimizer made it, so that nothing
-    is chosen by the outcome.
+    The one with the lowest ERT is compared with each rival by the test of A12 = 0.5 of the times of trials, an
+    unsuccessful one later than any other (:mod:`bench.analysis.direction`). ``p`` is the largest of these, adjusted by
+    Holm's method over all problems and targets of ``hits`` that any trial reached; rows have p < 0.05. (COCO's tables
+    are corrected for the problems alone.) Which targets any trial reached does not depend on which optimizer made it,
+    so that nothing is chosen by the outcome.
     """
     cells: list[tuple[Any, Any, str]] = []
     p: list[float] = []
     reached = hits["evaluations"].groupby([hits["problem"].astype(object), hits["tau"]]).transform("min") < np.inf
     sizes = hits[reached].groupby(["problem", "tau", "optimizer"], sort=False, observed=True)["trial"].size()
     most, tests = int(sizes.max() if len(sizes) else 0), len(sizes.groupby(level=[0, 1], observed=True))
-    if _separation_p(most, most) * tests >= ALPHA:  # whatever the times, the trials are too few
+    if least_p(most) * tests >= ALPHA:  # whatever the times, the trials are too few
         return pd.DataFrame(columns=["problem", "tau", "optimizer", "p"])
     running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
     for (problem, tau), rows in hits[reached].groupby(["problem", "tau"], sort=False, observed=True):
@@ -129,19 +130,9 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
 
 
 def _largest_p(best: Floats, rivals: list[Floats]) -> float:
-    """Return the largest p of the tests against rivals, 1 as soon as one cannot be below the level, or is faster."""
-    largest = 0.0
-    for times in rivals:
-        one, lower = rank_sum(best, times) if _separation_p(len(best), len(times)) < ALPHA else (1.0, False)
-        largest = max(largest, one if lower else 1.0)
-        if largest >= ALPHA:
-            return 1.0
-    return largest
-
-
-def _separation_p(one: int, other: int) -> float:
-    """Return the p of the rank-sum test where two samples of these sizes are separated."""
-    return 2 / comb(one + other, other)
+    """Return the largest p of the tests against rivals, 1 where one is not the slower one more often than not."""
+    found = [effects(best[np.newaxis], times[np.newaxis]) for times in rivals]
+    return max(float(inference(each, ALPHA)[2][0]) if each.a12[0] > 0.5 else 1.0 for each in found)
 
 
 def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:

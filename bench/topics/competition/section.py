@@ -68,8 +68,8 @@ def _about(errors: pd.DataFrame, common: str) -> str:
 def _tested(subject: str, tests: pd.DataFrame) -> str:
     """Explain the signs, and how often they would appear without any difference."""
     meaning = (
-        f"+: the errors of {subject} are lower than those of the other optimizer (Wilcoxon’s rank-sum test, "
-        "two-sided, p < 0.05); −: they are higher; =: neither is shown, which is not equality."
+        f"+: the errors of {subject} are lower than those of the other optimizer (test of A12 = 0.5, two-sided, "
+        "p < 0.05); −: they are higher; =: neither is shown, which is not equality."
     )
     if tests.empty:
         return f"{meaning} No problem has trials of {subject} and of another optimizer."
@@ -122,7 +122,7 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
         bold=lowest.reindex(frame.index, fill_value=False),
         marks=marks.reindex(frame.index, fill_value=""),
         note="Mean (standard deviation). Bold: the lowest mean of a row. ∞: a trial failed."
-        + (" Each sign: Wilcoxon’s rank-sum test at 0.05, uncorrected; last: their counts." if subject else "")
+        + (" Each sign: the test of A12 = 0.5 at 0.05, uncorrected; last: their counts." if subject else "")
         + (" U-score: over the problems where all have as many trials." if len(scores) else "")
         + " The CSV file has every statistic and p.",
         data=merged,

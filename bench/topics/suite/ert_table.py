@@ -80,7 +80,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
         marks=frames[2],
         note="In brackets: half the range from the 10th to the 90th percentile of simulated restarts, in the same "
         "unit. ∞: no trial succeeded, with the median evaluations of the trials. Successes: at the last target. Bold: "
-        "the lowest. *: faster than each other one by the rank-sum test, p < 0.05 after Holm’s adjustment for "
+        "the lowest. *: faster than each other one by the test of A12 = 0.5, p < 0.05 after Holm’s adjustment for "
         "all functions and targets of this table."
         + (f" {PRECISION.capitalize()}: the value less the optimum that counts as reached." if precisions else "")
         + (" The best of 2009 is in evaluations; where it is unknown, so are the others (ev.)." if best else ""),

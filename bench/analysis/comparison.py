@@ -1,0 +1,254 @@
+"""One number, and one comparison of a chosen optimizer with its rivals over the problems at hand.
+
+The number is the *chance to end lower*: on a problem, the probability that a run of one optimizer ends lower than a run
+of a rival, ties counted half, a failure highest (A12); of an optimizer, its mean over the rivals; over problems, the
+mean over problems, whatever the numbers of runs. It orders everything that is ordered.
+
+Claims are of three kinds, each with its own 5%, of which no other kind knows:
+
+- over these problems, :func:`compare`: a winner that the results name, each of its tests at 5%, as all of them must
+  reject (intersection-union test; Berger 1982, Technometrics 24); or the k - 1 tests of a subject that was named before
+  the results, at 5% / (k - 1) each;
+- on each problem, :func:`within_problems`: pairs by Holm's method within the problem. Of N problems without any
+  difference, N / 20 would show one;
+- curves: bands that hold together with 95% (:mod:`bench.analysis.bands`).
+
+The test over problems is stratified. Its variance is that of the runs alone, so it holds whatever the problems are, and
+says nothing of further ones. It takes the variance that one A12 on all problems would have, the largest there is for
+their mean (:func:`bench.analysis.direction.stratified`). Its interval holds the means that it does not reject. A cell
+with a single run leaves no variance, and nothing is tested.
+
+Runs that share a seed over problems are not independent: they may begin at the same point, or draw the same steps. All
+runs of one seed are then one, and the variance is that of the sums of what each run contributes to the mean (a
+linearised jackknife over seeds; Shao and Tu 1995, The Jackknife and Bootstrap), where it is the larger one, with
+Student's t.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import rankdata, t
+
+from bench.analysis.cells import labels, scores
+from bench.analysis.direction import (
+    ALPHA,
+    Effects,
+    effects,
+    least_p,
+    stratified,
+    wilson_form,
+    wins,
+)
+from bench.analysis.pairwise import holm
+from bench.analysis.standings import won
+from bench.analysis.strata import Places, Samples, rows, strata
+from bench.typing import Floats
+
+OUTCOMES = ("better", "worse", "open")
+"""What a test says of the chosen optimizer: it ends lower than the rival, higher, or neither is shown."""
+
+COLUMNS = ("rival", "problems", "chance", "low", "high", "p", "level", "outcome")
+COUNTED = 0.75
+"""The part of the largest variance, that of a share of runs, from which on A12 counts as one; equal samples: 0.69."""
+
+
+def chances(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the chance to end lower on each problem, a row a cell: problem, optimizer, n, chance and rank.
+
+    ``n`` are the runs; ``chance`` is the mean of A12 over the rivals that have runs on the problem, of pooled instances
+    the mean of that within each; ``rank`` is 1 for the highest chance, and those that tie share their mean rank. Both
+    are missing for a cell without runs.
+    """
+    optimizers, tables = labels(frame, "optimizer"), []
+    for problem, groups in strata(frame).items():
+        n = np.array([sum(map(len, own)) for own in zip(*groups, strict=True)], dtype=np.int64)
+        there = [place for place, number in enumerate(n) if number]
+        chance, rank = np.full((2, len(optimizers)), np.nan)
+        if len(there) > 1:
+            a12 = np.mean([_a12([own[place] for place in there]) for own in groups], axis=0)
+            chance[there] = (a12.sum(axis=1) - 0.5) / (len(there) - 1)
+        if len(there):
+            rank[there] = rankdata(-np.round(np.nan_to_num(chance[there]), 9))
+        tables.append(
+            pd.DataFrame({"problem": problem, "optimizer": optimizers, "n": n, "chance": chance, "rank": rank})
+        )
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=[*["problem", "optimizer", "n"]])
+
+
+def order(chances_of: pd.DataFrame) -> pd.DataFrame:
+    """Return the order over problems, the best first: optimizer, problems, chance, place and first.
+
+    ``chance`` is the mean over the problems on which every optimizer has runs; those that tie share their mean
+    ``place``. ``first`` counts the problems on which an optimizer alone has the highest chance. ``chances_of`` are
+    those of :func:`chances`.
+    """
+    whole = (chances_of["n"] > 0).groupby(chances_of["problem"], sort=False, observed=True).transform("all")
+    complete = chances_of[whole & chances_of["chance"].notna()]
+    table = pd.DataFrame({"optimizer": labels(chances_of, "optimizer"), "problems": complete["problem"].nunique()})
+    by_optimizer = complete.groupby("optimizer", observed=True)
+    table["chance"] = table["optimizer"].map(by_optimizer["chance"].mean()).astype(float)
+    table["place"] = rankdata(-np.round(table["chance"].fillna(-1.0), 9))
+    table["first"] = table["optimizer"].map((complete["rank"] == 1).groupby(complete["optimizer"], observed=True).sum())
+    table["first"] = table["first"].fillna(0).astype(int)
+    return table.sort_values("place", kind="stable", ignore_index=True)
+
+
+def compare(frame: pd.DataFrame, chosen: str, *, before: bool, alpha: float = ALPHA) -> pd.DataFrame:
+    """Compare a chosen optimizer with each rival over these problems, one row a rival.
+
+    Columns: rival; problems, those on which every optimizer has runs; ``chance``, the mean over them of the chance
+    that a run of the chosen one ends lower, with low to high, the interval of the test; ``p``, two-sided, that it is
+    0.5; ``level`` of the test, and its ``outcome``, one of :data:`OUTCOMES`. The interval holds 0.5 just where the
+    outcome is "open". Without a problem, or where a cell has a single run, nothing is tested: p is 1, and no
+    interval is known.
+
+    Args:
+        frame: the tidy frame; with a column ``seed``, runs of one seed on several problems count as one.
+        chosen: the subject, the leader, a version or a candidate.
+        before: whether it was named before the results: then each test is a claim, at ``alpha`` over their number.
+            Else the level of each is ``alpha``, and the claim is :func:`wins_all`.
+        alpha: of all claims together.
+    """
+    every, places = labels(frame, "optimizer"), rows(frame)
+    own, rivals = every.index(chosen), [label for label in every if label != chosen]
+    level = alpha / max(len(rivals), 1) if before else alpha
+    complete = [groups for groups in places.values() if all(map(len, groups[0]))]  # who has runs has some in each
+    values = np.asarray(scores(frame, merge=True), dtype=np.float64)
+    seeds = frame["seed"].to_numpy() if "seed" in frame else None
+    table = []
+    for rival in rivals:
+        pairs = [[(group[own], group[every.index(rival)]) for group in groups] for groups in complete]
+        table.append((rival, len(complete), *_tested(pairs, values, seeds, level)))
+    return pd.DataFrame(table, columns=list(COLUMNS))
+
+
+def wins_all(comparison: pd.DataFrame) -> bool:
+    """Return whether an optimizer that the results named is a winner: every test of :func:`compare` shows it better."""
+    return bool(len(comparison)) and bool((comparison["outcome"] == OUTCOMES[0]).all())
+
+
+def within_problems(pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return pairs on problems with p-values adjusted within each problem (Holm 1979), and the intervals of that test.
+
+    Columns p_holm; ``level``, at which a pair was tested: alpha over the hypotheses that were left at its step, and for
+    those that are not rejected, over those that were left at the last step; low to high, the interval of A12 of this
+    level, which holds 0.5 just where the pair is not significant; significant; and ``lower``, the optimizer that ends
+    lower, else "". ``pairs`` are those of :func:`bench.analysis.pairwise_tests`; where these have no p_holm, as of
+    pairs without a subject, they are no hypotheses.
+    """
+    chance, ratio = (pairs[name].to_numpy(dtype=float) for name in ("a12", "ratio"))
+    smaller = pairs[["n_first", "n_second"]].min(axis=1).to_numpy(dtype=float)
+    found = Effects(chance, ratio, np.maximum(smaller, 1))
+    p = inference(found, alpha)[2]
+    tested = pairs["p_holm"].notna().to_numpy() & (smaller > 0)
+    adjusted, level = np.full((2, len(pairs)), np.nan)
+    problem = pd.factorize(pairs["problem"])[0]
+    for place in range(problem.max(initial=-1) + 1):
+        own = np.flatnonzero((problem == place) & tested)
+        if len(own):
+            adjusted[own] = holm(p[own])
+            left = len(own) - np.argsort(np.argsort(p[own], kind="stable"), kind="stable")
+            rejected = adjusted[own] <= alpha
+            level[own] = alpha / np.where(rejected, left, max(len(own) - int(rejected.sum()), 1))
+    clear = adjusted <= alpha
+    low, high, _ = inference(found, level)
+    first, second = (pairs[name].astype(object).to_numpy() for name in ("first", "second"))
+    return pairs.assign(
+        p_holm=adjusted, level=level, low=low, high=high, significant=clear,
+        lower=np.where(clear, np.where(chance > 0.5, first, second), ""),
+    )  # fmt: skip
+
+
+def _tested(
+    pairs: Sequence[Sequence[Places]], values: Floats, seeds: NDArray[Any] | None, level: float
+) -> tuple[float, float, float, float, float, str]:
+    """Return chance, low, high, p, level and outcome of two optimizers, by the places of their runs in each stratum."""
+    if not pairs:
+        return np.nan, np.nan, np.nan, 1.0, level, OUTCOMES[2]
+    samples = [[[values[cell] for cell in both] for both in of] for of in pairs]
+    found, freedom = (
+        over_problems([[effects(one[np.newaxis], two[np.newaxis]) for one, two in of] for of in samples]),
+        np.inf,
+    )
+    seeds_of = None if seeds is None else [[[seeds[cell] for cell in both] for both in of] for of in pairs]
+    if seeds_of is not None and shared(seeds_of):
+        factor, freedom = inflation(samples, seeds_of)
+        found = found._replace(ratio=found.ratio * factor)
+    (low,), (high,), (p,) = inference(found, level, freedom)
+    chance = float(found.a12[0])
+    outcome = OUTCOMES[2] if p > level else OUTCOMES[int(chance < 0.5)]
+    return chance, float(low), float(high), float(p), level, outcome
+
+
+def over_problems(found: Sequence[Sequence[Effects]]) -> Effects:
+    """Return the mean over problems of the mean over their strata, of estimates of one shape each."""
+    return stratified([stratified(of_problem) for of_problem in found])
+
+
+def inference(found: Effects, level: float | Floats, freedom: float | Floats = np.inf) -> tuple[Floats, Floats, Floats]:
+    """Return both ends of the interval of each mean, (g,), and the p of the test that it inverts, that it is 0.5.
+
+    It is the test of :func:`bench.analysis.direction.p_values` but for two things. Quantiles are those of Student's t
+    with ``freedom``. And where nearly all variance is that of runs which end lower than all runs of the rival or than
+    none, as of two basins about a single one, A12 is a share of these runs, and moves in steps: then half a step is
+    taken off (a continuity correction). Of 8 runs this test would err in 7.2% otherwise, at 5%. Where nothing can be
+    tested p is 1, and the ends are missing.
+    """
+    steps = np.clip((found.ratio * (found.smaller - 1) - COUNTED) / (1 - COUNTED), 0, 1) / (2 * found.smaller)
+    quantile = t.isf(np.asarray(level) / 2, freedom)
+    low, _ = wilson_form(np.maximum(found.a12 - steps, 0), found.ratio, quantile)
+    _, high = wilson_form(np.minimum(found.a12 + steps, 1), found.ratio, quantile)
+    apart = (np.asarray(level) / 2) ** (1 / np.asarray(found.smaller))
+    size = np.maximum(np.abs(found.a12 - 0.5) - steps, 0) / (0.5 * np.sqrt(found.ratio))
+    p = np.maximum(2 * t.sf(size, freedom), least_p(found.smaller))
+    low, high = np.minimum(low, apart), np.maximum(high, 1 - apart)
+    return low, high, np.where(np.isnan(found.ratio), 1.0, p)  # a single run leaves no variance
+
+
+def shared(seeds: Sequence[Sequence[Samples]]) -> bool:
+    """Return whether any run of an optimizer has the seed of another one of its runs on another problem or instance."""
+    for place in range(2):
+        known = pd.Series(np.concatenate([group[place] for groups in seeds for group in groups])).dropna()
+        if known.duplicated().any():
+            return True
+    return False
+
+
+def inflation(samples: Sequence[Sequence[Samples]], seeds: Sequence[Sequence[Samples]]) -> tuple[float, float]:
+    """Return by how much runs of one seed make the variance of a mean larger, at least 1, and its degrees of freedom.
+
+    What a run contributes is the mean of its wins less A12, over the runs of its cell. Without the seed of a run, it is
+    one of its own.
+    """
+    contributions, numbers, apart = [], [], 0.0
+    for groups, seeds_of in zip(samples, seeds, strict=True):
+        for (this, other), both in zip(groups, seeds_of, strict=True):
+            won_of = wins(this, other)
+            for axis, (own, seeds_own) in enumerate(zip((this, other), both, strict=True)):
+                one = (won_of.mean(axis=1 - axis) - won_of.mean()) / len(own) / len(groups)
+                contributions.append(one)
+                numbers.append(np.asarray(seeds_own, dtype=object))
+                apart += float((one**2).sum()) * len(own) / max(len(own) - 1, 1)
+    every, number = np.concatenate(contributions), pd.Series(np.concatenate(numbers))
+    alone = number.isna()
+    codes = pd.factorize(number)[0]
+    codes[alone] = codes.max(initial=-1) + 1 + np.arange(int(alone.sum()))
+    sums = np.bincount(codes, weights=every)
+    groups_of = len(sums)
+    if groups_of < 2 or not apart:
+        return np.nan if groups_of < 2 else 1.0, 1.0
+    return max(float((sums**2).sum()) * groups_of / (groups_of - 1) / apart, 1.0), groups_of - 1.0
+
+
+def _a12(samples: Samples) -> Floats:
+    """Return A12 of each optimizer against each other one, (k, k), 0.5 against itself."""
+    owner = np.repeat(np.arange(len(samples)), [len(sample) for sample in samples])
+    sizes = np.array([len(sample) for sample in samples], dtype=np.float64)
+    lost = won(np.concatenate(samples), owner, np.ones((1, len(owner))))[0] / np.outer(sizes, sizes)
+    np.fill_diagonal(lost, 0.5)
+    return np.asarray(lost.T)
