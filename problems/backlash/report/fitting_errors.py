@@ -1,7 +1,7 @@
 """Table 7.2: the mean fitting error in rpm, compared with the published one."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from importlib.resources import files
 from math import comb
@@ -11,34 +11,43 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
-from bench.report import Section, Table, leaders, speaker
-from bench.reproduce.section import section
+from bench.report import Table
+from bench.reproduce.protocol import protocol_of, samples
 from bench.reproduce.table import PaperTable, read
+from bench.reproduce.verdict import DIFFERS, Judgement, judge, sentence, unjudged
 from bench.topics import StoredResults
+from problems.backlash.report import words
 
-SAY = speaker(__package__)
-TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
 EXTRA = "cma-es"
 ORDER = ("gwo", "alo", "da", "goa")  # from the best to the worst, as published
 PUBLISHED_TRIALS, PUBLISHED_BUDGET, PUBLISHED_AGENTS = 30, 60_000, 300
 
 
-def sections(results: StoredResults, frame: pd.DataFrame) -> list[Section]:
-    """Return the section on Table 7.2, none without one of its algorithms or with errors in another unit than rpm."""
+def compared(results: StoredResults, frame: pd.DataFrame) -> tuple[list[str], list[Table]]:
+    """Return Table 7.2 beside the printed one, with sentences; none without its algorithms or in another unit."""
     study = results.study
     columns, rows = algorithms(study), datasets(study)
     swarms = [columns[name] for name in SWARMS if name in columns]
     if not swarms or not rows:
-        return []
+        return [], []
     pairs = pairwise_tests(part(frame, rows, swarms))
-    means, table = table_7_2(frame, pairs, columns, rows)
-    text = swarm_tests(pairs, study)
-    if not re.search("thesis|published", study.name.lower()):
-        return [Section(TITLE, text, (table,))]
-    judged = section(results, of_study(study, columns, rows), TITLE, "table-7-2-published")
-    text = (*judged.text, *sentences(means), *unequal(study), *text)
-    return [Section(TITLE, text, (table, *judged.items))]
+    judgements = judged(results, columns, rows) if re.search("thesis|published", study.name.lower()) else []
+    means, table = table_7_2(frame, pairs, columns, rows, judgements)
+    said = [*sentences(means), *swarm_tests(pairs, study)]
+    return [*said, *(f"{line[0].upper()}{line[1:]}." for line in beside(judgements))], [table]
+
+
+def judged(results: StoredResults, columns: dict[str, str], rows: dict[str, int]) -> list[Judgement]:
+    """Return the verdict on each printed cell of a study's algorithms and datasets."""
+    printed = of_study(results.study, columns, rows)
+    made = protocol_of(printed, beside=results)
+    return judge(printed, samples(printed, made, results), made.reasons)
+
+
+def beside(judgements: list[Judgement]) -> list[str]:
+    """Return the verdict on the printed table, and why cells have none."""
+    return [sentence(judgements), *unjudged(judgements)] if judgements else []
 
 
 def algorithms(study: Study) -> dict[str, str]:
@@ -80,12 +89,16 @@ def published() -> pd.DataFrame:
 
 
 def table_7_2(
-    frame: pd.DataFrame, pairs: pd.DataFrame, columns: dict[str, str], rows: dict[str, int]
+    frame: pd.DataFrame,
+    pairs: pd.DataFrame,
+    columns: dict[str, str],
+    rows: dict[str, int],
+    judgements: Sequence[Judgement] = (),
 ) -> tuple[pd.DataFrame, Table]:
     """Return the mean errors by dataset and plug-in name, and the table with the thesis's marks.
 
     As in the thesis, bold and italics compare the swarms alone, whose tests are ``pairs``. ``columns`` are from
-    :func:`algorithms`, ``rows`` from :func:`datasets`.
+    :func:`algorithms`, ``rows`` from :func:`datasets`, ``judgements`` from :func:`judged`.
     """
     summary = summarise(part(frame, rows, columns.values()))
     swarms = summary[summary["optimizer"] != columns.get(EXTRA)]
@@ -95,17 +108,25 @@ def table_7_2(
         _by_dataset(part, named, rows)
         for part in (table(summary, "mean"), table(matrix, "best"), table(matrix, "alike"))
     )
-    shown, bold, italic = (part.rename(columns=str.upper) for part in (means, bold, italic))
+    shown = means.rename(columns=str.upper)
+    printed = published().reindex(means.index).rename(columns=lambda name: f"{name.upper()} printed")
+    for place, name in enumerate([name for name in SWARMS if name in means], start=1):
+        shown.insert(2 * place - 1, f"{name.upper()} printed", printed[f"{name.upper()} printed"])
+    marks = pd.DataFrame("", index=shown.index, columns=shown.columns)
+    for each in judgements:
+        if each.verdict == DIFFERS:
+            marks.loc[int(each.cell.function), each.cell.optimizer] = "≠"
     marked = Table(
         "table-7-2",
-        "Mean fitting error in rpm by dataset (thesis Table 7.2).",
+        "Mean fitting error in rpm by dataset, beside the printed one (thesis Table 7.2).",
         shown,
-        bold,
-        italic,
+        bold.rename(columns=str.upper),
+        italic.rename(columns=str.upper),
+        marks,
         decimals=3,
         note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at "
-        f"{ALPHA:g} (raw p, as in the thesis) cannot distinguish it from the best swarm. CMA-ES, where "
-        "present, is shown beside them and not marked.",
+        f"{ALPHA:g} (raw p, as in the thesis) cannot distinguish it from the best swarm."
+        + (" ≠: it differs from the printed one (5% over the table)." if judgements else ""),
     )
     return means, marked
 
@@ -131,53 +152,21 @@ def ordered(means: pd.DataFrame) -> int:
     return int((better_to_worse > 0).all(axis=1).sum())
 
 
-def _holders(means: pd.DataFrame, extreme: str) -> str:
-    """Return in how many rows each algorithm has the "lowest" or the "highest" mean, as a clause."""
-    whole = means.dropna().rename(columns=str.upper)
-    means_of_rows = whole.min(axis=1) if extreme == "lowest" else whole.max(axis=1)
-    return leaders(whole.eq(means_of_rows, axis=0), f"the {extreme} mean")
-
-
 def sentences(means: pd.DataFrame) -> list[str]:
-    """Return sentences on the order of the means, beside that of the published ones of the same datasets."""
+    """Return a sentence on the order of the means, beside that of the published ones of the same datasets."""
+    printed = published()
     if not set(ORDER) <= set(means.columns):
         return []
-    printed = published()
     swarms = means.loc[means.index.isin(printed.index), list(ORDER)]
-    theirs = printed.loc[swarms.index, list(ORDER)]
-    holders = [_holders(each, extreme) for extreme in ("lowest", "highest") for each in (swarms, theirs)]
-    return [
-        SAY("order", ORDER, ordered(swarms), len(swarms), ordered(theirs)),
-        SAY("extremes", *holders, printed.idxmax(axis=1).value_counts()),
-    ]
+    return [words.order(ORDER, ordered(swarms), len(swarms), ordered(printed.loc[swarms.index, list(ORDER)]))]
 
 
-def other_conditions(study: Study) -> str:
-    """Return a sentence on the study's trials and budget where they are not the published ones, else ""."""
-    if (study.trials, study.budget.number) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
-        return ""
-    return SAY("other_conditions", study, PUBLISHED_TRIALS, PUBLISHED_BUDGET)
-
-
-def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
-    """Return how many pairs of swarms a test distinguishes; the thesis distinguishes most.
-
-    Whether this run agrees depends on its number of trials: with few of them no test can be significant.
-    """
+def swarm_tests(pairs: pd.DataFrame, study: Study) -> list[str]:
+    """Return how many pairs of swarms a test distinguishes, or that no test of so few trials can."""
     if pairs.empty:
-        return ()
+        return []
     # The smallest exact p of two samples is that of complete separation: 2 of all arrangements.
     least = min(2 / comb(n + m, n) for n, m in zip(pairs["n_first"], pairs["n_second"], strict=True))
     if least > ALPHA:
-        return (SAY("too_few", study.trials),)
-    apart = int((pairs["ks_p"] <= ALPHA).sum())
-    return (SAY("distinguished", ALPHA, apart, len(pairs), other_conditions(study)),)
-
-
-def unequal(study: Study) -> tuple[str, ...]:
-    """Return a sentence where the study gives CMA-ES another handling or start than the swarms, as the thesis does."""
-    names = algorithms(study).values()
-    options = [entry.options for entry in study.optimizers if entry.label in names]
-    if len({(chosen.get("handling", "repair"), chosen.get("start", "random")) for chosen in options}) < 2:
-        return ()
-    return (SAY("unequal"),)
+        return [words.too_few(study.trials)]
+    return [words.distinguished(ALPHA, int((pairs["ks_p"] <= ALPHA).sum()), len(pairs))]

@@ -6,7 +6,7 @@ import pandas as pd
 
 from bench.analysis import in_study_order
 from bench.topics import StoredResults
-from problems.backlash.report.accuracy import errors_by, estimates, expected_values
+from problems.backlash.report.accuracy import estimates, expected_values, shares_within
 from problems.backlash.report.reference import compared, signature_problems
 
 WITHIN = {"amplitude_rpm": "amplitude within the band", "backlash_rad": "gap within the band"}
@@ -25,5 +25,5 @@ def shares(results: StoredResults) -> pd.DataFrame:
     truths, _ = expected_values(results)
     for figure, name in WITHIN.items():
         if figure in frame and figure in truths["figure"].to_numpy():
-            columns[name] = errors_by(estimates(frame, truths, figure), ["optimizer"])["within band %"] / 100
+            columns[name] = shares_within(estimates(frame, truths, figure))
     return pd.DataFrame(columns)

@@ -129,7 +129,7 @@ def test_no_file_is_imported_by_the_command_or_its_report(bench_here, tmp_path):
     made = {"name": "s", "trials": 2, "budget": 60, "problems": [{"name": "signature-12"}], "optimizers": optimizers}
     (tmp_path / "study.toml").write_text(Study.from_dict(made).to_toml())
     bench_here("run", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", 1)
-    assert "Reference fit" in (tmp_path / "out" / "report.html").read_text()
+    assert "In your units" in (tmp_path / "out" / "report.html").read_text()
     imported = {int(pid) for pid in (tmp_path / "mine.py.pids").read_text().split()}
     assert len(imported) > 1  # of the check, and of the trials
     assert os.getpid() not in imported

@@ -11,7 +11,7 @@ from problems.backlash.published import download as files
 from problems.backlash.published.family import CLEAN, ZIPS
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import fitting_errors
-from problems.backlash.report.accuracy import short
+from problems.backlash.report.figures import short
 from problems.backlash.signature.datasets import dataset, peak_to_peak
 
 

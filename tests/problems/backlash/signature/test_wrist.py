@@ -8,8 +8,8 @@ from problems.backlash.signature import families, wrist
 
 
 def test_each_joint_has_the_amplitude_that_the_thesis_expected():
-    for (number, state), printed in wrist.PRINTED.items():
-        assert wrist.recorded(f"wrist-{number}-{state}").peak == pytest.approx(printed.expected, rel=0.01)
+    for (number, state), expected in wrist.EXPECTED.items():
+        assert wrist.recorded(f"wrist-{number}-{state}").peak == pytest.approx(expected, rel=0.01)
 
 
 def test_the_names_are_those_of_the_joints():
