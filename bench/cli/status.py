@@ -16,7 +16,8 @@ from rich.text import Text
 
 from bench.cli.console import StudyFolder, table, too_early
 from bench.helpers.console import duration, print_line
-from bench.helpers.text import count
+from bench.helpers.text import count, listed
+from bench.plugins.inputs import shown
 from bench.study.cell import read
 
 if TYPE_CHECKING:
@@ -68,6 +69,9 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
         yield f"store checked {noted.get('checked')}: {noted.get('sentence')}", None if noted.get("sound") else "red"
     else:
         yield "store not checked yet: a report, 'bench verify' or 'bench status --check' does it", None
+    for label, names in folder.changed().items():
+        what = listed(list(map(shown, names)), 5)
+        yield f"{label} changed since its trials were made ({what}): 'bench run' makes those of it now", "yellow"
     yield from ((line, "red") for line in _failures(folder))
     yield from ((line, "yellow") for line in _killed(folder))
     verified = folder.verification()

@@ -100,7 +100,7 @@ def _compared(
     cells = held.by_labels
     for trial, row, _ in answers(lambda: chosen) if chosen else ():
         made_from, _ = row.pop("inputs", None), row.pop("after", None)
-        theirs = split(json.loads(made_from or "{}") or {})
+        theirs = split(json.loads(made_from or "{}"))
         if any(conflicts(*pair) for pair in zip(held.made_from(cells[trial.key[:2]]), theirs, strict=True)):
             continue
         if row["status"] != "timeout" and not by_the_clock(row, study):

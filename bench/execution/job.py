@@ -15,6 +15,7 @@ code that nobody trusts are in a sandbox, each with namespaces of its own.
 
 from __future__ import annotations
 
+import json
 import socket
 import sys
 from collections import OrderedDict
@@ -33,7 +34,7 @@ from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
 from bench.objective import OUT_OF_TIME
 from bench.plugins import from_file, loading, objects, registry
-from bench.plugins.inputs import Inputs, named
+from bench.plugins.inputs import named
 from bench.plugins.objects import Objects
 from bench.plugins.observing import PARTS, Observed, Signature
 from bench.sandbox import bubblewrap
@@ -104,7 +105,7 @@ class Job:
         self._alone = root(task, without_problems=True) if task.untrusted else self._root
         self._boxes: dict[str, Box | str] = {}
         self._read: dict[str, dict[str, Observed]] = {}  # what processes have read, by its digest
-        self._inputs: dict[tuple[str, str, str], dict[str, Inputs]] = {}  # of it, by problem and optimizer
+        self._inputs: dict[tuple[str, str, str], str] = {}  # of it as JSON, by problem and optimizer
         self._named = {entry.label: named_by(entry) for entry in (*study.problems, *study.optimizers)}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
@@ -198,7 +199,7 @@ class Job:
             if isinstance(kept, dict):
                 self._note(kept, trial, server)
                 ends = zip(PARTS, (kept, answer), strict=True)
-                kept["inputs"] = {part: each["inputs"].get(part, {}) for part, each in ends}
+                kept["inputs"] = json.dumps({part: json.loads(each["inputs"])[part] for part, each in ends})
                 kept |= {key: answer.get(key) for key in ("cpu_s", "log")}
                 if kept.get("stop") not in ("budget", OUT_OF_TIME):
                     declared = answer.get("stop")
@@ -215,10 +216,8 @@ class Job:
             own = {name for label in labels for name in self._named[label]}
             others = {name for names in self._named.values() for name in names} - own
             found = {part: named(self._read[digest].get(part, {}), labels) for part in PARTS}
-            self._inputs[digest, *labels] = {
-                part: {name: known for name, known in inputs.items() if name not in others}
-                for part, inputs in found.items()
-            }
+            left = {part: {n: known for n, known in each.items() if n not in others} for part, each in found.items()}
+            self._inputs[digest, *labels] = json.dumps(left)
         answer["inputs"] = self._inputs[digest, *labels]
 
     def _with_problem(self, problem: str) -> ForkServer:

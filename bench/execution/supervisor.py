@@ -226,7 +226,7 @@ class Supervisor:
         if reason := answers.error(answer):
             return failed(self._cut(reason))
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
-        return row | {"after": after, "inputs": json.dumps(answer.get("inputs"))}
+        return row | {"after": after, "inputs": answer.get("inputs")}
 
 
 def make_one(task: Task, trial: Trial) -> Row:

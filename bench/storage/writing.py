@@ -50,10 +50,8 @@ class Writer:
         It replaces a failed row of the same trial, but never a finished one. Return its cell, which is not the selected
         one where it was made from other inputs than the trials there. ``made_from`` is their record, as JSON.
         """
-        if made_from is not None and made_from not in self._inputs:
-            self._inputs[made_from] = self.inputs(json.loads(made_from)), split(json.loads(made_from))
+        number, inputs = self._made_from(made_from)
         selected = self.cells.all[self._selected[trial.key[:2]]]
-        number, inputs = self._inputs[made_from] if made_from is not None else (None, [{}, {}])
         cell = self.cells.fitting(selected.bare, inputs, selected)
         with self.transaction():
             self.put(row | trial.columns | {"environment": environment, "inputs": number}, self.number(cell))
@@ -63,8 +61,17 @@ class Writer:
     def conflicts(self, trial: Trial, made_from: str | None) -> list[str]:
         """Return the inputs of a trial, as :meth:`add` takes them, that are others than those of the selected cell."""
         cell = self.cells.all[self._selected[trial.key[:2]]]
-        theirs = split(json.loads(made_from or "{}"))
+        _, theirs = self._made_from(made_from)
         return [name for pair in zip(self.cells.made_from(cell), theirs, strict=True) for name in conflicts(*pair)]
+
+    def _made_from(self, made_from: str | None) -> tuple[int | None, list[Inputs]]:
+        """Return the number of a record of inputs, which is added where it is new, and its parts."""
+        if made_from is None:
+            return None, [{}, {}]
+        if made_from not in self._inputs:
+            record = json.loads(made_from)
+            self._inputs[made_from] = self.inputs(record), split(record)
+        return self._inputs[made_from]
 
     @contextmanager
     def transaction(self) -> Iterator[None]:

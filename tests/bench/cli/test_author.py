@@ -72,6 +72,7 @@ def test_two_days_beside_finished_rivals(author):
     assert values(author) == first
 
     author.write(step=0.25)
+    assert f"Hops changed since its trials were made ({author.helper})" in author("status", "out")
     assert (
         f"Hops changed ({author.helper}) and is version 2 now: 4 trials to make; the 4 of version 1 are kept"
         in author(*RUN)
