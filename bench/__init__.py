@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
     from bench.check import Checkup, Verdict, check_optimizer, check_problem
     from bench.comparison import compare
-    from bench.errors import BenchError
+    from bench.errors import BenchError, BudgetExhausted, StopRun
     from bench.execution.runner import Outcome, run
     from bench.execution.solve import solve
     from bench.execution.supervisor import WorkerDiedError
     from bench.families import Grid
     from bench.notebook import Results
-    from bench.objective import BudgetExhausted, Objective, Trace
+    from bench.objective import Objective, Trace
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import list_optimizers, load_optimizer, load_problem
     from bench.plugins.selection import list_problems
@@ -47,6 +47,7 @@ __all__ = [
     "Problem",
     "Result",
     "Results",
+    "StopRun",
     "Study",
     "Trace",
     "Verdict",
@@ -67,10 +68,10 @@ __all__ = [
 
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
-    "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "Checkup": "check",
+    "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "errors", "Checkup": "check",
     "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
     "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
-    "Results": "notebook", "Study": "study", "Trace": "objective", "Verdict": "check",
+    "Results": "notebook", "StopRun": "errors", "Study": "study", "Trace": "objective", "Verdict": "check",
     "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",
     "compare": "comparison", "list_optimizers": "plugins.loading",
     "list_problems": "plugins.selection", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",

@@ -72,7 +72,10 @@ class Measured:
     wall_s: float = _column("wall time of the whole search", unit="s", least=0, repeats=False)
     cpu_s: float = _column("processor time of the whole search", unit="s", least=0, repeats=False)
     objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", least=0, repeats=False)
-    stop: str = _column("`budget`, or the reason that the optimizer declared, or `undeclared` without one")
+    stop: str = _column(
+        "`budget`; `time` or `target`, where the study's `time` or value ended it before; or the reason that the "
+        "optimizer declared, or `undeclared` without one"
+    )
     outside_box: int = _column("evaluations outside the box", least=0, within="nfev")
     failures: int = _column(
         "evaluations that failed and count with the value +inf (`on_error`)", least=0, within="nfev"

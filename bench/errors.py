@@ -1,4 +1,4 @@
-"""The exception for bad input and that for a problem whose own code fails, and helpers for their messages."""
+"""The exceptions for bad input, a problem whose own code fails and the end of a run, and helpers for messages."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -46,6 +46,23 @@ class PointError(RuntimeError):
     def __init__(self, reason: str, values: Sequence[float] = (inf,), failed: int = 1) -> None:
         super().__init__(reason)
         self.values, self.failed = values, failed
+
+
+class BudgetExhausted(BaseException):
+    """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not.
+
+    It is no subclass of Exception, so that an optimizer's own ``except Exception`` does not catch it.
+    """
+
+
+class StopRun(BudgetExhausted):
+    """Raised by a problem's function, or by ``on_evaluation``, to end a trial with what it has found so far.
+
+    The call of the objective under way counts where ``on_evaluation`` raises it, and does not where the function does.
+
+    Example:
+        >>> raise bench.StopRun("good enough")  # the trial's ``stop``
+    """
 
 
 LONGEST = 3_000

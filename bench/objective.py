@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike, NDArray
 
+from bench.errors import BudgetExhausted, StopRun
 from bench.helpers.compiled import compiled
 from bench.helpers.text import printable, said
 from bench.numbers import require_whole
@@ -20,8 +21,8 @@ from bench.typing import Flags, Floats
 
 _FLOAT64 = np.dtype(np.float64)
 _LONGEST_REASON = 200  # characters
-OUT_OF_TIME = "time"
-"""The reason that a trial has ended at its limit of time, before its budget."""
+OUT_OF_TIME, ON_TARGET = "time", "target"
+"""The reasons that a trial has ended before its budget: at its limit of time, or as its value was good enough."""
 
 IMPROVEMENT = 16  # bytes: its evaluation as int64, its value as float64
 _ILLEGAL = -inf  # a value that no problem may return
@@ -29,11 +30,8 @@ _SIGNATURE = "Tuple((float64, int64))(float64[:, ::1], float64[::1], float64[:, 
 _WORTH_COMPILING = 10_000  # coordinates of points, with which an interpreter is busy for a few milliseconds
 
 
-class BudgetExhausted(BaseException):
-    """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not.
-
-    It is no subclass of Exception, so that an optimizer's own ``except Exception`` does not catch it.
-    """
+OnEvaluation = Callable[[int, Floats, float, float], object]
+"""Is called after each evaluation with its number from 1, the (d,) point, the value recorded and the lowest so far."""
 
 
 LOGGED = 200
@@ -127,6 +125,8 @@ class Objective:
         on_refusal: called whenever points are refused because the budget is spent, with the number of refusals so far.
         seconds: wall seconds after the first call from which on points are refused, too; None for no limit. A call that
             has begun is finished.
+        goal: the value that is good enough: once a point has it, points are refused; -inf for none.
+        on_evaluation: called for every evaluation, after the call of the objective that made it.
     """
 
     def __init__(
@@ -136,6 +136,8 @@ class Objective:
         rng: np.random.Generator,
         on_refusal: Callable[[int], None] | None = None,
         seconds: float | None = None,
+        goal: float = -inf,
+        on_evaluation: OnEvaluation | None = None,
     ) -> None:
         require_whole("the budget of evaluations", budget, 1)
         self.lower: Floats = problem.lower.copy()
@@ -146,7 +148,7 @@ class Objective:
         self.objective_s = 0.0  # spent inside the problem's evaluate
         self.fun = np.inf  # the lowest value so far
         self.best_point: Floats | None = None
-        self._budget = budget
+        self._budget = self._limit = budget  # the limit is what it may spend in the end
         self._nfev = 0
         self._stop_reason: str | None = None
         self.raised: BaseException | None = None  # by the problem's own code, at points in the box
@@ -159,6 +161,7 @@ class Objective:
         self._on_refusal = on_refusal
         self._log = Log()
         self._seconds, self._until = seconds, inf
+        self._goal, self._on_evaluation = goal, on_evaluation
         self._scan = scanner(budget, self.dimension)
         self._box = np.array([self.lower, self.upper], dtype=np.float64)
         self._lock = Lock()  # threads of an optimizer must not exceed the budget together
@@ -186,7 +189,7 @@ class Objective:
     @property
     def remaining(self) -> int:
         """The number of evaluations left."""
-        return self._budget - self._nfev
+        return self._limit - self._nfev
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
@@ -224,10 +227,12 @@ class Objective:
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``.
 
-        A study refuses the reason ``"budget"`` of a trial that has evaluations left; ``"time"`` is the harness's, too.
+        A study refuses the reason ``"budget"`` of a trial that has evaluations left; ``"time"`` and ``"target"`` are
+        the harness's, too.
         """
         declared = printable(" ".join(said(reason).split()), _LONGEST_REASON)
-        self._stop_reason = f"{declared} (declared)" if declared == OUT_OF_TIME else declared
+        if self._stop_reason not in (OUT_OF_TIME, ON_TARGET):
+            self._stop_reason = f"{declared} (declared)" if declared in (OUT_OF_TIME, ON_TARGET) else declared
 
     def __call__(self, x: ArrayLike) -> Any:
         """Return the (n,) values of (n, d) points, or the float of one (d,) point.
@@ -243,10 +248,16 @@ class Objective:
             d = self.dimension
             raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
         with self._lock:
-            remaining = self._budget - self._nfev if self._seconds is None else self._in_time()
+            remaining = self._limit - self._nfev if self._seconds is None else self._in_time()
             allowed = rows if len(rows) <= remaining else rows[:remaining]
             try:
                 values = self._evaluate(allowed)
+                if self._on_evaluation is not None and len(allowed):
+                    self._report(allowed, self._on_evaluation)
+            except StopRun as stopped:
+                self.stop(str(stopped) or type(stopped).__name__)
+                self._limit = self._nfev
+                raise
             except (Exception, SystemExit) as error:
                 self._note(error, allowed)
                 raise
@@ -267,6 +278,14 @@ class Objective:
         self._stop_reason = OUT_OF_TIME
         return 0
 
+    def _report(self, points: Floats, on_evaluation: OnEvaluation) -> None:
+        """Report the evaluations of a call, one after the other."""
+        numbers = np.arange(self._nfev - len(points) + 1, self._nfev + 1)
+        for number, point, value, lowest in zip(
+            numbers.tolist(), points, self._recorded.tolist(), self.trace.at(numbers).tolist(), strict=True
+        ):
+            on_evaluation(number, point.copy(), value, lowest)
+
     def _note(self, error: BaseException, points: Floats) -> None:
         """Note the first exception of the problem's code; one at a point outside the box is the optimizer's fault."""
         if self.raised is None and bool(((points >= self.lower) & (points <= self.upper)).all()):
@@ -285,6 +304,7 @@ class Objective:
             values = returned.copy()
         else:
             values = as_values(self._problem, returned, n)
+        self._recorded = values
         lowest, outside = self._scan(rows, values, self._box)
         if lowest == _ILLEGAL:
             raise minus_infinity(self._problem)
@@ -296,6 +316,8 @@ class Objective:
             self._improved_to += values[better].tolist()
             self.fun = self._improved_to[-1]
             self.best_point = rows[better[-1]].copy()
+            if self.fun <= self._goal:
+                self._stop_reason, self._limit = ON_TARGET, self._nfev + n
         elif self.best_point is None:
             self.best_point = rows[0].copy()
         self._nfev += n

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.errors import BenchError
+from bench.errors import BenchError, StopRun
 from bench.typing import Flags, Floats
 
 
@@ -225,6 +225,8 @@ def _takes(function: Callable[..., ArrayLike], points: Floats) -> bool:
     n = len(points)
     try:
         return np.asarray(function(points.copy()), dtype=np.float64).shape in ((n,), (n, 1))
+    except StopRun:  # of one point, which a run will not have evaluated
+        return False
     except Exception as many:  # it may raise anything
         try:
             _number(function(points[0].copy()))

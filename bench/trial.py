@@ -12,9 +12,9 @@ import numpy as np
 
 from bench import scoring
 from bench.columns import MEASURED, RESERVED, Measured, Row, packed
-from bench.errors import ProblemError
+from bench.errors import BudgetExhausted, ProblemError
 from bench.helpers.text import html_table, listed
-from bench.objective import BudgetExhausted, Logs, Objective, Trace
+from bench.objective import Logs, Objective, OnEvaluation, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.seeds import streams
@@ -113,10 +113,12 @@ def search(
     seed: int,
     on_refusal: Callable[[int], None] | None = None,
     seconds: float | None = None,
+    goal: float = -inf,
+    on_evaluation: OnEvaluation | None = None,
 ) -> Result:
     """Run one optimizer once, as :func:`solve` does, in a process whose BLAS is limited to one thread already.
 
-    See :class:`bench.objective.Objective` for ``on_refusal`` and ``seconds``. The result has no metrics:
+    See :class:`bench.objective.Objective` for the arguments from ``on_refusal`` on. The result has no metrics:
     its best point is described by whoever keeps it, within a limit of time.
 
     Raises:
@@ -125,7 +127,7 @@ def search(
         BaseException: whatever the optimizer raises.
     """
     start_stream, search_stream = streams(seed)
-    objective = scoring.objective(problem, budget, start_stream, on_refusal, seconds)
+    objective = scoring.objective(problem, budget, start_stream, on_refusal, seconds, goal, on_evaluation)
     wall, cpu = perf_counter(), process_time()
     returned = None
     try:
@@ -154,7 +156,7 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, returned: o
         lazy = inspect.isgenerator(returned) or inspect.isawaitable(returned) or inspect.isasyncgen(returned)
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
-    stop = "budget" if objective.remaining == 0 else objective.stop_reason
+    stop = "budget" if objective.nfev == objective.budget else objective.stop_reason
     clocked: Row = {"wall_s": wall, "cpu_s": cpu, "stop": "undeclared" if stop is None else stop}
     counted = {column.name: getattr(objective, column.name) for column in MEASURED if column.name not in clocked}
     best, trace, log = objective.best_point, objective.trace, objective.logged

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.errors import BenchError, BudgetExhausted
 from bench.families import derive
 from bench.helpers import ProgramCommand, Talk, short
-from bench.objective import BudgetExhausted, Objective
+from bench.objective import Objective
 from bench.optimizer import Optimizer, build, settings
 from bench.typing import Floats
 

@@ -95,7 +95,7 @@ def variables(trials: pd.DataFrame) -> list[str]:
 
 
 def stopped_early(frame: pd.DataFrame) -> pd.Series[bool]:
-    """Return a flag for each trial: True where a stopping criterion that the optimizer declared ended it."""
+    """Return a flag for each trial: True where a declared criterion ended it, before the budget."""
     stop = frame["stop"]
     return (frame["status"] == "ok") & stop.notna() & ~stop.isin(("budget", "undeclared"))
 

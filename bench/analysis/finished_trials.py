@@ -24,6 +24,7 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.helpers.text import listed
+from bench.objective import ON_TARGET
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has mostly ties
@@ -171,7 +172,8 @@ def _undeclared_stops(evidence: Evidence) -> CheckResult:
 
 
 def _declared_stops(evidence: Evidence) -> CheckResult:
-    trials, declared = evidence.finished, stopped_early(evidence.finished)
+    trials = evidence.finished
+    declared = stopped_early(trials) & (trials["stop"] != ON_TARGET)
     stops = (trials["optimizer"] + ": " + trials["stop"])[declared].value_counts()
     return judge(
         trials,

@@ -13,6 +13,7 @@ from bench.analysis.cells import Budgets, Traces, budgets, complete_problems, la
 from bench.analysis.direction import effects, least_p, stacked, standardised, stratified
 from bench.analysis.standings import against_rivals, ranks, won
 from bench.analysis.strata import Samples, rows
+from bench.objective import ON_TARGET
 from bench.typing import Floats
 
 SHARES = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)  # of the budget
@@ -106,10 +107,11 @@ def stage_values(
 def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
     """Return the share of the budget that the finished trials of each optimizer left: optimizer, trials, unused, early.
 
-    ``unused`` is the mean over trials, missing without any; ``early`` is the share of trials that left more than 1%.
+    ``unused`` is the mean over trials, missing without any; ``early`` is the share of trials that left more than 1%. A
+    trial that ended as its value was good enough left nothing.
     """
     left = 1 - pd.to_numeric(frame["nfev"], errors="coerce").astype(float) / budgets(frame, budget)
-    left = left.where(frame["status"] == "ok").clip(lower=0.0)
+    left = left.where(frame["status"] == "ok").clip(lower=0.0).mask(frame["stop"] == ON_TARGET, 0.0)
     rows = []
     for optimizer in labels(frame, "optimizer"):
         left_of = left[frame["optimizer"] == optimizer].dropna()

@@ -50,13 +50,20 @@ def command(
     time: Annotated[
         str | None, typer.Option(metavar="DURATION", help="End the run after it, before its budget, such as '10 min'.")
     ] = None,
+    final_target: Annotated[
+        float | None, typer.Option(help="End the run at this difference to the known optimum, such as 1e-8.")
+    ] = None,
+    stop_at: Annotated[
+        float | None, typer.Option(help="End the run once a feasible point has this value, or a lower one.")
+    ] = None,
     parallel: Annotated[
         int | None, typer.Option(help="Points of a call of the objective that are evaluated at a time, by processes.")
     ] = None,
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    limits = {"evaluation_timeout": evaluation_timeout, "time": time}
+    limits: dict[str, Any] = {"evaluation_timeout": evaluation_timeout, "time": time}
+    limits |= {"final_target": final_target, "stop_at": stop_at}
     make = _row_apart if untrusted else _row
     row = make(
         (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,

@@ -20,7 +20,8 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.objective import BudgetExhausted, Objective
+from bench.errors import BudgetExhausted
+from bench.objective import Objective
 from bench.plugins import registry
 from bench.problem import Problem
 from bench.sandbox.messages import describe_error

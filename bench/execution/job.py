@@ -32,7 +32,7 @@ from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.open_files import KEPT
 from bench.helpers.text import printable
-from bench.objective import OUT_OF_TIME
+from bench.objective import ON_TARGET, OUT_OF_TIME
 from bench.plugins import from_file, loading, objects, registry
 from bench.plugins.inputs import named
 from bench.plugins.objects import Objects
@@ -201,9 +201,9 @@ class Job:
                 ends = zip(PARTS, (kept, answer), strict=True)
                 kept["inputs"] = json.dumps({part: json.loads(each["inputs"])[part] for part, each in ends})
                 kept |= {key: answer.get(key) for key in ("cpu_s", "log")}
-                if kept.get("stop") not in ("budget", OUT_OF_TIME):
+                if kept.get("stop") not in ("budget", OUT_OF_TIME, ON_TARGET):
                     declared = answer.get("stop")
-                    kept["stop"] = "undeclared" if declared == OUT_OF_TIME else declared
+                    kept["stop"] = "undeclared" if declared in (OUT_OF_TIME, ON_TARGET) else declared
             return kept
 
     def _note(self, answer: dict[str, Any], trial: Trial, process: Process) -> None:

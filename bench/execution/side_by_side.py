@@ -17,7 +17,7 @@ import cloudpickle
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, PointError
+from bench.errors import BenchError, PointError, StopRun
 from bench.objective import as_values
 from bench.problem import Problem
 from bench.sandbox import tree
@@ -30,7 +30,7 @@ from bench.typing import Floats
 START = "fork" if FORKS else "spawn"
 """How processes are started; to one that is started anew the problem is sent by value."""
 
-_VALUE, _FAILED, _BEGINS = b"+", b"-", b"!"  # the first byte of an answer
+_VALUE, _FAILED, _BEGINS, _STOP = b"+", b"-", b"!", b"."  # the first byte of an answer
 _OPENING = 60.0  # seconds for a problem to get ready for an evaluation
 _GRACE = 1.0  # seconds for a process to end by itself
 _ = popen_fork  # imported before any trial, whose side effect it would be
@@ -125,6 +125,8 @@ class _Processes:
                 message = _received(end) if ready else b""
                 if message == _BEGINS:
                     busy[end] = row, monotonic() + self._seconds
+                elif message[:1] == _STOP:
+                    raise StopRun(message[1:].decode(errors="replace"))
                 elif not message:
                     failed[row] = self._replace(end, late=not ready)
                 else:
@@ -200,6 +202,8 @@ def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) 
                 loaded.open()
                 end.send_bytes(_BEGINS)
                 answer = _VALUE + as_values(loaded, loaded.evaluate(x), 1).tobytes()
+            except StopRun as stopped:
+                answer = _STOP + str(stopped).encode()
             except (Exception, SystemExit) as error:  # a plug-in may raise anything
                 answer = _FAILED + describe_error(error).encode()
             end.send_bytes(answer)

@@ -17,6 +17,7 @@ from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
+from bench.objective import OnEvaluation
 from bench.optimizer import Optimizer
 from bench.plugins import loading, objects
 from bench.plugins.objects import OptimizerLike
@@ -24,7 +25,7 @@ from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
-from bench.scoring import scored
+from bench.scoring import goal, read_final_target, read_stop_at, scored
 from bench.study import Study
 from bench.study.budget import Budget
 from bench.trial import Result, Trial, numbers, search
@@ -42,6 +43,9 @@ def solve(
     evaluation_timeout: float | str | None = None,
     time: float | str | None = None,
     parallel: int = 1,
+    final_target: float | None = None,
+    stop_at: float | None = None,
+    on_evaluation: OnEvaluation | None = None,
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -65,6 +69,10 @@ def solve(
         time: wall seconds after which the run ends before its budget, likewise.
         parallel: points of a call that are evaluated at a time, each in a process of the problem; the result is the
             same.
+        final_target: the difference to the known optimum at which the run ends, such as 1e-8.
+        stop_at: the value at which the run ends, once a feasible point has it.
+        on_evaluation: called after each evaluation with its number from 1, the (d,) point, its value (+inf of an
+            infeasible point) and the lowest value so far; it may raise :class:`bench.StopRun`.
 
     Raises:
         BenchError: for an unknown name, what is no problem or no optimizer, bounds that are no box, a budget below 1, a
@@ -82,11 +90,16 @@ def solve(
     ]
     spent = Budget.read(budget).evaluations(loaded.dimension)
     minimized = scored(loaded, handlings.read_handling(constraints), on_error)
+    good = goal(
+        minimized,
+        None if final_target is None else read_final_target(final_target, "final_target"),
+        None if stop_at is None else read_stop_at(stop_at, "stop_at"),
+    )
     if isinstance(optimizer, str):
         warm(minimized, chosen, spent)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         with evaluated(minimized, parallel, limits[0]) as answering:
-            found = search(answering, chosen, spent, seed, end_if_stuck, limits[1])
+            found = search(answering, chosen, spent, seed, end_if_stuck, limits[1], good, on_evaluation)
         try:
             metrics = numbers(minimized.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it
@@ -110,7 +123,7 @@ def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed:
         problem: its entry in a study: ``name`` and options.
         optimizer: likewise.
         seed: repeats the run.
-        settings: ``budget`` and ``constraints``, as in a study.
+        settings: ``budget``, ``constraints`` and further keys, as in a study.
 
     Raises:
         BenchError: for plug-ins that cannot be loaded, settings that cannot be, and without bubblewrap.

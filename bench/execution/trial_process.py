@@ -10,6 +10,7 @@ import contextlib
 import traceback
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
+from math import inf
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -165,7 +166,8 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
             observing.declare(_study.files(trial.optimizer))
             budget = _study.evaluations(minimized.dimension)
             limit = _study.time if box is None else None  # else the other process has it
-            _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit)
+            goal = _study.goal(minimized) if box is None else -inf
+            _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit, goal)
             answer = as_answer(_found)
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
@@ -188,7 +190,8 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
     with reading("problem", trial.problem), evaluated(problem, *_study.evaluation) as minimized:
         observing.declare(_study.files(trial.problem))
         budget = _study.evaluations(problem.dimension)
-        objective = scoring.objective(minimized, budget, streams(trial.seed)[0], seconds=_study.time)
+        stream, goal = streams(trial.seed)[0], _study.goal(minimized)
+        objective = scoring.objective(minimized, budget, stream, seconds=_study.time, goal=goal)
         seconds = apart.serve(objective, end)
     try:
         kept = result(objective, trial.seed, seconds, 0.0)

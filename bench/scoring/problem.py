@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bench.errors import BenchError, PointError, explained
-from bench.objective import Objective, as_values, floats, minus_infinity, repaired
+from bench.objective import Objective, OnEvaluation, as_values, floats, minus_infinity, repaired
 from bench.problem import Problem, with_own_box
 from bench.scoring import constraints
 from bench.typing import Flags, Floats
@@ -272,7 +272,9 @@ def objective(
     rng: np.random.Generator,
     on_refusal: Callable[[int], None] | None = None,
     seconds: float | None = None,
+    goal: float = -np.inf,
+    on_evaluation: OnEvaluation | None = None,
 ) -> Objective:
     """Return the objective of a trial on the problem; see :class:`Objective` for the arguments."""
     kind: Callable[..., Objective] = ScoredObjective if isinstance(problem, Scored) else Objective
-    return kind(problem, budget, rng, on_refusal, seconds)
+    return kind(problem, budget, rng, on_refusal, seconds, goal, on_evaluation)

@@ -23,7 +23,7 @@ from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
 from bench.problem import Problem
 from bench.scoring import constraints as handlings
-from bench.scoring import require_on_error, scored
+from bench.scoring import goal, read_final_target, read_stop_at, require_on_error, scored
 from bench.seeds import trial_seed
 from bench.study import entries
 from bench.study.budget import Budget
@@ -66,6 +66,8 @@ class Study:
             made in a process that is ended then, and the point fails. None: no limit.
         time: wall seconds after which a trial ends before its budget, or a text such as ``"10 min"``: the call of the
             objective that is then under way is its last. Such a trial cannot be repeated bit by bit. None: no limit.
+        final_target: the difference to the known optimum at which a trial ends, such as 1e-8; None: none.
+        stop_at: the value at which a trial ends once a feasible point has it; None: none.
         parallel: points of a call that are evaluated at a time, each in a process of the problem; it decides no
             trial's result.
         targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
@@ -85,6 +87,8 @@ class Study:
     on_error: Checked[str] = Checked(require_on_error, "fail")
     evaluation_timeout: Checked[float | None] = Checked(seconds)
     time: Checked[float | None] = Checked(seconds)
+    final_target: Checked[float | None] = Checked(read_final_target)
+    stop_at: Checked[float | None] = Checked(read_stop_at)
     parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
     subject: str = ""
@@ -154,6 +158,10 @@ class Study:
     def evaluation(self) -> tuple[int, float | None]:
         """The points of a call that are evaluated at a time, and the wall seconds that each may take."""
         return self.parallel, self.evaluation_timeout
+
+    def goal(self, problem: Problem) -> float:
+        """Return the value at which a trial on the problem ends, -inf for none; raises BenchError without optimum."""
+        return goal(problem, self.final_target, self.stop_at)
 
     @property
     def budget_words(self) -> str:
@@ -235,6 +243,8 @@ class Study:
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
         if self.targets is not None:
             self.targets.require_metric(any(problem.expected for problem in problems.values()))
+        for problem in problems.values():
+            self.goal(problem)
         dimensions = {label: problem.dimension for label, problem in problems.items()}
         self._least(dimensions)
         return dimensions
@@ -323,7 +333,10 @@ class Study:
         return {key: getattr(self, key) for key, default in _USUAL.items() if getattr(self, key) != default}
 
 
-_USUAL = {"constraints": handlings.DEFAULT, "on_error": "fail", "evaluation_timeout": None, "time": None}
+_USUAL = {
+    "constraints": handlings.DEFAULT, "on_error": "fail", "evaluation_timeout": None, "time": None,
+    "final_target": None, "stop_at": None,
+}  # fmt: skip
 
 
 def _about(entry: Entry) -> dict[str, Any]:

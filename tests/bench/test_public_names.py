@@ -11,7 +11,7 @@ import bench
 
 NAMES = [
     "AskTell", "BenchError", "BudgetExhausted", "Checkup", "FunctionProblem", "Grid", "Objective",
-    "Optimizer", "Outcome", "Problem", "Result", "Results", "Study", "Trace", "Verdict", "WorkerDiedError",
+    "Optimizer", "Outcome", "Problem", "Result", "Results", "StopRun", "Study", "Trace", "Verdict", "WorkerDiedError",
     "check_optimizer", "check_problem", "compare", "list_optimizers", "list_problems", "load_optimizer",
     "load_problem", "load_results", "parameter", "run",
     "solve", "write_report",

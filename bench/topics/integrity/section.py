@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from bench.analysis.integrity import TRAITS
-from bench.objective import OUT_OF_TIME
+from bench.objective import ON_TARGET, OUT_OF_TIME
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 from bench.topics.findings import Findings, Trials
@@ -77,6 +77,8 @@ def handled(frame: pd.DataFrame) -> Iterator[str]:
             f"A limit of time has ended {late:,} of {count(len(frame), 'trial')} before the budget: their results "
             "depend on the machine and on what else it did, and cannot be repeated bit by bit."
         )
+    if good := int((frame["stop"] == ON_TARGET).sum()):
+        yield f"{good:,} of {count(len(frame), 'trial')} ended before the budget, as their value was good enough."
 
 
 def _incomplete(trials: Trials) -> list[Table]:

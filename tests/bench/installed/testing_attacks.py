@@ -15,7 +15,7 @@ import bench.execution.trial_process
 import bench.study
 import bench.trial
 from bench import Optimizer
-from bench.objective import BudgetExhausted
+from bench.errors import BudgetExhausted
 
 UPWARD = 0x800  # FE_UPWARD (fenv.h, x86)
 
