@@ -14,9 +14,7 @@ each problem's own test rejects at the level. No adjustment is needed, since one
 for the claim to be false.
 
 Tests and intervals of A12 on a problem are those of :mod:`bench.analysis.direction`, one-sided and with 0.5 + margin in
-the place of 0.5. The mean over problems has the same form: its variance is that of independent estimates, and where all
-pairs of trials on all problems are won, the chance of that is at most the mean to the power of all of them (the
-geometric mean is never above the arithmetic one).
+the place of 0.5. The mean over problems is that of :mod:`bench.analysis.comparison`.
 """
 
 from __future__ import annotations
@@ -31,7 +29,7 @@ import pandas as pd
 from scipy.stats import norm
 
 from bench.analysis.cells import labels
-from bench.analysis.direction import ALPHA, Effects, effects, intervals, mean_of, stacked, stratified
+from bench.analysis.direction import ALPHA, Effects, effects, intervals, stratified
 from bench.analysis.pairwise import holm
 from bench.analysis.strata import Samples, strata
 from bench.errors import BenchError
@@ -145,7 +143,7 @@ def _compared(samples: Mapping[str, Sequence[Samples]], margin: float, alpha: fl
     problems["p_holm"] = holm(problems["p"].to_numpy(dtype=float))
     problems["worse"] = problems["p_holm"] <= alpha / 2
     problems["not_worse"] = problems["high"] <= bound
-    mean, low, high, p = _inference(mean_of(stacked(estimates)), bound, level)
+    mean, low, high, p = _inference(stratified(estimates), bound, level)
     worse = p <= alpha / 2 or bool(problems["worse"].any())
     shown = bool(problems["not_worse"].all()) if every else high <= bound
     return Noninferiority(
