@@ -1,6 +1,6 @@
 """How often each kind of claim is false, in designs chosen to mislead it, and the power of a winner.
 
-    python validation/claims.py [STUDIES]        # default: 2,000 a row
+    python validation/claims.py [STUDIES] [PART ...]    # default: 2,000 a row, all parts: equals, marks, curves, power
 
 The functions are those of the page. In a design without a difference all optimizers of a group are equal in the sense
 of A12: a run of one ends lower than a run of the other in half of the pairs, on each problem or in the mean over
@@ -16,6 +16,7 @@ import itertools
 import sys
 from collections.abc import Callable, Sequence
 
+import bands
 import numpy as np
 import pandas as pd
 
@@ -131,8 +132,13 @@ CANCEL = [  # A12 by problem, whose mean is 0.5, and runs; of these the tests on
 POWER = [(4, 6, 15, 0.45, 0.56), (10, 24, 30, 0.18, 0.59), (2, 24, 15, 0.2, 0.66), (5, 24, 15, 0.3, 0.85)]
 
 
-def main(studies: int) -> None:
+def main(studies: int, *chosen: str) -> None:
     print(f"{studies:,} studies a row; standard errors in brackets", flush=True)
+    for part in chosen or PARTS:
+        PARTS[part](studies)
+
+
+def equals(studies: int) -> None:
     header("equal optimizers", "k", "N", "winner", "subject", "problem", "crossed")
     for name, draw, k, number, runs, group in EQUAL:
         row(name, k, number, *equal(draw, k, number, runs, group or k, studies))
@@ -141,9 +147,12 @@ def main(studies: int) -> None:
         row(name, len(truth), n, *cancelling(truth, n, studies))
     header("instances, most variance between them", "k", "N", "winner", "crossed")
     row("five instances, three runs on each", 3, 6, *by_instance(3, 6, 3, 5, studies))
-    header("seeds shared over problems", "k", "N", "n", "winner", "as if independent")
+    header("seeds shared over problems", "k", "N", "n", "winner", "seeds ignored")
     for k, number, n, correlation in ((2, 12, 15, 0.1), (3, 24, 10, 0.5), (3, 12, 15, 0.0), (2, 12, 5, 0.3)):
         row(f"correlation {correlation}", k, number, n, *by_seed(k, number, n, correlation, studies))
+
+
+def marks(studies: int) -> None:
     header("signs and stars, each test at 0.05", "n", "claimed")
     for name, draw, sizes in (
         ("spreads 100:1", spread(100.0**4), (51, 5)), ("spreads 1:100", spread(100.0**4), (5, 51)),
@@ -153,12 +162,29 @@ def main(studies: int) -> None:
         rng = np.random.default_rng(1)
         p = inference(effects(*(draw(rng, place, studies, n) for place, n in enumerate(sizes))), ALPHA)[2]
         row(name, "+".join(map(str, sizes)), share(p <= ALPHA))
-    header("curves of equal optimizers", "runs", "lead")
+
+
+def curves(studies: int) -> None:
+    header("curves of equal optimizers", "k", "N", "runs", "lead")
     for name, runs in (("easy and hard", (15, 15)), ("easy and hard, swapped", (30, 20)), ("ten to one", (50, 5))):
-        row(name, "+".join(map(str, runs)), share(curves(runs, studies)))
+        row(name, 2, 2, "+".join(map(str, runs)), share(unlike_runs(runs, studies)))
+    for name, draws, number, runs in (
+        ("rare successes", [bands.rare] * 2, 1, 51), ("one run in fifty", [bands.hopeless] * 2, 1, 51),
+        ("one run in thirty stuck", [bands.stuck] * 2, 1, 51), ("two shapes", [bands.alone, bands.together], 1, 51),
+        ("rare successes", [bands.rare] * 5, 6, 51), ("hardly ever to nearly always", [bands.unlike] * 2, 24, 5),
+    ):  # fmt: skip
+        rng, of = np.random.default_rng(1), {str(place): (draw, 1.0) for place, draw in enumerate(draws)}
+        shown = [(leads(bands.hits_of(of, rng, number, runs), bands.GRID)["ahead"] != "").any() for _ in range(studies)]
+        row(name, len(draws), number, runs, share(np.array(shown)))
+
+
+def powers(studies: int) -> None:
     header("power of the winner", "k", "N", "n", "shift", "at least", "found")
     for k, number, n, shift, least in POWER:
         row("others worse by a shift", k, number, n, shift, least, share(power(k, number, n, shift, studies)))
+
+
+PARTS = {"equals": equals, "marks": marks, "curves": curves, "power": powers}
 
 
 def header(*names: str) -> None:
@@ -259,7 +285,7 @@ def by_seed(k: int, number: int, n: int, correlation: float, studies: int) -> tu
     return share(shown), share(naive)
 
 
-def curves(runs: tuple[int, int], studies: int) -> Flags:
+def unlike_runs(runs: tuple[int, int], studies: int) -> Flags:
     """Return which studies show a lead of one of two equal optimizers on an easy and a hard problem.
 
     One has ``runs`` on the easy and on the hard one, the other one the same numbers the other way round.
@@ -290,4 +316,4 @@ def power(k: int, number: int, n: int, shift: float, studies: int) -> Flags:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 2_000)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 2_000, *sys.argv[2:])
