@@ -320,12 +320,12 @@ CHANGED = {
 }
 
 
-def other_joints(draws):
+def other_joints(draws, noises=(0.1, 0.3, 0.75)):
     """Yield a line a change of the joint and noise: how often it is said, and the error where it is not."""
     yield f"{'joint, noise in rps':36}  said; no backlash; error of the half-gap, median, most, where it is given"
     for name, factors in CHANGED.items():
         joint = replace(Joint(), **{key: factor * getattr(Joint(), key) for key, factor in factors.items()})
-        for noise in (0.1, 0.3, 0.75):
+        for noise in noises:
             found = []
             for gap in (0.3e-3, 0.5e-3, 1.1e-3, 2.1e-3, 3.1e-3):
                 motion = simulate(joint, half_gap=gap, duration=13 * joint.turn)

@@ -33,7 +33,7 @@ def calibrate(
         Path | None, typer.Option("--output", "-o", help="The .toml file to write the calibration to.")
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="A folder for the thesis's Figs. 4.5 to 4.8 and 7.3 of this joint, as svg.")
+        Path | None, typer.Option(help="A folder for the thesis's Figs. 4.5 to 4.8 of this joint, as svg.")
     ] = None,
     force: Force = False,
 ) -> None:

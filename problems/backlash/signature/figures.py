@@ -1,4 +1,4 @@
-"""Draw the thesis's Figs. 4.5 to 4.8 and 7.3, of the transmission, the signals and the disturbance, for any joint."""
+"""Draw the thesis's Figs. 4.5 to 4.8, of the transmission, the signals and the disturbance, for any joint."""
 
 from __future__ import annotations
 
@@ -10,21 +10,19 @@ from matplotlib import colormaps
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
 
 from bench.helpers import replacing
 from bench.plots import style
-from problems.backlash import LEVELS
-from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint import Joint, simulate
 from problems.backlash.joint.simulator import variable_stiffness
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
-from problems.backlash.signature.datasets import DEFAULT, simulated
+from problems.backlash.signature.datasets import DEFAULT
 
 DELTA, SHORT, AMPLITUDE = "half-gap δ in 1e-6 rad", "δ in 1e-6 rad", "amplitude A in rpm"
 
 
 def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[Path]:
-    """Write the five figures as svg into a folder, created if missing, and return their paths.
+    """Write the four figures as svg into a folder, created if missing, and return their paths.
 
     Raises:
         BenchError: for files that cannot be written.
@@ -36,7 +34,6 @@ def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[P
             ("signals", signals(joint, float(calibration.half_gap[-1]))),
             ("disturbances", disturbances(joint, calibration.half_gap.tolist())),
             ("calibration", calibration_curve(calibration, thesis=joint == DEFAULT)),
-            ("levels", levels(joint)),
         ):
             path = folder / f"{name}.svg"
             with replacing(path) as temporary:
@@ -112,21 +109,4 @@ def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figu
     ax.set_xlabel(AMPLITUDE)
     ax.set_ylabel(DELTA)
     ax.legend()
-    return figure
-
-
-def levels(joint: Joint) -> Figure:
-    """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each causes in this joint."""
-    figure = Figure(figsize=(style.COLUMN, 3.2), layout="constrained")
-    gaps = [half_gap(level) for level in LEVELS]
-    amplitudes = 60 * np.array([simulated(gap, joint).peak for gap in gaps], dtype=np.float64)
-    panels = ((1e6 * np.array(gaps), DELTA, style.PALETTE[0]), (amplitudes, AMPLITUDE, style.PALETTE[4]))
-    axes = figure.subplots(2, sharex=True)
-    for ax, (values, label, color) in zip(axes, panels, strict=True):
-        ax.bar(LEVELS, values, color=color, width=0.7)
-        ax.set_ylabel(label)
-        ax.grid(visible=False, axis="x")
-    axes[-1].set_xlabel("level")
-    axes[-1].set_xlim(LEVELS[0] - 0.7, LEVELS[-1] + 0.7)
-    axes[-1].xaxis.set_major_locator(MultipleLocator(2))
     return figure

@@ -27,7 +27,7 @@ def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path)
     assert "eq. 4.7" not in said
     assert "delta =" not in said
     assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == [
-        "calibration.svg", "disturbances.svg", "levels.svg", "signals.svg", "stiffness.svg",
+        "calibration.svg", "disturbances.svg", "signals.svg", "stiffness.svg",
     ]  # fmt: skip
     made = load_calibration(output)
     assert made.half_gap == pytest.approx([0.0005, 0.001, 0.0015])
