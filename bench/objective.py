@@ -163,6 +163,7 @@ class Objective:
         self._seconds, self._until = seconds, inf
         self._goal, self._on_evaluation = goal, on_evaluation
         self._scan = scanner(budget, self.dimension)
+        self._single = self.lower.shape  # of one point
         self._box = np.array([self.lower, self.upper], dtype=np.float64)
         self._lock = Lock()  # threads of an optimizer must not exceed the budget together
 
@@ -242,11 +243,12 @@ class Objective:
             ValueError: for points of another shape.
             TypeError: for points that are no real numbers.
         """
-        points = floats(x, "points")
-        rows = points.reshape(1, -1) if points.ndim == 1 else points
-        if rows.shape[1:] != self.lower.shape:
+        points = x.copy() if type(x) is ndarray and x.dtype is _FLOAT64 else floats(x, "points")
+        single = points.shape == self._single
+        if not single and points.shape[1:] != self._single:
             d = self.dimension
             raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
+        rows = points.reshape(1, -1) if single else points
         with self._lock:
             remaining = self._limit - self._nfev if self._seconds is None else self._in_time()
             allowed = rows if len(rows) <= remaining else rows[:remaining]
@@ -266,7 +268,7 @@ class Objective:
             if self._on_refusal is not None:
                 self._on_refusal(self._refusals)
             raise BudgetExhausted
-        return values if rows is points else values.item()
+        return values.item() if single else values
 
     def _in_time(self) -> int:
         """Return the evaluations left within the limit of time, which the first call sets."""
