@@ -27,6 +27,7 @@ OUT_OF_TIME, ON_TARGET = "time", "target"
 IMPROVEMENT = 16  # bytes: its evaluation as int64, its value as float64
 _ILLEGAL = -inf  # a value that no problem may return
 _SIGNATURE = "Tuple((float64, int64))(float64[:, ::1], float64[::1], float64[:, ::1])"
+_MANY = 30  # points of a call, which numpy looks at in about the time of as many evaluations
 _WORTH_COMPILING = 10_000  # coordinates of points, with which an interpreter is busy for a few milliseconds
 
 
@@ -162,7 +163,7 @@ class Objective:
         self._log = Log()
         self._seconds, self._until = seconds, inf
         self._goal, self._on_evaluation = goal, on_evaluation
-        self._scan = scanner(budget, self.dimension)
+        self._scan = scanner(budget, self.dimension) if "numba" in sys.modules else self._scan_first
         self._single = self.lower.shape  # of one point
         self._box = np.array([self.lower, self.upper], dtype=np.float64)
         self._lock = Lock()  # threads of an optimizer must not exceed the budget together
@@ -328,6 +329,13 @@ class Objective:
             self.largest_call = n
         return values
 
+    def _scan_first(self, points: Floats, values: Floats, box: Floats) -> tuple[float, int]:
+        """Scan large batches by numpy, until the first call with few points, for which numba may be worth loading."""
+        if len(points) >= _MANY:
+            return _scan_batch(points, values, box)
+        self._scan = scanner(self._budget, self.dimension)
+        return self._scan(points, values, box)
+
     @property
     def trace(self) -> Trace:
         """The improvements so far."""
@@ -403,6 +411,15 @@ def _scan(points: Floats, values: Floats, box: Floats) -> tuple[float, int]:
         elif value < lowest:
             lowest = value
     return lowest, outside
+
+
+def _scan_batch(points: Floats, values: Floats, box: Floats) -> tuple[float, int]:
+    """Do as :func:`_scan`, by numpy."""
+    if (values == _ILLEGAL).any():
+        return _ILLEGAL, 0
+    outside = ~((points >= box[0]) & (points <= box[1])).all(axis=1)
+    values[outside | np.isnan(values)] = inf
+    return float(values.min()), int(outside.sum())
 
 
 def scanner(budget: int, dimension: int) -> Callable[[Floats, Floats, Floats], tuple[float, int]]:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import pairwise
 from random import Random
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -419,3 +420,31 @@ def test_too_many_names_and_no_numbers_are_refused():
         f.log(**{f"x{number}": 1.0 for number in range(21)})
     with pytest.raises(TypeError):
         f.log(x0=[1.0])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_large_batches_are_scanned_by_numpy_to_the_same_end(seed):
+    from bench.objective import _scan, _scan_batch
+
+    rng = np.random.default_rng(seed)
+    points, box = rng.uniform(-1.1, 1.1, (40, 3)), np.array([[-1.0] * 3, [1.0] * 3])
+    values = rng.choice([1.0, np.nan, np.inf, 0.5] + [-np.inf] * (seed % 5 == 0), 40)
+    points[3, 1], other = np.nan, values.copy()
+    found = _scan(points, values, box)
+    assert _scan_batch(points, other, box) == found
+    if found[0] != -np.inf:
+        np.testing.assert_array_equal(values, other)
+
+
+def test_numba_is_loaded_by_the_first_call_with_few_points_that_is_worth_it():
+    code = """
+        import sys
+        import numpy as np
+        from bench import FunctionProblem, Objective
+        problem = FunctionProblem(lambda x: x.sum(axis=1), [-1, -1], [1, 1], vectorized=True)
+        for points, loaded in ((50, False), (1, True)):
+            objective = Objective(problem, 10**6, np.random.default_rng(0))
+            objective(objective.initial(points))
+            assert ("numba" in sys.modules) == loaded, points
+    """
+    subprocess.run([sys.executable, "-c", dedent(code)], check=True)
