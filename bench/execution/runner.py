@@ -132,7 +132,7 @@ def run(
             _, selection = folder.select(study, checked.dimensions, checked.present)
             reused = _reusable(folder, selection, others, checked.present)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
-            kept = open_files.kept(study, pool.jobs) if backend == "local" else open_files.KEPT
+            kept = open_files.kept(pool.jobs) if backend == "local" else open_files.KEPT
         under_way = held.enter_context(folder.lock())
         folder.note_store(folder.require_sound())
         study, selection = folder.select(study, checked.dimensions, checked.present)

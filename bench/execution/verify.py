@@ -96,7 +96,7 @@ def verify(
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", n_jobs, None) as pool:
-        most = open_files.kept(study, pool.jobs)
+        most = open_files.kept(pool.jobs)
         task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=most)
         for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
             made += 1
