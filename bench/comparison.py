@@ -13,11 +13,12 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.runner import Outcome, run
-from bench.helpers.text import count, short_hash
+from bench.helpers.text import count, listed, short_hash
 from bench.notebook import Results
 from bench.plugins import objects
 from bench.plugins.objects import OptimizerLike, ProblemLike
 from bench.study import Study
+from bench.trial import UNASKED
 
 NAME = "comparison"
 """The name of the study, unless another one is given."""
@@ -113,6 +114,8 @@ def _report_losses(outcome: Outcome, results: Results) -> None:
         if len(lost) == len(frame):
             raise BenchError(f"every trial failed, the first one {example}")
         warnings.warn(f"{count(len(lost), 'trial')} of {len(frame):,} failed, such as {example}", stacklevel=3)
+    if outcome.unasked:
+        warnings.warn(UNASKED.format(listed(outcome.unasked)), stacklevel=3)
     for line in outcome.different:
         warnings.warn(f"a trial made again is another one; {line}", stacklevel=3)
     if outcome.doubtful:

@@ -114,6 +114,7 @@ class Objective:
     Attributes:
         lower: (d,) the lower end of the box.
         upper: (d,) its upper end.
+        x0: (k, d) points that are known before the search, with which :meth:`initial` begins; k is 0 without any.
         integer: (d,) bool, the variables that are whole numbers. The harness rounds them; an optimizer may use it.
         failures: evaluations that failed and count with the value +inf, where the study goes on.
         raised: the first exception that the problem raised at points in the box, None without. It loses the trial, even
@@ -144,6 +145,10 @@ class Objective:
         self.lower: Floats = problem.lower.copy()
         self.upper: Floats = problem.upper.copy()
         self.integer = integer_flags(problem)
+        known = problem.initial_points
+        self.x0: Floats = np.empty((0, self.dimension)) if known is None else np.array(known, dtype=np.float64)
+        self._begun = 0  # how many of them were handed out
+        self.x0.flags.writeable = False
         self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
         self.calls = self.largest_call = self.outside_box = self.failures = 0
         self.objective_s = 0.0  # spent inside the problem's evaluate
@@ -200,13 +205,39 @@ class Objective:
     def initial(self, n: int) -> Floats:
         """Return (n, d) points, uniform in the box and then repaired, independent in every trial.
 
-        Of an integer variable, all whole numbers between its bounds are equally probable.
+        Known points (:attr:`x0`) stand in the place of the first ones; each is handed out once, as it is. Of an
+        integer variable, all whole numbers between its bounds are equally probable.
         """
         shares = self._rng.random((n, self.dimension))
         points = self.lower + (self.upper - self.lower) * shares
         if self.integer.any():
             points = np.where(self.integer, np.floor(self.lower + (self.upper - self.lower + 1) * shares), points)
-        return self.repair(points)
+        points = self.repair(points)
+        if self._begun < len(self.x0):
+            known = self.handed_out(n)
+            points[: len(known)] = known
+        return points
+
+    def start_point(self) -> Floats:
+        """Return a (d,) point to start from: one of :meth:`initial`, or the best of known points, which it evaluates.
+
+        Known points are evaluated once: later calls return points of :meth:`initial`.
+        """
+        known = self.handed_out(len(self.x0))
+        if not len(known):
+            return np.asarray(self.initial(1)[0])
+        return np.asarray(known[int(np.argmin(self(known)))])
+
+    def handed_out(self, n: int) -> Floats:
+        """Return up to ``n`` of the known points that were not handed out before."""
+        known = self.x0[self._begun : self._begun + n].copy()
+        self._begun += len(known)
+        return known
+
+    @property
+    def unasked(self) -> bool:
+        """Whether there are known points, and the optimizer has taken none."""
+        return bool(len(self.x0)) and not self._begun
 
     def log(self, **values: float) -> None:
         """Keep numbers of the search, such as ``objective.log(step=0.3)``, beside the evaluations made so far.

@@ -6,6 +6,7 @@ import dataclasses
 import types
 from abc import ABC, abstractmethod
 from functools import lru_cache
+from inspect import signature
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -123,7 +124,13 @@ class AskTell(Optimizer):
 
 
 def ask_and_tell(search: Search, objective: Objective, n: int) -> None:
-    """Ask for ``n`` points and tell their values until the budget is spent."""
+    """Ask for ``n`` points and tell their values until the budget is spent.
+
+    Where ``ask`` takes ``x0``, it is asked first with the (k, d) points that are known before the search, if any are.
+    """
+    if len(objective.x0) and "x0" in signature(search.ask).parameters:
+        x = np.array(search.ask(n, x0=objective.handed_out(len(objective.x0))), dtype=np.float64, ndmin=2)  # type: ignore[call-arg]
+        search.tell(x, objective(x))
     while True:
         x = np.array(search.ask(n), dtype=np.float64, ndmin=2)
         search.tell(x, objective(x))

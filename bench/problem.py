@@ -34,6 +34,8 @@ class Problem(ABC):
             the targets of an optimizer that repairs its points from this value.
         optimum_point: (d,) a point of the box at which the optimum is reached, or None where none is claimed (default);
             no optimizer sees it, ``bench check`` evaluates it.
+        initial_points: (k, d) points of the box that are known before a search, which begins with them; None (default)
+            without any.
         optimum_source: where it is from, as the methods of a report say it, such as ``"an exhaustive search"``.
         measure: what the objective value is, with its unit, likewise, such as ``"the RMSE of the fit in rpm"``.
         expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
@@ -60,6 +62,7 @@ class Problem(ABC):
     optimum: float | None = None
     repaired_optimum: float | None = None
     optimum_point: Floats | None = None
+    initial_points: Floats | None = None
     optimum_source: str = ""
     measure: str = ""
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})

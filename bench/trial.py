@@ -28,6 +28,10 @@ _LONG = 1.0  # seconds of an evaluation, after which few others are made
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
 
+UNASKED = "{} asks for no initial points, so it did not begin with those that are known ('initial')"
+"""What is said of an optimizer that took none of the known points."""
+
+
 @dataclass(frozen=True, slots=True)
 class Trial:
     """A planned run: a cell of the study (problem label, optimizer label), its number from 0, and its seed.
@@ -65,6 +69,7 @@ class Result(Measured):
         metrics: the problem's domain metrics of ``x``.
         log: what the optimizer logged, by name (:meth:`bench.objective.Objective.log`).
         seed: the seed that repeats the trial.
+        unasked: whether points were known before the search, and the optimizer took none of them.
     """
 
     x: Floats
@@ -72,6 +77,7 @@ class Result(Measured):
     metrics: dict[str, float]
     seed: int
     log: Logs = field(default_factory=dict)
+    unasked: bool = False
 
     @property
     def time(self) -> float:
@@ -160,7 +166,7 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, returned: o
     clocked: Row = {"wall_s": wall, "cpu_s": cpu, "stop": "undeclared" if stop is None else stop}
     counted = {column.name: getattr(objective, column.name) for column in MEASURED if column.name not in clocked}
     best, trace, log = objective.best_point, objective.trace, objective.logged
-    return Result(**clocked, **counted, x=best, trace=trace, metrics={}, seed=seed, log=log)
+    return Result(**clocked, **counted, x=best, trace=trace, metrics={}, seed=seed, log=log, unasked=objective.unasked)
 
 
 def doubt(result: Result, problem: Problem) -> str:

@@ -28,7 +28,7 @@ class BoxedCMA(Optimizer):
         agents: the population size lambda; None is pycma's 4 + floor(3 ln d). The thesis uses 300.
         handling: ``"box"`` maps the points into the box alone, as in the thesis; ``"repair"`` then applies the
             problem's own rule before evaluation; the search goes on from the points before this repair.
-        start: the initial mean: ``"random"``, a point of ``objective.initial``, or ``"midpoint"`` of the box, as in
+        start: the initial mean: ``"random"``, ``objective.start_point``, or ``"midpoint"`` of the box, as in
             section 7.1.1 of the thesis.
         sigma: the initial standard deviation in units of the box's width; 1/4 in section 7.1.1.
     """
@@ -48,7 +48,7 @@ class BoxedCMA(Optimizer):
         """Return the (d,) point of the box where the search starts."""
         if self.start == "midpoint":
             return np.asarray((objective.lower + objective.upper) / 2)
-        return np.asarray(objective.initial(1)[0])
+        return objective.start_point()
 
     def evaluate(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x`` of the box, first repaired if ``handling`` says so."""

@@ -33,7 +33,7 @@ class MinionOptimizer(Adapter):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent, or minionpy ends by a tolerance."""
-        start = objective.initial(1 if self.from_point else self._planned(objective))
+        start = objective.start_point()[np.newaxis] if self.from_point else objective.initial(self._planned(objective))
         raised: list[BaseException] = []
 
         def values(points: list[list[float]]) -> list[float]:

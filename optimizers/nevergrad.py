@@ -66,7 +66,7 @@ class NevergradOptimizer(Adapter):
         ):  # fmt: skip
             warnings.simplefilter("ignore")
             midpoint = (objective.lower + objective.upper) / 2
-            centre = midpoint if self.start == "midpoint" else objective.initial(1)[0]
+            centre = midpoint if self.start == "midpoint" else objective.start_point()
             space = nevergrad.p.Array(init=centre, lower=objective.lower, upper=objective.upper)
             space.random_state = np.random.RandomState(int(rng.integers(2**32)))
             try:

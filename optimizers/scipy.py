@@ -152,7 +152,7 @@ class DualAnnealing(ScipyOptimizer):
             "bounds": box(objective),
             "maxiter": objective.budget,
             "maxfun": np.inf,
-            "x0": objective.initial(1)[0],
+            "x0": objective.start_point(),
             "rng": rng,
         }
 
@@ -255,7 +255,7 @@ class BasinHopping(ScipyOptimizer):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         return self.passed("stepsize") | {
-            "x0": objective.initial(1)[0],
+            "x0": objective.start_point(),
             "niter": objective.budget,
             "minimizer_kwargs": {"method": "L-BFGS-B", "bounds": box(objective)},
             "take_step": Hop(self.stepsize, objective, rng),

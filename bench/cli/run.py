@@ -32,6 +32,7 @@ from bench.errors import BenchError
 from bench.helpers.console import duration, print_error, print_line
 from bench.helpers.text import count, listed
 from bench.study import Study
+from bench.trial import UNASKED
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
@@ -158,6 +159,8 @@ def command(
         print_line(line, "red", console)
     for line in outcome.doubtful:
         print_line(line, "red", console)
+    if outcome.unasked:
+        print_error(UNASKED.format(listed(outcome.unasked)))
     if outcome.spared:
         print_line(
             f"an evaluation takes a second or more, so no such run of {listed(outcome.spared)} was made again at the "

@@ -50,6 +50,9 @@ def command(
     time: Annotated[
         str | None, typer.Option(metavar="DURATION", help="End the run after it, before its budget, such as '10 min'.")
     ] = None,
+    initial: Annotated[
+        str | None, typer.Option(metavar="FILE", help="A CSV file of points that are known, to begin with them.")
+    ] = None,
     final_target: Annotated[
         float | None, typer.Option(help="End the run at this difference to the known optimum, such as 1e-8.")
     ] = None,
@@ -67,7 +70,7 @@ def command(
     make = _row_apart if untrusted else _row
     row = make(
         (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,
-        constraints=constraints or DEFAULT, on_error=on_error, parallel=parallel or 1,
+        constraints=constraints or DEFAULT, on_error=on_error, parallel=parallel or 1, initial=initial,
         **{key: limit for key, limit in limits.items() if limit is not None},
     )  # fmt: skip
     if row["status"] != "ok":
@@ -115,5 +118,6 @@ def _row_apart(problem: Named, optimizer: Named, budget: Budget, **settings: Any
     """Return the row of a run of code that nobody trusts."""
     from bench.execution.solve import solve_untrusted
 
-    entries = ({"name": name, **options} for name, options in (problem, optimizer))
-    return solve_untrusted(*entries, budget=budget, **settings)
+    about, chosen = ({"name": name, **options} for name, options in (problem, optimizer))
+    known = settings.pop("initial")
+    return solve_untrusted(about | ({"initial": known} if known else {}), chosen, budget=budget, **settings)

@@ -99,7 +99,7 @@ def _compared(
     held = folder.store.held()
     cells = held.by_labels
     for trial, row, _ in answers(lambda: chosen) if chosen else ():
-        made_from, _ = row.pop("inputs", None), row.pop("after", None)
+        made_from, _, _ = (row.pop(key, None) for key in ("inputs", "after", "unasked"))
         theirs = split(json.loads(made_from or "{}"))
         if any(conflicts(*pair) for pair in zip(held.made_from(cells[trial.key[:2]]), theirs, strict=True)):
             continue

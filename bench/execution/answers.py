@@ -27,12 +27,13 @@ class RefusedError(RuntimeError):
 
 @dataclass(frozen=True)
 class Box:
-    """The box of a problem, in which an answer must lie: variables, the box as (d,) bounds, (d,) integer flags."""
+    """The box of a problem, in which an answer must lie: variables, (d,) bounds and integer flags, known points."""
 
     variables: tuple[str, ...]
     lower: Floats
     upper: Floats
     integer: Flags
+    initial: Floats | None = None
 
     @classmethod
     def of(cls, described: Any) -> Box:
@@ -44,12 +45,14 @@ class Box:
         try:
             lower, upper = (np.array(described[key], dtype=np.float64) for key in ("lower", "upper"))
             variables, integer = tuple(described["variables"]), np.array(described["integer"], dtype=bool)
-        except (TypeError, ValueError, KeyError) as error:
+            known = described.get("initial")
+            initial = None if known is None else np.array(known, dtype=np.float64).reshape(-1, len(lower))
+        except (TypeError, ValueError, KeyError, AttributeError) as error:
             raise RefusedError("its problem's bounds cannot be read") from error
         named = all(isinstance(name, str) for name in variables)
         if not named or lower.ndim != 1 or not lower.shape == upper.shape == integer.shape:
             raise RefusedError("its problem's bounds cannot be read")
-        return cls(variables, lower, upper, integer)
+        return cls(variables, lower, upper, integer, initial)
 
     def holds(self, x: Floats) -> bool:
         """Return whether the (d,) point lies in the box."""

@@ -40,11 +40,15 @@ class RemoteProblem(Problem):
         lower: (d,) lower bounds.
         upper: (d,) upper bounds.
         integer: (d,) the variables that are whole numbers.
+        initial: (k, d) points that are known, if any.
     """
 
-    def __init__(self, end: int, lower: ArrayLike, upper: ArrayLike, integer: ArrayLike) -> None:
+    def __init__(
+        self, end: int, lower: ArrayLike, upper: ArrayLike, integer: ArrayLike, initial: Floats | None = None
+    ) -> None:
         self.lower, self.upper = np.array(lower, np.float64), np.array(upper, np.float64)
         self.name, self.integer = "a problem in another process", np.array(integer, bool)
+        self.initial_points = initial
         self._end, self._lock = Connection(end), Lock()
         self._ask(_EVALUATE, b"")  # no point, which starts the clock
 

@@ -200,7 +200,7 @@ class Job:
                 self._note(kept, trial, server)
                 ends = zip(PARTS, (kept, answer), strict=True)
                 kept["inputs"] = json.dumps({part: json.loads(each["inputs"])[part] for part, each in ends})
-                kept |= {key: answer.get(key) for key in ("cpu_s", "log")}
+                kept |= {key: answer.get(key) for key in ("cpu_s", "log", "unasked")}
                 if kept.get("stop") not in ("budget", OUT_OF_TIME, ON_TARGET):
                     declared = answer.get("stop")
                     kept["stop"] = "undeclared" if declared in (OUT_OF_TIME, ON_TARGET) else declared

@@ -50,6 +50,7 @@ class Outcome:
         different: a line for each trial that differed when it was made again at the end.
         edited: what was changed during the run, by name, with the number of trials that were made after that, and are
             another version.
+        unasked: the optimizers that took none of the points that are known (``initial``).
         doubtful: a line for each cell that gets no more trials, as a stored one differed when it was made again.
         spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
     """
@@ -62,6 +63,7 @@ class Outcome:
     edited: dict[str, int]
     spared: list[str]
     doubtful: list[str]
+    unasked: list[str]
 
     @property
     def remedy(self) -> str:
@@ -170,7 +172,7 @@ def run(
             doubted = doubtful(plan, folder, make)
         plan.doubtful.update(trial.key[:2] for trial in doubted)
         repetition = Repetition(study)
-        made, edited = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
+        made, edited, unasked = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
@@ -179,7 +181,7 @@ def run(
         failed = sum(cell.failed for cell in folder.store.cells())
         spared = sorted(repetition.expensive) if verify else []
         doubts = [difference_line(trial, what) for trial, what in doubted.items()]
-        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared, doubts)
+        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared, doubts, unasked)
 
 
 def plan(
@@ -279,22 +281,24 @@ def _make(
     interrupts: Interrupts,
     repetition: Repetition,
     listeners: Sequence[Listener],
-) -> tuple[int, dict[str, int]]:
-    """Commit the missing trials as they are made; return their number, and what was edited (:class:`Outcome`)."""
+) -> tuple[int, dict[str, int], list[str]]:
+    """Commit the missing trials as they are made; return ``made``, ``edited`` and ``unasked`` of an Outcome."""
     numbers: dict[str, int] = {}  # of environments, by the machine's record
-    made, edited = 0, Counter[str]()
+    made, edited, unasked = 0, Counter[str](), dict[str, None]()
     with folder.store.writer() as writer:
         try:
             while True:
                 with interrupts.allowed():
                     answer = next(answers, None)
                 if answer is None:
-                    return made, dict(edited)
+                    return made, dict(edited), [*unasked]
                 trial, row, machine = answer
                 if machine not in numbers:
                     numbers[machine] = writer.environment(json.loads(machine) | about)
                     folder.write_environments()
                 made_from, after = row.pop("inputs", None), row.pop("after", 0)
+                if row.pop("unasked", False):
+                    unasked[trial.optimizer] = None
                 if others := writer.conflicts(trial, made_from):
                     edited.update(map(shown, others))
                 else:

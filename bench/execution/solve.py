@@ -5,9 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
@@ -28,7 +30,8 @@ from bench.scoring import constraints as handlings
 from bench.scoring import goal, read_final_target, read_stop_at, scored
 from bench.study import Study
 from bench.study.budget import Budget
-from bench.trial import Result, Trial, numbers, search
+from bench.study.initial import known_points, with_initial
+from bench.trial import UNASKED, Result, Trial, numbers, search
 
 
 def solve(
@@ -46,6 +49,7 @@ def solve(
     final_target: float | None = None,
     stop_at: float | None = None,
     on_evaluation: OnEvaluation | None = None,
+    initial: ArrayLike | str | None = None,
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -73,6 +77,7 @@ def solve(
         stop_at: the value at which the run ends, once a feasible point has it.
         on_evaluation: called after each evaluation with its number from 1, the (d,) point, its value (+inf of an
             infeasible point) and the lowest value so far; it may raise :class:`bench.StopRun`.
+        initial: (k, d) points that are known, with which the run begins, or the name of a CSV file of them.
 
     Raises:
         BenchError: for an unknown name, what is no problem or no optimizer, bounds that are no box, a budget below 1, a
@@ -89,6 +94,9 @@ def solve(
         for name, limit in (("evaluation_timeout", evaluation_timeout), ("time", time))
     ]
     spent = Budget.read(budget).evaluations(loaded.dimension)
+    if initial is not None:
+        known = initial if isinstance(initial, str) else np.asarray(initial, dtype=np.float64)
+        loaded = with_initial(copy(loaded), known_points(known, "of this call"))
     minimized = scored(loaded, handlings.read_handling(constraints), on_error)
     good = goal(
         minimized,
@@ -105,6 +113,9 @@ def solve(
         except Exception as error:  # what was found is not lost by it
             warnings.warn(f"{loaded.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
             metrics = {}
+    if found.unasked:
+        title = optimizer if isinstance(optimizer, str) else objects.title(optimizer)
+        warnings.warn(UNASKED.format(title), stacklevel=2)
     return replace(found, metrics=metrics)
 
 

@@ -213,7 +213,7 @@ class Supervisor:
         """Have a trial made; return its row once its answer is checked.
 
         The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`. Its
-        ``inputs`` are what it was made from, as JSON.
+        ``inputs`` are what it was made from, as JSON; ``unasked`` is that of :class:`bench.trial.Result`.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
@@ -226,7 +226,7 @@ class Supervisor:
         if reason := answers.error(answer):
             return failed(self._cut(reason))
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
-        return row | {"after": after, "inputs": answer.get("inputs")}
+        return row | {"after": after, "inputs": answer.get("inputs"), "unasked": answer.get("unasked") is True}
 
 
 def make_one(task: Task, trial: Trial) -> Row:

@@ -101,6 +101,7 @@ def _load_problem(label: str) -> dict[str, Any] | str:
             "lower": [float(value) for value in problem.lower],
             "upper": [float(value) for value in problem.upper],
             "integer": integer_flags(problem).tolist(),
+            "initial": None if problem.initial_points is None else problem.initial_points.tolist(),
         }
     except BaseException as error:  # only its own trials fail
         return PROBLEM_FAILED + _failure(error)
@@ -160,7 +161,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
                 observing.declare(_study.files(trial.problem))
             problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation)
         else:
-            problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer))
+            problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer, box.initial))
         beside = reading("problem", trial.problem) if box is None else nullcontext()
         with effects, beside, problem as minimized, reading("optimizer", trial.optimizer):
             observing.declare(_study.files(trial.optimizer))
@@ -224,7 +225,7 @@ def as_answer(result: Result) -> dict[str, Any]:
     """Return a result as JSON values, without its metrics: the columns of its row, bytes in base 64."""
     packed = {"x": result.x.astype("<f8").tobytes(), "trace": result.trace.packed()}
     texts = {name: base64.b64encode(content).decode() for name, content in packed.items()}
-    return measured(result) | texts | {"log": result.log}
+    return measured(result) | texts | {"log": result.log, "unasked": result.unasked}
 
 
 def _failure(error: BaseException) -> str:

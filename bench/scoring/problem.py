@@ -65,7 +65,7 @@ class Scored(Problem):
         self.name, self.variables = problem.name, problem.variables
         self.lower, self.upper = problem.lower, problem.upper
         self.optimum, self.expected, self.features = problem.optimum, dict(problem.expected), dict(problem.features)
-        self.integer = problem.integer
+        self.integer, self.initial_points = problem.integer, problem.initial_points
         if not handling:  # handled constraints confine all optimizers alike
             self.repaired_optimum = problem.repaired_optimum
 

@@ -29,6 +29,7 @@ from bench.study import entries
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
+from bench.study.initial import with_initial
 from bench.study.keys import advice
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
@@ -194,7 +195,8 @@ class Study:
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
         entry = self._named("problem", self.problems, label)
-        return scored(loading.load_problem(entry.name, **deepcopy(entry.options)), self.constraints, self.on_error)
+        loaded = with_initial(loading.load_problem(entry.name, **deepcopy(entry.options)), entry.initial)
+        return scored(loaded, self.constraints, self.on_error)
 
     def files(self, label: str) -> tuple[str, ...]:
         """Return the files that the problem or the optimizer of that label names as read by it."""
@@ -326,6 +328,8 @@ class Study:
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         for entry in (*content["problems"], *content["optimizers"]):
             del entry["files"]  # whose content decides, and not their names
+            if not entry["initial"]:
+                del entry["initial"]
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 
     def _handling(self) -> dict[str, Any]:
@@ -340,7 +344,8 @@ _USUAL = {
 
 
 def _about(entry: Entry) -> dict[str, Any]:
-    return {"label": entry.label, "name": entry.name, "options": entry.options}
+    known = {"initial": entry.initial} if entry.initial else {}
+    return {"label": entry.label, "name": entry.name, "options": entry.options} | known
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -21,7 +21,10 @@ from bench.sandbox.server import STILL_ASKING, note
 from bench.seeds import global_states
 from bench.typing import Floats
 
-OFFERED = {"lower", "upper", "integer", "dimension", "budget", "remaining", "nfev", "repair", "initial", "stop"}
+OFFERED = {
+    "lower", "upper", "integer", "dimension", "budget", "remaining", "nfev", "repair", "initial", "x0", "start_point",
+    "handed_out", "stop",
+}  # fmt: skip
 """Attributes that the contract offers, and ``nfev``, which is ``budget`` minus ``remaining``."""
 
 _PAUSE = 0.5  # seconds between notes

@@ -1,0 +1,118 @@
+"""Points that are known before a search: read, checked, handed to each optimizer first, and no bit else."""
+
+from collections import deque
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
+from bench.execution.verify import verify
+from bench.study.initial import known_points
+
+BOX = [(-5, 5)] * 2
+KNOWN = [[4.0, 4.0], [0.5, -0.5]]
+
+
+def sphere(x):
+    return (x**2).sum()
+
+
+def points(optimizer, budget=60, **settings):
+    """Return the points of a run in order."""
+    seen = []
+    solve(sphere, optimizer, bounds=BOX, budget=budget, on_evaluation=lambda n, x, *_: seen.append(x), **settings)
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("name", ["gwo", "random-search", "alo", "goa", "da", "scipy:differential_evolution"])
+def test_a_population_begins_with_known_points_and_the_rest_is_random_as_before(name):
+    with_them, without = points(name, initial=KNOWN)[:6], points(name)[:6]
+    np.testing.assert_allclose(with_them[:2], KNOWN, rtol=1e-14)  # scipy scales them to the unit cube and back
+    assert with_them[2:].tolist() == without[2:].tolist()
+
+
+@pytest.mark.parametrize("name", ["cma-es", "bipop-cma-es", "scipy:dual_annealing"])
+def test_a_search_from_one_point_starts_at_the_best_known_one(name):
+    seen = points(name, initial=KNOWN)
+    assert seen[:2].tolist() == KNOWN
+    if name.startswith("scipy"):
+        assert seen[2].tolist() == KNOWN[1]
+    else:  # a generation around it
+        assert np.linalg.norm(seen[2:8].mean(axis=0) - KNOWN[1]) < np.linalg.norm(seen[2:8].mean(axis=0) - KNOWN[0])
+
+
+class Asking:
+    def __init__(self, objective, rng):
+        self.rng, self.x = rng, deque()
+
+    def ask(self, n, x0=None):
+        return self.rng.uniform(-5, 5, (n, 2)) if x0 is None else x0
+
+    def tell(self, x, f):
+        pass
+
+
+def test_ask_takes_them_first_where_it_takes_x0():
+    assert points(Asking, budget=5, initial=KNOWN)[:2].tolist() == KNOWN
+    assert len(points(Asking, budget=1, initial=KNOWN)) == 1
+
+
+def test_they_are_handed_out_once_whatever_is_asked_for():
+    problem = FunctionProblem(sphere, [-5, -5], [5, 5])
+    problem.initial_points = np.array(KNOWN)
+    first = Objective(problem, 9, np.random.default_rng(0))
+    drawn = np.concatenate([first.initial(1), first.initial(3), first.initial(1)])
+    assert drawn[:2].tolist() == KNOWN
+    assert not (drawn[2:, np.newaxis] == np.array(KNOWN)).all(axis=2).any()
+    assert first.nfev == 0
+    assert first.start_point().shape == (2,)
+    assert first.nfev == 0
+
+
+def test_an_optimizer_that_asks_for_none_is_named():
+    with pytest.warns(UserWarning, match="scipy:direct asks for no initial points"):
+        points("scipy:direct", initial=KNOWN)
+
+
+def test_a_csv_file_holds_them_with_or_without_names(tmp_path):
+    for content in ("4,4\n0.5,-0.5\n", "a,b\n4.0,4\n0.5,-5e-1\n\n"):
+        (tmp_path / "known.csv").write_text(content)
+        assert known_points(str(tmp_path / "known.csv")) == ((4.0, 4.0), (0.5, -0.5))
+
+
+@pytest.mark.parametrize(
+    ("initial", "sentence"),
+    [
+        ([], "'initial' must be a list of points of one dimension"),
+        ([1.0, 2.0], "'initial' must be a list of points of one dimension"),
+        ([[1.0], [1.0, 2.0]], "'initial' must be a list of points of one dimension"),
+        ([[float("nan"), 1.0]], "'initial' must be a list of points of one dimension"),
+        ([["a", 1.0]], "'initial' must be a list of points of one dimension"),
+        ([[1.0]], "a point of 'initial' has 1 numbers, and the problem has 2 variables"),
+        ([[1.0, 6.0]], "the point (1.0, 6.0) of 'initial' lies outside the box"),
+        ("no.csv", "the points in no.csv cannot be read: No such file or directory"),
+    ],
+)
+def test_points_that_cannot_be_are_one_sentence(initial, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    problem = {"name": "classical-sphere-d2-i1", "initial": initial}
+    with pytest.raises(BenchError) as caught:
+        Study.from_dict({"name": "s", "problems": [problem], "optimizers": ["gwo"]}).check()
+    assert sentence in str(caught.value)
+
+
+def test_a_study_begins_with_them_and_its_trials_repeat_apart(tmp_path):
+    problem = {"name": "classical-sphere-d2-i1", "initial": KNOWN}
+    optimizers = ["gwo", "cma-es", {"name": "scipy:direct"}]
+    study = Study.from_dict({"name": "s", "trials": 1, "budget": 40, "problems": [problem], "optimizers": optimizers})
+    (tmp_path / "s.toml").write_text(study.to_toml())
+    assert Study.load(tmp_path / "s.toml") == study
+    outcome = run(study, tmp_path / "out", n_jobs=1, verify=False)
+    assert outcome.unasked == ["scipy:direct"]
+    assert (load_results(tmp_path / "out")["status"] == "ok").all()
+    assert verify(tmp_path / "out", n_jobs=1).different == {}
+    plain = Study.from_dict(
+        {"name": "s", "trials": 1, "budget": 40, "problems": [problem["name"]], "optimizers": optimizers}
+    )
+    assert plain.identity() != study.identity()
+    assert run(plain, tmp_path / "out", n_jobs=1, verify=False).made == 3
