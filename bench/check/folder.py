@@ -19,6 +19,7 @@ from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.plugins.inputs import Inputs, Present
 from bench.storage import provenance
+from bench.storage.cells import Cells
 from bench.storage.folder import CHECKS, Folder
 from bench.storage.versions import package_versions
 from bench.study import Entry
@@ -63,7 +64,7 @@ def diagnose_folder(
             continue
         try:
             optimizer = study.optimizer(entry.label)
-            code = key(entry, optimizer, held.made.get(held.optimizers.get(entry.label, ""), {}))
+            code = key(entry, optimizer, made_from(held, entry.label))
         except BenchError as error:  # the other optimizers get their verdicts all the same
             noted.pop(entry.label, None)
             yield Diagnosis(entry.label, [], str(error))
@@ -84,6 +85,12 @@ def diagnose_folder(
         folder.note(CHECKS, noted)
         yield diagnosis
     folder.note(CHECKS, noted)
+
+
+def made_from(held: Cells, label: str) -> Inputs:
+    """Return what the shown trials of an optimizer were made from, its problems' inputs included."""
+    cells = [cell for labels, cell in held.by_labels.items() if labels[1] == label]
+    return {name: known for cell in cells for part in held.made_from(cell) for name, known in part.items()}
 
 
 def key(entry: Entry, optimizer: Optimizer, made: Inputs) -> str:

@@ -207,7 +207,11 @@ class Job:
             return kept
 
     def _note(self, answer: dict[str, Any], trial: Trial, process: Process) -> None:
-        """Put what a trial was made from in the place of its digest; the process is asked for what is not known."""
+        """Put what a trial was made from in the place of its digest; the process is asked for what is not known.
+
+        Raises:
+            RefusedError: for an answer of another form, which plug-in code wrote in place of the harness.
+        """
         digest = str(answer.get("inputs"))
         if digest not in self._read:
             self._read[digest] = process.call(trial_process.inputs, **self._loading)
@@ -215,7 +219,10 @@ class Job:
         if (digest, *labels) not in self._inputs:
             own = {name for label in labels for name in self._named[label]}
             others = {name for names in self._named.values() for name in names} - own
-            found = {part: named(self._read[digest].get(part, {}), labels) for part in PARTS}
+            try:
+                found = {part: named(self._read[digest].get(part, {}), labels) for part in PARTS}
+            except (AttributeError, KeyError, OSError, TypeError, ValueError) as error:
+                raise RefusedError("what it has read cannot be read") from error
             left = {part: {n: known for n, known in each.items() if n not in others} for part, each in found.items()}
             self._inputs[digest, *labels] = json.dumps(left)
         answer["inputs"] = self._inputs[digest, *labels]

@@ -148,7 +148,11 @@ class _Comparing(_Pickler):
             return marshal.loads, (marshal.dumps(_bare(obj), 2),)
         if isinstance(inner := getattr(obj, "py_func", None), FunctionType):  # numba's, which has a number of its own
             return tuple, ((type(obj).__qualname__, inner),)
-        return super().reducer_override(obj)
+        reduced = super().reducer_override(obj)
+        if isinstance(obj, type) and isinstance(reduced, tuple) and len(reduced) > 2:
+            for name in ("__firstlineno__", "__static_attributes__"):  # of Python 3.13: lines, and names in any order
+                reduced[2][0].pop(name, None)
+        return reduced
 
 
 def _bare(code: CodeType) -> CodeType:

@@ -42,6 +42,15 @@ def made(tmp_path):
     return make
 
 
+def keys(folder):
+    """Return the keys of the verdicts on a folder's optimizers."""
+    study, held = folder.study(), folder.store.held()
+    return {
+        checked.key(entry, study.optimizer(entry.label), checked.made_from(held, entry.label))
+        for entry in study.optimizers
+    }
+
+
 def test_a_folder_keeps_the_verdicts_on_its_optimizers(made, asked):
     folder = made({"name": "scatter", "agents": 7}, {"name": "early"})
     assert Results(folder.path).checks == {}
@@ -49,9 +58,7 @@ def test_a_folder_keeps_the_verdicts_on_its_optimizers(made, asked):
     assert [(each.label, each.failed, each.kept) for each in found] == [("scatter", "", False), ("early", "", False)]
     assert found[0].verdicts == diagnose(folder.study().optimizer("scatter"), n_jobs=1, **SIZES)
     noted = Results(folder.path).checks
-    assert {each["code"] for those in noted.values() for each in those} == {
-        checked.key(entry, folder.study().optimizer(entry.label)) for entry in folder.study().optimizers
-    }
+    assert {each["code"] for those in noted.values() for each in those} == keys(folder)
     for each in found:
         assert [note | {"code": ""} for note in noted[each.label]] == [
             asdict(verdict) | {"code": ""} for verdict in each.verdicts
@@ -104,11 +111,11 @@ def test_noted_verdicts_of_other_code_and_damaged_ones_are_not_kept(damage, made
 
 @pytest.mark.slow
 def test_the_key_depends_on_options_and_on_the_code_of_the_harness(made, monkeypatch):
-    study = made({"name": "scatter", "label": "a"}, {"name": "scatter", "label": "b", "agents": 7}).study()
-    keys = {checked.key(entry, study.optimizer(entry.label)) for entry in study.optimizers}
-    assert len(keys) == 2
+    folder = made({"name": "scatter", "label": "a"}, {"name": "scatter", "label": "b", "agents": 7})
+    before = keys(folder)
+    assert len(before - {""}) == 2
     monkeypatch.setattr("bench.storage.provenance.package", lambda: "backlash-bench 9 (code 0)")
-    assert not keys & {checked.key(entry, study.optimizer(entry.label)) for entry in study.optimizers}
+    assert not before & keys(folder)
 
 
 def test_what_was_diagnosed_before_an_interrupt_is_kept(made, asked, monkeypatch):
