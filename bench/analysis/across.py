@@ -25,10 +25,8 @@ from bench.analysis.direction import (
     standardised,
 )
 from bench.analysis.pairwise import holm, of_subject
-from bench.analysis.standings import against_rivals, matrices, ranks
+from bench.analysis.standings import matrices, mean_chance, ranks
 from bench.typing import Floats
-
-TIED = 1e-12  # a mean of A12 this close to 0.5 is a rounded 0.5
 
 
 def across_problems(pairs: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd.DataFrame:
@@ -60,16 +58,14 @@ def across_problems(pairs: pd.DataFrame, alpha: float = ALPHA, subject: str = ""
 
 
 def places(tests: pd.DataFrame, optimizers: Sequence[str]) -> pd.DataFrame:
-    """Return the place of each optimizer over all problems: optimizer, place, beaten and chance.
+    """Return the place of each optimizer over all problems: optimizer, place and chance.
 
-    ``beaten`` is the number of rivals that it beats, with a probability to end lower above 0.5, a tie counted half;
-    ``chance`` the mean of this probability over its rivals, which decides between optimizers that beat as many. Those
-    that tie share their mean place. ``tests`` are those of :func:`across_problems`.
+    ``chance`` is the mean of the probability to end lower over its rivals, the highest first. Those that tie share
+    their mean place. ``tests`` are those of :func:`across_problems`.
     """
     chances, _ = matrices(tests.rename(columns={"probability": "a12"}).fillna({"a12": 0.5}), optimizers)
-    chances = np.where(np.abs(chances - 0.5) < TIED, 0.5, chances)
-    beaten, chance = against_rivals(chances, axis=1)
-    return pd.DataFrame({"optimizer": optimizers, "place": ranks(beaten, chance), "beaten": beaten, "chance": chance})
+    chance = mean_chance(chances)
+    return pd.DataFrame({"optimizer": optimizers, "place": ranks(chance), "chance": chance})
 
 
 def with_winner(tests: pd.DataFrame, optimizers: Sequence[str], level: float) -> pd.DataFrame:

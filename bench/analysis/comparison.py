@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import rankdata, t
+from scipy.stats import t
 
 from bench.analysis.cells import labels, scores
 from bench.analysis.direction import (
@@ -45,7 +45,7 @@ from bench.analysis.direction import (
     wins,
 )
 from bench.analysis.pairwise import holm
-from bench.analysis.standings import won
+from bench.analysis.standings import a12_matrix, mean_chance, ranks
 from bench.analysis.strata import Places, Samples, rows, strata
 from bench.typing import Floats
 
@@ -66,18 +66,23 @@ def chances(frame: pd.DataFrame) -> pd.DataFrame:
     """
     optimizers, tables = labels(frame, "optimizer"), []
     for problem, groups in strata(frame).items():
-        n = np.array([sum(map(len, own)) for own in zip(*groups, strict=True)], dtype=np.int64)
-        there = [place for place, number in enumerate(n) if number]
-        chance, rank = np.full((2, len(optimizers)), np.nan)
-        if len(there) > 1:
-            a12 = np.mean([_a12([own[place] for place in there]) for own in groups], axis=0)
-            chance[there] = (a12.sum(axis=1) - 0.5) / (len(there) - 1)
-        if len(there):
-            rank[there] = rankdata(-np.round(np.nan_to_num(chance[there]), 9))
-        tables.append(
-            pd.DataFrame({"problem": problem, "optimizer": optimizers, "n": n, "chance": chance, "rank": rank})
-        )
+        n = [sum(map(len, own)) for own in zip(*groups, strict=True)]
+        chance = chance_within(groups)
+        rank = np.full(len(n), np.nan)
+        there = np.array(n, dtype=bool)
+        rank[there] = ranks(chance[there])
+        columns = {"problem": problem, "optimizer": optimizers, "n": n, "chance": chance, "rank": rank}
+        tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=[*["problem", "optimizer", "n"]])
+
+
+def chance_within(groups: Sequence[Samples]) -> Floats:
+    """Return the chance of each of k optimizers to end lower than its rivals, (k,), the mean over strata of samples."""
+    there = [place for place, sample in enumerate(groups[0]) if len(sample)]
+    chance = np.full(len(groups[0]), np.nan)
+    if len(there) > 1:
+        chance[there] = mean_chance(np.mean([a12_matrix([own[place] for place in there]) for own in groups], axis=0))
+    return chance
 
 
 def order(chances_of: pd.DataFrame) -> pd.DataFrame:
@@ -92,7 +97,7 @@ def order(chances_of: pd.DataFrame) -> pd.DataFrame:
     table = pd.DataFrame({"optimizer": labels(chances_of, "optimizer"), "problems": complete["problem"].nunique()})
     by_optimizer = complete.groupby("optimizer", observed=True)
     table["chance"] = table["optimizer"].map(by_optimizer["chance"].mean()).astype(float)
-    table["place"] = rankdata(-np.round(table["chance"].fillna(-1.0), 9))
+    table["place"] = ranks(table["chance"].to_numpy(dtype=float))
     table["first"] = table["optimizer"].map((complete["rank"] == 1).groupby(complete["optimizer"], observed=True).sum())
     table["first"] = table["first"].fillna(0).astype(int)
     return table.sort_values("place", kind="stable", ignore_index=True)
@@ -243,12 +248,3 @@ def inflation(samples: Sequence[Sequence[Samples]], seeds: Sequence[Sequence[Sam
     if groups_of < 2 or not apart:
         return np.nan if groups_of < 2 else 1.0, 1.0
     return max(float((sums**2).sum()) * groups_of / (groups_of - 1) / apart, 1.0), groups_of - 1.0
-
-
-def _a12(samples: Samples) -> Floats:
-    """Return A12 of each optimizer against each other one, (k, k), 0.5 against itself."""
-    owner = np.repeat(np.arange(len(samples)), [len(sample) for sample in samples])
-    sizes = np.array([len(sample) for sample in samples], dtype=np.float64)
-    lost = won(np.concatenate(samples), owner, np.ones((1, len(owner))))[0] / np.outer(sizes, sizes)
-    np.fill_diagonal(lost, 0.5)
-    return np.asarray(lost.T)

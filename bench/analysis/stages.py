@@ -10,17 +10,15 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from bench.analysis.cells import Budgets, Traces, budgets, complete_problems, labels, merge_near_ties, traces_of
+from bench.analysis.comparison import chance_within
 from bench.analysis.direction import effects, least_p, stacked, standardised, stratified
-from bench.analysis.standings import against_rivals, ranks, won
+from bench.analysis.standings import ranks
 from bench.analysis.strata import Samples, rows
 from bench.objective import ON_TARGET
-from bench.typing import Floats
 
 SHARES = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)  # of the budget
 
 LEVEL = 0.005  # of all statements of a page on who led at smaller budgets
-
-AT_ONCE = 2**20  # pairs of optimizers in memory
 
 COLUMNS = ("problem", "optimizer", "share", "evaluations", "rank")
 
@@ -37,10 +35,9 @@ def stage_ranks(
     """
     optimizers, tables = labels(frame, "optimizer"), []
     for problem, spent, values in stage_values(frame, traces, budget, shares):
-        once = [[np.ones((cell.shape[1], 1)) for cell in own] for own in values]
         for place, share in enumerate(shares):
             at_stage = [[cell[place] for cell in own] for own in values]
-            rank = ranks_of_strata(list(zip(at_stage, once, strict=True)))[:, 0]
+            rank = ranks(chance_within(at_stage))
             table = {"problem": problem, "optimizer": optimizers, "share": share, "evaluations": spent[place]}
             tables.append(pd.DataFrame(table | {"rank": rank}))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
@@ -117,29 +114,3 @@ def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
         left_of = left[frame["optimizer"] == optimizer].dropna()
         rows.append((optimizer, len(left_of), left_of.mean(), (left_of > 0.01).mean()))
     return pd.DataFrame(rows, columns=["optimizer", "trials", "unused", "early"])
-
-
-def ranks_of_strata(by_stratum: Sequence[tuple[Samples, Sequence[Floats]]]) -> Floats:
-    """Return the (k, B) ranks of k optimizers in B draws from their values, as :func:`bench.analysis.standings` ranks.
-
-    ``by_stratum`` has the values of each optimizer in each stratum, and how often each of these counts in each draw,
-    (n, B) an optimizer.
-    """
-    optimizers, draws = len(by_stratum[0][0]), by_stratum[0][1][0].shape[1]
-    beaten, chance = np.zeros((2, optimizers, draws))
-    at_once = max(AT_ONCE // optimizers**2, 1)
-    for start in range(0, draws, at_once):
-        chosen = slice(start, start + at_once)
-        every = [_lower(values, [counts[:, chosen] for counts in drawn]) for values, drawn in by_stratum]
-        lower = np.sum(every, axis=0) / len(every)
-        lower[:, np.arange(optimizers), np.arange(optimizers)] = 0.5
-        beaten[:, chosen], chance[:, chosen] = (sums.T for sums in against_rivals(lower, axis=1))
-    return ranks(beaten, chance)
-
-
-def _lower(values: Samples, drawn: Sequence[Floats]) -> Floats:
-    """Return the share of pairs of drawn values of which that of the second optimizer is lower, (B, k, k)."""
-    owner = np.repeat(np.arange(len(values)), [len(sample) for sample in values])
-    sizes = np.array([counts.sum(axis=0, dtype=float) for counts in drawn]).T
-    lower = won(np.concatenate(values), owner, np.concatenate(drawn).T)
-    return np.asarray(lower / (sizes[:, :, np.newaxis] * sizes[:, np.newaxis, :]))

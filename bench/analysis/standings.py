@@ -1,10 +1,9 @@
-"""The standing of each optimizer on a problem: how many of the others it beats, trial against trial.
+"""The standing of each optimizer on a problem: its chance to end lower than a rival, and whom it is separable from.
 
-An optimizer *beats* another one on a problem where a trial of it more probably ends below a trial of the other than
-above it: A12 > 0.5 (Vargha and Delaney 2000). It is *separably lower* where the adjusted test rejects A12 = 0.5 as well
-(:func:`bench.analysis.pairwise_tests`). Ranks follow the number of rivals beaten (Copeland 1951, "A reasonable social
-welfare function"): the median of a cell whose trials end in two basins says which basin holds one more trial than the
-other, and so may rank an optimizer first whose trials mostly end higher.
+The chance is the mean over the rivals of A12 (Vargha and Delaney 2000), by which :mod:`bench.analysis.comparison`
+orders everything. An optimizer is *separably lower* than another one where the adjusted test rejects A12 = 0.5 as well
+(:func:`bench.analysis.pairwise_tests`). A median would be no such number: that of a cell whose trials end in two basins
+says which basin holds one more trial than the other, and so may rank an optimizer first whose trials mostly end higher.
 """
 
 from __future__ import annotations
@@ -21,16 +20,15 @@ from bench.analysis.cells import labels
 from bench.helpers.compiled import compiled
 from bench.typing import Floats
 
-COLUMNS = ("problem", "optimizer", "rank", "beaten", "chance", "lower", "higher", "separable")
+COLUMNS = ("problem", "optimizer", "rank", "chance", "lower", "higher", "separable")
 
 
 def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
-    """Return one row a cell: problem, optimizer, rank, beaten, chance, lower, higher and separable.
+    """Return one row a cell: problem, optimizer, rank, chance, lower, higher and separable.
 
-    ``rank`` is 1 for the optimizer that beats the most rivals; ties share their mean rank. ``beaten`` is the number of
-    rivals that it beats, a tie counted half; ``chance`` the mean A12 against them, which decides between optimizers
-    that beat as many. ``lower`` counts the rivals that it is separably lower than, ``higher`` those that are separably
-    lower than it, and ``separable`` says whether it is separably lower than every rival.
+    ``chance`` is the mean A12 against the rivals, and ``rank`` 1 where it is highest; ties share their mean rank.
+    ``lower`` counts the rivals that it is separably lower than, ``higher`` those that are separably lower than
+    it, and ``separable`` says whether it is separably lower than every rival.
 
     All are missing, or 0, for a cell without trials, which is no rival either. ``pairs`` hold at least the optimizers
     of ``summary``.
@@ -41,10 +39,9 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
         present = of_problem.loc[of_problem["n"] > 0, "optimizer"].astype(object)
         chances, separable = matrices(own_pairs.get(problem, pairs.head(0)), list(present))
         rivals = len(present) - 1
-        beaten, chance = against_rivals(chances, axis=1)
-        chance = chance if rivals > 0 else np.full(len(present), np.nan)
+        chance = mean_chance(chances) if rivals > 0 else np.full(len(present), np.nan)
         columns = {
-            "optimizer": present.to_numpy(), "rank": ranks(beaten, chance), "beaten": beaten, "chance": chance,
+            "optimizer": present.to_numpy(), "rank": ranks(chance), "chance": chance,
             "lower": separable.sum(axis=1), "higher": separable.sum(axis=0),
             "separable": separable.sum(axis=1) == max(rivals, 1),
         }  # fmt: skip
@@ -57,58 +54,48 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     return table.assign(**counts, separable=table["separable"].eq(True))[list(COLUMNS)]
 
 
-def against_rivals(chances: Floats, axis: int) -> tuple[Floats, Floats]:
-    """Return the rivals that an optimizer beats, a tie counted half, and the mean A12 against them.
-
-    ``chances`` are the A12 against each of k optimizers along the axis, 0.5 against itself.
-    """
-    beaten = np.sum(chances > 0.5, axis=axis) + 0.5 * (np.sum(chances == 0.5, axis=axis) - 1.0)
-    return beaten, (chances.sum(axis=axis) - 0.5) / max(chances.shape[axis] - 1, 1)
+def mean_chance(chances: Floats) -> Floats:
+    """Return the mean A12 of each of k optimizers against the others, (k,), from (k, k) with 0.5 on the diagonal."""
+    return np.asarray((chances.sum(axis=1) - 0.5) / max(len(chances) - 1, 1))
 
 
-def won(pooled: Floats, owner: NDArray[np.intp], counts: Floats) -> Floats:
-    """Return (B, k, k): by resample and pair, the pairs of drawn values of which the second one's is lower.
-
-    A tie counts half. The T values of all are ``pooled``, each of an ``owner`` from 0 to k - 1; ``counts``, (B, T),
-    says how often each is drawn.
-    """
+def a12_matrix(samples: Sequence[Floats]) -> Floats:
+    """Return A12 of each of k samples against each other one, (k, k), 0.5 against itself."""
+    owner = np.repeat(np.arange(len(samples)), [len(sample) for sample in samples])
+    pooled = np.concatenate(samples)
     order = pooled.argsort(kind="stable")
     ends = pooled[order].searchsorted(pooled[order], "right")
-    pairs = np.zeros((len(counts), owner.max() + 1, owner.max() + 1))
-    compiled(_pass, "void(int64[::1], int64[::1], float64[:, ::1], float64[:, :, ::1])")(
-        owner[order].astype(np.int64),
-        ends.astype(np.int64),
-        np.ascontiguousarray(counts[:, order], dtype=np.float64),
-        pairs,
+    lost = np.zeros((len(samples), len(samples)))
+    compiled(_pass, "void(int64[::1], int64[::1], float64[:, ::1])")(
+        owner[order].astype(np.int64), ends.astype(np.int64), lost
     )
-    return pairs / 2  # sums of whole numbers: exact
+    sizes = np.array([len(sample) for sample in samples], dtype=np.float64)
+    chances = lost.T / 2 / np.outer(sizes, sizes)  # sums of whole numbers: exact
+    np.fill_diagonal(chances, 0.5)
+    return np.asarray(chances)
 
 
-def _pass(owner: NDArray[np.int64], ends: NDArray[np.int64], counts: Floats, pairs: Floats) -> None:
-    """Add to ``pairs``, (B, k, k), twice the pairs of :func:`won`, from values in order; equal ones have the same end.
+def _pass(owner: NDArray[np.int64], ends: NDArray[np.int64], pairs: Floats) -> None:
+    """Add to ``pairs``, (k, k), twice the pairs of values of which the second one's is lower, a tie counted half.
 
-    Passed in order, the counts add up to the values of each owner below the next one: before a group of equal values
+    Values come in order, and equal ones have the same end. Before a group of equal values, the counts of each owner are
     those that are lower, and after it those that are not higher.
     """
-    below = np.empty(pairs.shape[2])
-    for draw in range(len(counts)):
-        below[:] = 0.0
-        start = 0
-        while start < len(owner):
-            for after in range(2):
-                for place in range(start, ends[start]):
-                    for rival in range(len(below)):
-                        pairs[draw, owner[place], rival] += counts[draw, place] * below[rival]
-                for place in range(start, ends[start] * (1 - after)):
-                    below[owner[place]] += counts[draw, place]
-            start = ends[start]
+    below = np.zeros(len(pairs))
+    start = 0
+    while start < len(owner):
+        for after in range(2):
+            for place in range(start, ends[start]):
+                for rival in range(len(below)):
+                    pairs[owner[place], rival] += below[rival]
+            for place in range(start, ends[start] * (1 - after)):
+                below[owner[place]] += 1
+        start = ends[start]
 
 
-def ranks(beaten: Floats, chance: Floats) -> Floats:
-    """Return the rank of each of k optimizers, (k,) or (k, B), by rivals beaten, then by the mean A12; 1 is best."""
-    # A mean of A12 is a sum of rounded shares: equal ones may differ in their last digits.
-    keys = np.round(np.nan_to_num(chance), 9) + 2.0 * beaten
-    return np.asarray(rankdata(-np.round(keys, 9), axis=0))
+def ranks(chance: Floats) -> Floats:
+    """Return the rank of each of k optimizers, (k,), by their chance to end lower: 1 is best, a missing one last."""
+    return np.asarray(rankdata(-np.round(np.nan_to_num(chance), 9)))  # sums of rounded shares differ in last digits
 
 
 def disagreements(summary: pd.DataFrame, standing: pd.DataFrame) -> pd.DataFrame:

@@ -20,8 +20,8 @@ OTHER_NOTE = (
     " Lowest by: the optimizer with the lowest median or mean of the row, where that is another one than the first."
 )
 NOTE = (
-    "Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower with it "
-    "(A12 > 0.5); none where half of the optimizers or more share the first place. Italics: the first one is not "
+    "Bold: the first of the row, with the highest chance that a run of it ends lower than a run of a rival; "
+    "none where half of the optimizers or more share the first place. Italics: the first one is not "
     "separably lower. {marks} –: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. "
     "Values have four significant digits, or up to six to distinguish those of a row."
 )
@@ -65,7 +65,7 @@ def _medians(findings: Findings) -> list[Table]:
     signs = f"+: {subject} is separably lower than this one; −: higher; =: neither; other pairs are not tested."
     notes = NOTE.format(marks=signs if subject else "")
     precise = findings.final.matrix["problem"].isin(findings.trials.precisions)
-    caption = "over the trials of each cell (lower is better), and who beats the most rivals."
+    caption = "over the trials of each cell (lower is better), and who has the highest chance to end lower."
     tables = []
     if not precise.all():
         values = findings.final.matrix[~precise]

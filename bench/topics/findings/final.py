@@ -99,7 +99,7 @@ class Final:
 
     @cached_property
     def standings(self) -> pd.DataFrame:
-        """The rank of each cell by the rivals that it beats, and those that it is separable from."""
+        """The rank of each cell by its chance to end lower, and the rivals that it is separable from."""
         return analysis.standings(self.summary, self.pairs)
 
     @cached_property

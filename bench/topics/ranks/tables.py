@@ -40,7 +40,7 @@ def rank_map(findings: Findings) -> Table:
     rows = "function, a column for each dimension d" if places else "problem"
     table = Table(
         "rank-map",
-        f"Rank of each optimizer on each {rows}, by the rivals that it beats.",
+        f"Rank of each optimizer on each {rows}, by its chance to end lower.",
         ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object),
         bold=best,
         marks=near.map(lambda beside: NEAR if beside else ""),

@@ -163,7 +163,7 @@ def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
     sizes = [len(problems) for problems in panels.values()]
     return Table(
         "ranks-by-group",
-        "Mean rank by the rivals beaten, by group of functions and dimension, 1 for the best.",
+        "Mean rank by the chance to end lower, by group of functions and dimension, 1 for the best.",
         shown.assign(problems=sizes)[["problems", *shown]],
         bold=shown.eq(shown.min(axis=1), axis=0).mul(shown.min(axis=1) < shown.max(axis=1), axis=0),
         decimals=dict.fromkeys(map(str, shown.columns), 2),

@@ -30,7 +30,6 @@ def test_by_hand(standing_of):
     found = standing_of({("p", "a"): NEAR, ("p", "b"): FAR, ("p", "c"): LOW})
     assert [found.index.name, *found.columns] == ["optimizer", *(name for name in COLUMNS if name != "optimizer")]
     assert found["rank"].to_dict() == {"c": 1.0, "a": 2.0, "b": 3.0}
-    assert found["beaten"].to_dict() == {"c": 2.0, "a": 1.0, "b": 0.0}
     assert found.at["b", "chance"] == 0.0
     assert found["lower"].to_dict() == {"c": 1, "a": 1, "b": 0}  # no test separates a from c
     assert found["higher"].to_dict() == {"c": 0, "a": 0, "b": 2}
@@ -42,10 +41,9 @@ def test_ties_share_a_rank_and_failures_lose(standing_of):
     assert found["rank"].to_dict() == {"a": 1.5, "b": 1.5, "c": 3.5, "d": 3.5}
 
 
-def test_a_cycle_is_a_tie_that_the_mean_chance_decides(standing_of):
+def test_a_cycle_is_a_tie(standing_of):
     dice = {("p", "a"): [2, 4, 9.0], ("p", "b"): [1, 6, 8.0], ("p", "c"): [3, 5, 7.0]}  # each beats another, 5 to 4
     found = standing_of(dice)
-    assert found["beaten"].tolist() == [1.0] * 3
     assert found["rank"].tolist() == [2.0] * 3
     found = standing_of(dice | {("p", "c"): [3, 5, 70.0]})
     assert found["rank"].idxmax() == "c"
@@ -80,10 +78,9 @@ def test_properties(random_frame, seed):
     for problem, own in found.groupby("problem"):
         k = len(own)
         assert own["rank"].sum() == pytest.approx(k * (k + 1) / 2)
-        assert own["beaten"].sum() == pytest.approx(k * (k - 1) / 2)
         assert own["chance"].mean() == pytest.approx(0.5)
         assert own["lower"].sum() == own["higher"].sum()
-        assert (own["chance"].rank(ascending=False).corr(own["rank"])) > 0.5
+        assert own["chance"].round(9).rank(ascending=False).tolist() == own["rank"].tolist()
         own_pairs = pairs[pairs["problem"] == problem]
         assert own["lower"].sum() == (own_pairs["significant"] & (own_pairs["lower"] != "")).sum()
 
