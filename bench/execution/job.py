@@ -223,6 +223,8 @@ class Job:
                 found = {part: named(self._read[digest].get(part, {}), labels) for part in PARTS}
             except (AttributeError, KeyError, OSError, TypeError, ValueError) as error:
                 raise RefusedError("what it has read cannot be read") from error
+            if self._task.untrusted:  # a sandbox has few variables
+                others |= {name for inputs in found.values() for name in inputs if name.startswith("variable:")}
             left = {part: {n: known for n, known in each.items() if n not in others} for part, each in found.items()}
             self._inputs[digest, *labels] = json.dumps(left)
         answer["inputs"] = self._inputs[digest, *labels]
@@ -362,7 +364,9 @@ def _named(names: Iterable[str]) -> Iterator[Path]:
 
 
 def _files(names: Iterable[str]) -> Iterator[Path]:
-    """Yield the files that plug-ins are named by, and the modules beside and below them."""
+    """Yield the files that plug-ins are named by, and the modules and packages beside them."""
     for path in _named(names):
         yield path
-        yield from path.parent.rglob("*.py")
+        yield from path.parent.glob("*.py")
+        for package in {file.parent for file in path.parent.glob("*/*.py")}:
+            yield from package.rglob("*.py")

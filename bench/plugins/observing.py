@@ -435,8 +435,8 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
         return str(value)
 
     def _note(self, key: str, value: str | None) -> None:
-        if not _notes.part or _state.busy:
-            return
+        if not _notes.part or _state.busy or key.endswith("_NUM_THREADS") or key == "PYTHONHASHSEED":
+            return  # the last ones are set for processes of trials
         frame: FrameType | None = sys._getframe(2)
         while frame is not None and _is_library(frame.f_code.co_filename):
             frame = frame.f_back
