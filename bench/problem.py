@@ -48,7 +48,11 @@ class Problem(ABC):
         integer: (d,) bool, the variables that are whole numbers, or None without any (default). The harness rounds them
             before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.
         compiles: whether the first evaluation compiles code, or loads compiled code: each job of a run then evaluates
-            a point before its trials. A problem that has numba imported when it is loaded is taken for one that does.
+            a point before its trials. None (default): it is taken to where numba is imported once it is loaded.
+        joint: the number of violations that :meth:`evaluate` finds together with the value, as a simulation does; 0
+            where :meth:`violations` computes them by itself. They are kept in ``found``, by the bytes of their (d,)
+            point, for :meth:`violations` to return.
+        found: see ``joint``.
         by_point: whether :meth:`evaluate` computes one point after the other, so that a batch saves nothing. Where a
             study goes on after a point that fails, no other point of its batch is then computed twice.
         noisy: whether :meth:`evaluate` takes a random generator, ``evaluate(x, rng)``, and returns what is observed;
@@ -70,7 +74,9 @@ class Problem(ABC):
     repairs: bool = False
     integer: Flags | None = None
     noisy: bool = False
-    compiles: bool = False
+    compiles: bool | None = None
+    joint: int = 0
+    found: dict[bytes, Floats]
     by_point: bool = False
 
     @property

@@ -5,26 +5,32 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Mapping
+from contextlib import nullcontext, suppress
 from math import isnan
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import sleep
 from typing import Any
 
 import numpy as np
 
 from bench import BenchError, FunctionProblem, Problem
 from bench.errors import PointError, nearest
-from bench.helpers import ProgramCommand, Talk, short
+from bench.helpers import ProgramCommand, Talk, count, short
+from bench.numbers import require_whole
 from bench.typing import Floats
 
 PROTOCOL = 1
-OPTIONS = ("lower", "upper", "variables", "integer", "optimum", "folder")
+OPTIONS = ("lower", "upper", "variables", "integer", "optimum", "violations", "retries", "folder")
 PATIENCE = 60.0  # seconds for the first line of a program
+LONGEST_WAIT = 60.0  # seconds before a program is started again
+MOST_FOUND = 10_000  # points whose violations are kept
 FIRST = (
     'a first line of JSON such as {"protocol": 1, "lower": [0, 0], "upper": [1, 2]}, or lower and upper among the '
     "options of a program that takes each point as arguments"
 )
 ANSWER = 'a line of JSON such as {"f": 0.25}'
-BOX = ("lower", "upper", "variables", "integer", "optimum", "measure")
+BOX = ("lower", "upper", "variables", "integer", "optimum", "measure", "violations")
 """What a first line may say of the problem, beside ``protocol``."""
 
 
@@ -38,9 +44,13 @@ class Program(FunctionProblem):
         box: ``lower`` and ``upper``, and other arguments of :class:`bench.FunctionProblem`.
     """
 
+    compiles = False
+
     def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Mapping[str, Any]) -> None:
         settings = dict(box)
         self.measure = str(settings.pop("measure", ""))
+        self.joint, self.found = settings.pop("violations", 0), {}
+        require_whole(f"problem {name!r}: its number of violations", self.joint, 0, 1000)
         try:
             super().__init__(self.values, name=name, vectorized=True, **settings)
         except (TypeError, ValueError) as error:
@@ -48,22 +58,35 @@ class Program(FunctionProblem):
                 raise
             raise BenchError(f"problem {name!r}: its box cannot be read: {error}") from error
         self._command, self._folder = command, folder
+        self.by_point = True
 
     def values(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``; raises PointError at the first that fails."""
+        if len(self.found) > MOST_FOUND:
+            self.found.clear()
         values: list[float] = []
         for row in x:
             try:
-                value = self.value(row)
+                value, *violations = self.answer(row)
+                if isnan(value):
+                    raise BenchError(f"the program {self._command.title} returned NaN")
             except BenchError as error:
+                self.found[row.tobytes()] = np.full(self.joint, np.inf)
                 raise PointError(str(error), [*values, np.inf]) from error
-            if isnan(value):
-                raise PointError(f"the program {self._command.title} returned NaN", [*values, np.inf])
+            self.found[row.tobytes()] = np.array(violations, dtype=np.float64)
             values.append(value)
         return np.array(values, dtype=np.float64)
 
-    def value(self, row: Floats) -> float:
-        """Return the value of a (d,) point; raises BenchError where the program gives none."""
+    def violations(self, x: Floats) -> Floats | None:
+        """Return the (n, m) violations that the program found at the (n, d) points, or None without constraints."""
+        if not self.joint:
+            return None
+        if missing := [row for row in x if row.tobytes() not in self.found]:
+            self.values(np.array(missing))
+        return np.array([self.found[row.tobytes()] for row in x])
+
+    def answer(self, row: Floats) -> list[float]:
+        """Return the value of a (d,) point and its violations; raises BenchError where the program gives none."""
         raise NotImplementedError
 
     def coordinates(self, row: Floats) -> list[int | float]:
@@ -78,7 +101,7 @@ class Conversation(Program):
     _unasked = ""  # what the program wrote in this trial without being asked
     _talk: tuple[int, Talk] | None = None  # with the process that started it: a copy starts its own
 
-    def value(self, row: Floats) -> float:
+    def answer(self, row: Floats) -> list[float]:
         """Return the answer of the program."""
         try:
             talk = self._started()
@@ -88,8 +111,10 @@ class Conversation(Program):
             talk.say(x=self.coordinates(row))
             answer = talk.hear()
             match answer:
-                case {"f": (int() | float()) as value, **rest} if not rest and not isinstance(value, bool):
-                    return float(value)
+                case {"f": value, "g": [*violations], **rest} if not rest and self._are([value, *violations]):
+                    return [float(value), *map(float, violations)]
+                case {"f": value, **rest} if not rest and self._are([value]):
+                    return [float(value)]
                 case None:
                     raise talk.error("ended without an answer")
                 case _:
@@ -97,6 +122,11 @@ class Conversation(Program):
         except BenchError:
             self._ended()  # another one is started for the next point
             raise
+
+    def _are(self, numbers: list[Any]) -> bool:
+        """Return whether these are the numbers of an answer: the value and each violation."""
+        plain = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
+        return plain and len(numbers) == 1 + self.joint
 
     def open(self) -> None:
         """Start the program, unless it runs."""
@@ -118,7 +148,8 @@ class Conversation(Program):
 
     def _started(self) -> Talk:
         if self._talk is None or self._talk[0] != os.getpid():
-            talk = Talk(self._command, ANSWER, self._folder)
+            wanted = f'{ANSWER[:-1]}, "g": [the {count(self.joint, "violation")}]}}' if self.joint else ANSWER
+            talk = Talk(self._command, wanted, self._folder)
             self._talk = os.getpid(), talk
             talk.hear()  # the box again
         return self._talk[1]
@@ -128,31 +159,65 @@ class OncePerPoint(Program):
     """A program that is started for each point, takes its coordinates as arguments, and prints its value last.
 
     Where words of the command hold names of variables in braces, such as ``--gap={gap}``, the coordinates stand there;
-    else they follow the command.
+    else they follow the command. Where they hold ``{in}``, that is the name of a file with a line ``name = value`` for
+    each variable; of ``{out}``, the file's last line is read in place of what the program prints. Violations follow the
+    value, in the same line.
+
+    Args:
+        retries: how often a program that ended with an exit code is started again for a point, after 1, 2, 4 … s.
     """
 
-    def value(self, row: Floats) -> float:
-        """Return the number in the last line that the program prints."""
+    def __init__(self, *arguments: Any, retries: int = 0) -> None:
+        super().__init__(*arguments)
+        require_whole(f"problem {self.name!r}: 'retries'", retries, 0, 100)
+        self._retries = retries
+
+    def answer(self, row: Floats) -> list[float]:
+        """Return the numbers in the last line that the program prints or writes."""
         texts = dict(zip(self.variables, map(repr, self.coordinates(row)), strict=True))
-        words = [_filled(word, texts) for word in self._command.words]
-        if words == [*self._command.words]:
-            words += texts.values()
-        title = self._command.title
+        with TemporaryDirectory() if self._has_files else nullcontext("") as place:
+            files = {"in": str(Path(place, "in.txt")), "out": str(Path(place, "out.txt"))}
+            words = [_filled(word, {**files, **texts}) for word in self._command.words]
+            if words == [*self._command.words]:
+                words += texts.values()
+            if place:
+                Path(files["in"]).write_text("".join(f"{name} = {text}\n" for name, text in texts.items()))
+            for wait in (2.0**number for number in range(self._retries)):
+                if (done := self._run(words)).returncode <= 0:
+                    break
+                sleep(min(wait, LONGEST_WAIT))
+            else:
+                done = self._run(words)
+            written = done.stdout
+            if any("{out}" in word for word in self._command.words):
+                with suppress(OSError):
+                    written = Path(files["out"]).read_bytes() if Path(files["out"]).exists() else b""
+        return self._read(done, _last(written))
+
+    @property
+    def _has_files(self) -> bool:
+        return any(f"{{{name}}}" in word for word in self._command.words for name in ("in", "out"))
+
+    def _run(self, words: list[str]) -> subprocess.CompletedProcess[bytes]:
         try:
-            done = subprocess.run(words, capture_output=True, cwd=self._folder, stdin=subprocess.DEVNULL)
+            return subprocess.run(words, capture_output=True, cwd=self._folder, stdin=subprocess.DEVNULL)
         except OSError as error:
-            raise BenchError(f"the program {title} cannot be started: {error.strerror}") from error
-        said = short(_last(done.stderr))
+            raise BenchError(f"the program {self._command.title} cannot be started: {error.strerror}") from error
+
+    def _read(self, done: subprocess.CompletedProcess[bytes], last: str) -> list[float]:
+        """Return the numbers of a line; raises BenchError where the program failed, or they are others."""
+        title, said = self._command.title, short(_last(done.stderr))
         complaint = f"; it complained: {said}" if said else ""
         if done.returncode:
             how = f"with code {done.returncode}" if done.returncode > 0 else f"by signal {-done.returncode}"
             raise BenchError(f"the program {title} ended {how}{complaint}")
-        try:
-            return float(_last(done.stdout).replace("_", "?"))  # Python alone takes 1_000 for a number
-        except ValueError:
-            printed = short(_last(done.stdout))
-            what = f"printed {printed} last" if printed else "printed nothing"
-            raise BenchError(f"the program {title} {what}; wanted is the value, as in 0.25{complaint}") from None
+        with suppress(ValueError):
+            numbers = [float(word.replace("_", "?")) for word in last.split()]  # Python alone takes 1_000 for a number
+            if len(numbers) == 1 + self.joint:
+                return numbers
+        wanted = f"the value and {count(self.joint, 'violation')}" if self.joint else "the value, as in 0.25"
+        what = f"printed {short(last)} last" if last else "printed nothing"
+        raise BenchError(f"the program {title} {what}; wanted is {wanted}{complaint}")
 
 
 def _filled(word: str, texts: Mapping[str, str]) -> str:
@@ -195,14 +260,16 @@ class Command:
         """Return no name: there is nothing to list."""
         return []
 
-    def load(self, name: str, /, folder: str | None = None, **box: Any) -> Problem:
+    def load(self, name: str, /, folder: str | None = None, retries: int = 0, **box: Any) -> Problem:
         """Return the problem of a program; raises BenchError where it cannot be started or gives no box.
 
         Args:
             name: ``command:`` and the words of the command, as in a shell.
             folder: in which the program runs; by default the one in which the harness was called.
-            box: ``lower``, ``upper``, and ``variables``, ``integer`` and ``optimum``, of a program that is started for
-                each point; another one says so itself.
+            retries: how often a program that is started for each point, and ended with an exit code, is started again,
+                such as for a licence that is not free.
+            box: ``lower``, ``upper``, and ``variables``, ``integer``, ``optimum`` and the number of ``violations``, of
+                a program that is started for each point; another one says so itself.
         """
         for option in box:
             if option not in OPTIONS:
@@ -211,8 +278,9 @@ class Command:
             raise BenchError(f"problem {name!r}: there is no folder {folder!r} to run the program in")
         command = ProgramCommand.read(name)
         if {"lower", "upper"} <= box.keys():
-            return OncePerPoint(name, command, folder, box)
-        if box:
+            return OncePerPoint(name, command, folder, box, retries=retries)
+        if box or retries:
+            box |= {"retries": retries} if retries else {}
             raise BenchError(f"problem {name!r} has {', '.join(box)}, but not both lower and upper, which give a box")
         return Conversation(name, command, folder, _first_line(command, folder))
 

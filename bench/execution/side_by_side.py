@@ -134,8 +134,12 @@ class _Processes:
                     if message[:1] == _FAILED:
                         failed[row] = message[1:].decode(errors="replace")
                     else:
-                        values[row] = np.frombuffer(message, offset=1)[0]
+                        values[row], *violations = np.frombuffer(message, offset=1)
+                        if self._problem.joint:
+                            self._problem.found[x[row].tobytes()] = np.array(violations)
         if failed:
+            if self._problem.joint:
+                self._problem.found |= {x[row].tobytes(): np.full(self._problem.joint, np.inf) for row in failed}
             raise PointError(failed[min(failed)], values.tolist(), len(failed))
         return values
 
@@ -201,7 +205,9 @@ def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) 
             try:
                 loaded.open()
                 end.send_bytes(_BEGINS)
+                point = x.copy()
                 answer = _VALUE + as_values(loaded, loaded.evaluate(x), 1).tobytes()
+                answer += loaded.found.pop(point.tobytes()).tobytes() if loaded.joint else b""
             except StopRun as stopped:
                 answer = _STOP + str(stopped).encode()
             except (Exception, SystemExit) as error:  # a plug-in may raise anything

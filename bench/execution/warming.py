@@ -21,7 +21,7 @@ def warm_problem(problem: Problem, budget: int, *, evaluated: bool = True) -> No
     A point is ``evaluated`` of a problem that compiles code, and of no other, as that may take long.
     """
     plain = problem.unscored
-    compiles = plain.compiles or "numba" in sys.modules
+    compiles = "numba" in sys.modules if plain.compiles is None else plain.compiles
     scanner(budget, problem.dimension)
     if isinstance(plain, FunctionProblem):
         plain.find_out()

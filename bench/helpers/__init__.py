@@ -5,9 +5,9 @@ from bench.helpers.bibtex import read
 from bench.helpers.console import pairs, print_error, print_line, quiet
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.programs import ProgramCommand, Talk, short
-from bench.helpers.text import file_name, printable, unique
+from bench.helpers.text import count, file_name, printable, unique
 
 __all__ = [
-    "ProgramCommand", "Talk", "file_name", "pairs", "parse_toml", "print_error", "print_line", "printable", "quiet",
-    "read", "read_text", "replacing", "short", "unique",
+    "ProgramCommand", "Talk", "count", "file_name", "pairs", "parse_toml", "print_error", "print_line", "printable",
+    "quiet", "read", "read_text", "replacing", "short", "unique",
 ]  # fmt: skip

@@ -85,7 +85,7 @@ class Scored(Problem):
             x = repaired(self.problem, x)
         x = self.rounded(x)
         before = self.failed
-        total, true = self._total(x), self._true(x)
+        true, total = self._true(x), self._total(x)
         failed = self.failed - before
         if self.handling == "repair":  # nothing else has checked these
             total = np.where(((x >= self.lower) & (x <= self.upper)).all(axis=1), total, np.inf)
@@ -246,8 +246,8 @@ def require_on_error(value: Any, what: str = "'on_error'") -> str:
 
 def _constrained(problem: Problem) -> bool:
     """Return whether a problem has constraints."""
-    if type(problem).violations is Problem.violations:
-        return False
+    if type(problem).violations is Problem.violations or problem.joint:
+        return bool(problem.joint)
     with explained(f"problem {problem.name!r}: its violations cannot be computed", Exception):
         return bool(violations_of(problem, problem.lower[np.newaxis]).size)
 

@@ -1,0 +1,152 @@
+"""Programs that return violations, simulators that read and write files, and a program that is started again."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench import BenchError, load_problem, load_results, run, solve
+from bench.errors import PointError
+from bench.execution.side_by_side import evaluated
+from bench.execution.verify import verify
+from bench.scoring import scored
+
+SIMULATORS = Path(__file__).parents[2] / "examples" / "simulator"
+BOX = {
+    "variables": ["height", "width", "ribs"], "lower": [50, 20, 1], "upper": [200, 100, 8],
+    "integer": [False, False, True],
+}  # fmt: skip
+X = np.array([[120.5, 40.25, 3.0], [60.0, 20.0, 1.0], [200.0, 100.0, 8.0]])
+COUNTED = """
+import json, sys
+print(json.dumps({"protocol": 1, "lower": [0, 0], "upper": [4, 4], "violations": 1}), flush=True)
+for line in sys.stdin:
+    x, y = json.loads(line)["x"]
+    open("COUNT", "a").write(line)
+    if x > 3.9:
+        sys.exit("it crashed")
+    print(json.dumps({"f": x + y, "g": [1 - x]}), flush=True)
+"""
+
+
+def limits(x):
+    height, width, ribs = x
+    return [4e8 / (width * height**3 * (1 + ribs / 10)) - 1, 3e7 / (width * height**2) - 80]
+
+
+@pytest.fixture
+def counted(tmp_path):
+    """Return the name of a program with a constraint, and the file in which it notes each evaluation."""
+    path = tmp_path / "counted.py"
+    path.write_text(COUNTED.replace("COUNT", str(tmp_path / "count")))
+    return f"command:'{sys.executable}' '{path}'", tmp_path / "count"
+
+
+@pytest.fixture
+def example(tmp_path):
+    def loaded(kind):
+        if kind == "files.sh":
+            return load_problem(f"command:{SIMULATORS / 'files.sh'} '{{in}}' '{{out}}'", violations=2, **BOX)
+        if (compiler := shutil.which("cc")) is None:
+            pytest.skip("no C compiler is installed")
+        subprocess.run([compiler, "-O2", "-o", tmp_path / "limits", SIMULATORS / kind, "-lm"], check=True)
+        return load_problem(f"command:{tmp_path / 'limits'}")
+
+    return loaded
+
+
+@pytest.mark.parametrize("parallel", [1, 2])
+@pytest.mark.parametrize("kind", ["limits.c", "files.sh"])
+def test_each_example_returns_the_value_and_its_violations(example, kind, parallel):
+    with evaluated(example(kind), parallel) as problem:
+        values = problem.evaluate(X.copy())
+        violations = problem.violations(X.copy())
+    assert values == pytest.approx([1e-3 * (10 * x[1] + 3 * x[0]) + 0.2 * x[2] for x in X], rel=1e-14)
+    np.testing.assert_allclose(violations, [limits(x) for x in X], rtol=1e-13)
+
+
+@pytest.mark.parametrize("parallel", [1, 2])
+def test_an_evaluation_gives_value_and_violations_at_once(counted, parallel):
+    name, count = counted
+    found = solve(name, "random-search", budget=40, on_error="worst", parallel=parallel)
+    assert len(count.read_text().splitlines()) == 40
+    assert found.x[0] >= 1
+    assert found.metrics["violation"] == 0
+    assert found.failures == sum("[3.9" in line for line in count.read_text().splitlines())
+
+
+def test_points_that_fail_are_infeasible_and_are_run_once(counted):
+    name, count = counted
+    x = np.array([[3.95, 1.0], [2.0, 1.0], [0.5, 1.0]])
+    with evaluated(scored(load_problem(name), "lexicographic", "worst")) as problem:
+        found = problem.assess(x, np.random.default_rng(0))
+    assert found.values.tolist() == [np.inf, 3.0, np.inf]
+    assert found.shown.tolist() == [np.inf, 3.0, pytest.approx(1.5e100)]
+    assert len(count.read_text().splitlines()) == 3
+
+
+def test_trials_of_such_a_program_repeat(counted, tmp_path):
+    study = {
+        "name": "s", "trials": 1, "budget": 30, "on_error": "worst", "optimizers": ["gwo", "cma-es"],
+        "problems": [{"name": counted[0], "label": "counted"}],
+    }  # fmt: skip
+    assert not run(study, tmp_path / "out", n_jobs=1).failed
+    assert (load_results(tmp_path / "out")["violation"] == 0).all()
+    assert verify(tmp_path / "out", n_jobs=1).different == {}
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ('{"f": 1}', 'wrote {"f": 1}; wanted is a line of JSON such as {"f": 0.25, "g": [the 2 violations]}'),
+        ('{"f": 1, "g": [1]}', 'wrote {"f": 1, "g": [1]}'),
+        ('{"f": 1, "g": ["a", 2]}', "wrote"),
+    ],
+)
+def test_an_answer_without_its_violations_is_one_sentence(tmp_path, answer, said):
+    (tmp_path / "p.py").write_text(
+        'import sys\nprint(\'{"protocol": 1, "lower": [0], "upper": [1], "violations": 2}\', flush=True)\n'
+        f"for line in sys.stdin: print('{answer}', flush=True)\n"
+    )
+    problem = load_problem(f"command:'{sys.executable}' '{tmp_path / 'p.py'}'")
+    with pytest.raises(PointError) as caught, evaluated(problem) as beside:
+        beside.evaluate(np.ones((1, 1)))
+    assert said in str(caught.value)
+
+
+def licence(tmp_path, free_after, **options):
+    """Return a program that finds no licence until its n-th start, and its file of starts."""
+    starts = tmp_path / "starts"
+    test = f"[ $(wc -l < '{starts}') -gt {free_after} ] || {{ echo no licence >&2; exit 3; }}"
+    (tmp_path / "p.sh").write_text(f"echo x >> '{starts}'\n{test}\necho 7\n")
+    return load_problem(f"command:sh '{tmp_path / 'p.sh'}'", lower=[0], upper=[1], **options), starts
+
+
+def test_a_program_is_started_again_after_an_exit_code(tmp_path, monkeypatch):
+    waits = []
+    monkeypatch.setattr("problems.command.sleep", waits.append)
+    problem, starts = licence(tmp_path, 2, retries=3)
+    assert problem.evaluate(np.ones((1, 1))).tolist() == [7.0]
+    assert (waits, len(starts.read_text().split())) == ([1.0, 2.0], 3)
+    starts.unlink()
+    problem, starts = licence(tmp_path, 9, retries=2)
+    with pytest.raises(PointError, match="ended with code 3; it complained: no licence"):
+        problem.evaluate(np.ones((1, 1)))
+    assert len(starts.read_text().split()) == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"lower": [0], "upper": [1], "violations": -1}, "its number of violations must be a whole number from 0"),
+        ({"lower": [0], "upper": [1], "retries": "x"}, "'retries' must be a whole number from 0 to 100"),
+        ({"retries": 3}, "has retries, but not both lower and upper"),
+    ],
+)
+def test_options_that_cannot_be_are_one_sentence(options, said):
+    with pytest.raises(BenchError) as caught:
+        load_problem("command:sh x", **options)
+    assert said in str(caught.value)
