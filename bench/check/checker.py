@@ -12,7 +12,7 @@ from bench.check.conformance.rules import APART, ROTATION, RULES, SEARCH, TABLES
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.errors import BenchError
-from bench.execution.job import MEMORY, sandbox
+from bench.execution.job import MEMORY, sandbox, sandbox_of_optimizers
 from bench.execution.safe_runs import PRINTED
 from bench.helpers.text import printable
 from bench.optimizer import Optimizer
@@ -102,7 +102,8 @@ def _prepared(
         return kind.of(plugin, options, seed), None
     if not isinstance(plugin, str):
         raise BenchError("code that nobody trusts is checked by its name, such as path/to/file.py:Mine")
-    return kind(plugin, options, seed), sandbox([plugin])
+    apart = sandbox([plugin]) if kind is ProblemSubject else sandbox_of_optimizers([plugin])
+    return kind(plugin, options, seed), apart
 
 
 def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callable[[Verdict], None] | None) -> Checkup:

@@ -13,7 +13,7 @@ from bench.check import bias
 from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
-from bench.execution.job import sandbox
+from bench.execution.job import sandbox_of_optimizers
 from bench.helpers.text import short_hash
 from bench.optimizer import Optimizer
 from bench.plugins import loading
@@ -57,7 +57,7 @@ def diagnose_folder(
     noted = {entry.label: noted[entry.label] for entry in study.optimizers if entry.label in noted}
     held = folder.store.held()
     changed: dict[str, tuple[Optimizer | Subject, str]] = {}  # with the key of its verdicts
-    apart = sandbox(entry.name for entry in study.optimizers) if untrusted else None
+    apart = sandbox_of_optimizers(entry.name for entry in study.optimizers) if untrusted else None
     for entry in study.optimizers:
         if apart:
             changed[entry.label] = Subject(entry.name, entry.options), ""

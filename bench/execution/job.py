@@ -306,9 +306,22 @@ def root(task: Task, *, without_problems: bool = False) -> ForkServer:
     optimizers, problems = ([entry.name for entry in every] for every in (task.study.optimizers, task.study.problems))
     if not without_problems:
         return ForkServer(task.hash_seed, sandbox=sandbox([*optimizers, *problems]))
-    hidden = [*apart.problem_files(), *_named(problems), *(Path(each) for each in (task.output,) if each)]
-    found = bubblewrap.find(shown=_files(optimizers), only=_code(), hidden=hidden, kernels=_kernels({"bench"}))
-    return ForkServer(task.hash_seed, sandbox=found)
+    hidden = [*_named(problems), *(Path(each) for each in (task.output,) if each)]
+    return ForkServer(task.hash_seed, sandbox=sandbox_of_optimizers(optimizers, hidden))
+
+
+def sandbox_of_optimizers(names: Iterable[str], hidden: Iterable[Path] = ()) -> bubblewrap.Sandbox:
+    """Return the sandbox for optimizers of these names, where nothing can be read but the code that they need.
+
+    Args:
+        names: of the optimizers.
+        hidden: files and folders that they must not read wherever they lie; the files of installed problems are others.
+
+    Raises:
+        BenchError: where there is none.
+    """
+    hidden = [*apart.problem_files(), *hidden]
+    return bubblewrap.find(shown=_files(names), only=_code(), hidden=hidden, kernels=_kernels({"bench"}))
 
 
 def sandbox(names: Iterable[str]) -> bubblewrap.Sandbox:

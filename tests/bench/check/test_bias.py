@@ -26,7 +26,7 @@ from tests.bench.check.biased import (
 pytestmark = pytest.mark.usefixtures("little_work", "in_this_process")
 
 CHECKS = ["centre bias", "structural bias", "boundary clamping", "starts and seeds"]
-SMALL = {"dimension": 3, "runs": 2, "noise_runs": 40, "jobs": 1}
+SMALL = {"dimension": 3, "runs": 2, "noise_runs": 40, "n_jobs": 1}
 
 
 @cache

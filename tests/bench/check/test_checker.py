@@ -118,8 +118,8 @@ def conforming(monkeypatch):
 def test_biases_are_looked_for_with_the_optimizer_s_own_parameters(conforming, monkeypatch):
     asked = []
 
-    def diagnose(optimizer, *, jobs, seed, sandbox):
-        asked.append((optimizer, jobs, seed))
+    def diagnose(optimizer, *, n_jobs, seed, sandbox):
+        asked.append((optimizer, n_jobs, seed))
         return [Verdict("centre bias", "bias", False, "drawn to the centre", "report it", 99.0)]
 
     monkeypatch.setattr("bench.check.bias.diagnose", diagnose)
@@ -132,7 +132,7 @@ def test_biases_are_looked_for_with_the_optimizer_s_own_parameters(conforming, m
 
 
 def test_a_diagnosis_that_fails_is_a_verdict_too(conforming, monkeypatch):
-    def diagnose(optimizer, *, jobs, seed, sandbox):
+    def diagnose(optimizer, *, n_jobs, seed, sandbox):
         raise RuntimeError("no noise today")
 
     monkeypatch.setattr("bench.check.bias.diagnose", diagnose)

@@ -486,7 +486,7 @@ def test_a_check_there_finds_what_another_does_and_keeps_the_problem_apart(bench
 @needed
 @pytest.mark.slow
 def test_biases_are_looked_for_there_too(shadows):
-    sizes = {"dimension": 2, "runs": 1, "noise_runs": 3, "jobs": 1}
+    sizes = {"dimension": 2, "runs": 1, "noise_runs": 3, "n_jobs": 1}
     found = diagnose(Subject("beside.py:stroll"), sandbox=sandbox(["beside.py:stroll"]), **sizes)
     assert found == diagnose(load_optimizer("beside.py:stroll"), **sizes)
 
