@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import norm
 
 from bench.analysis.across import p_of_means
+from bench.analysis.comparison import inference, over_problems
 from bench.analysis.direction import ALPHA, Effects, effects, least_p, mean_of, p_values, stacked, stratified
 from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
@@ -249,14 +250,14 @@ def power_at(a12: float, trials: int, level: float, problems: int = 0) -> float:
 
 
 def _on_a_problem(level: float) -> Callable[[Effects], Flags]:
-    return lambda effect: np.asarray(p_values(effect) <= level)
+    return lambda effect: np.asarray(inference(effect, level)[2] <= level)
 
 
 def _over(problems: int, trials: int, level: float) -> Callable[[Effects], Flags]:
     def rejects(effect: Effects) -> Flags:
-        shape = problems, -1
-        estimates = Effects(effect.a12.reshape(shape), effect.ratio.reshape(shape), trials)
-        return np.asarray(p_of_means(estimates) <= level)
+        a12, ratio = (values.reshape(problems, -1) for values in (effect.a12, effect.ratio))
+        mean = over_problems([[Effects(*each, trials)] for each in zip(a12, ratio, strict=True)])
+        return np.asarray(inference(mean, level)[2] <= level)
 
     return rejects
 
