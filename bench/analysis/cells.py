@@ -32,7 +32,7 @@ STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "
 TIMES = (
     "optimizer", "trials", "evaluations_median", "per_call_median", "wall_mean", "wall_median", "wall_q1", "wall_q3",
     "cpu_median", "cpu_q1", "cpu_q3", "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3",
-    "wall_per_cpu", "contention", "hidden_threads",
+    "own_per_evaluation", "objective_per_evaluation", "wall_per_cpu", "contention", "hidden_threads",
 )  # fmt: skip
 
 
@@ -224,8 +224,9 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
     Columns: evaluations_median, those of a trial; per_call_median, those of a call of the objective, NaN where
     these are unknown; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and CPU seconds a trial and of
     evaluations a second (speed); objective_mean, the mean wall seconds inside the problem; objective_share, the median
-    share of the wall time spent there; wall_per_cpu, the median ratio; contention and hidden_threads, whether that
-    ratio shows that trials waited for a core or used more than one. Assumes one trial a core.
+    share of the wall time spent there; own_per_evaluation and objective_per_evaluation, the median seconds an
+    evaluation outside and inside the problem; wall_per_cpu, the median ratio; contention and hidden_threads, whether
+    that ratio shows that trials waited for a core or used more than one. Assumes one trial a core.
     """
     finished = frame[frame["status"] == "ok"]
     rows = []
@@ -248,6 +249,8 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
                 "objective_mean": numbers["objective_s"].mean(),
                 "objective_share": (numbers["objective_s"] / wall.where(wall > 0)).dropna().median(),
                 **_spread("speed", speed),
+                "own_per_evaluation": ((wall - numbers["objective_s"]) / numbers["nfev"]).median(),
+                "objective_per_evaluation": (numbers["objective_s"] / numbers["nfev"]).median(),
                 "wall_per_cpu": ratio,
                 "contention": bool(ratio > CONTENTION),
                 "hidden_threads": bool(ratio < 1 / HIDDEN_THREADS),

@@ -122,26 +122,27 @@ def _criticised(paper: PaperTable, console: Console) -> bool:
 
 
 def _show(judgements: list[Judgement], console: Console) -> None:
-    """Print a row a cell, a sentence on each reason, and the sentence on the table."""
-    from bench.reproduce.verdict import HEADS, NOTE, sentence, shown, unjudged
+    """Print a row a cell, a sentence on each reason, and those on the table."""
+    from bench.reproduce.verdict import HEADS, NOTE, sentences, shown, unjudged
 
     if rows := shown(judgements):
         console.print(rich_table(HEADS, rows))
         print_line(NOTE, "dim", console)
     for line in unjudged(judgements):
         print_line(line, "yellow", console)
-    print_line(sentence(judgements), console=console)
+    for line in sentences(judgements):
+        print_line(line, console=console)
 
 
 def _write(judgements: list[Judgement], paper: PaperTable, folder: Path) -> None:
     """Write the verdicts beside the trials, as CSV and as JSON."""
-    from bench.reproduce.verdict import frame, sentence
+    from bench.reproduce.verdict import frame, sentences
 
     table = frame(judgements)
     with replacing(folder / "reproduction.csv") as temporary:
         table.to_csv(temporary, index=False)
     content = {
-        "table": paper.name, "source": paper.settings.get("source", ""), "sentence": sentence(judgements),
+        "table": paper.name, "source": paper.settings.get("source", ""), "sentence": "; ".join(sentences(judgements)),
         "cells": json.loads(table.to_json(orient="records", double_precision=15)),
     }  # fmt: skip
     with replacing(folder / "reproduction.json") as temporary:

@@ -116,23 +116,6 @@
     frames.observe(frame.firstElementChild);
   }
 
-  // Copying
-
-  for (const code of document.querySelectorAll("pre")) {
-    const button = make("button", { type: "button", className: "copy" }, "Copy");
-    button.addEventListener("click", async () => {
-      try {
-        await navigator.clipboard.writeText(code.textContent);
-        button.textContent = "Copied";
-      } catch {
-        getSelection().selectAllChildren(code); // without access to the clipboard, the reader copies by hand
-        button.textContent = "Selected";
-      }
-    });
-    button.ariaLive = "polite";
-    code.before(button);
-  }
-
   // Contents: open or close all sections at once.
 
   const contents = document.querySelector("nav details");

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
-from itertools import groupby
+from typing import NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -46,13 +46,21 @@ class Item:
 
 @dataclass(frozen=True)
 class View:
-    """A section ready to be rendered; ``files`` are the downloads to list, (path, description)."""
+    """A section ready to be rendered; ``files`` are those of the report, where it lists them."""
 
     anchor: str
     section: Section
     items: list[Item]
     views: list[View]
-    files: list[tuple[str, str]]
+    files: list[FileRow]
+
+
+class FileRow(NamedTuple):
+    """A file of the report in all its formats: the path without its ending, the endings, and what it holds."""
+
+    stem: str
+    endings: list[str]
+    about: str
 
 
 @dataclass(frozen=True)
@@ -94,7 +102,7 @@ def render(
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"as_json": as_json, "by_folder": by_folder, "clause": clause}
+    environment.filters |= {"as_json": as_json, "clause": clause}
     figures = [item.part for item in _items(views) if isinstance(item.part, Figure)]
     scripts = [library()] if any(figure.live for figure in figures) else []
     scripts.append(_asset("page.js"))
@@ -130,16 +138,13 @@ def grid(table: Table) -> PageTable:
     return PageTable([title for title, _ in header], " ".join(kinds), round(ems), rows, len(table.frame))
 
 
-def by_folder(files: list[tuple[str, str]]) -> dict[str, list[tuple[str, list[str]]]]:
-    """Return downloads by first folder, as descriptions with the paths of one file in all its formats.
-
-    Files outside any folder come under "report".
-    """
-    folders: dict[str, list[tuple[str, list[str]]]] = {}
-    for (stem, about), group in groupby(files, lambda file: (file[0].rpartition(".")[0], file[1])):
-        folder = stem.partition("/")[0] if "/" in stem else "report"
-        folders.setdefault(folder, []).append((about, [path for path, _ in group]))
-    return folders
+def file_rows(files: Mapping[str, str]) -> list[FileRow]:
+    """Return a row a file, given the content of each path: files of one name and content are one in several formats."""
+    endings: dict[tuple[str, str], list[str]] = {}
+    for path, about in sorted(files.items()):
+        stem, _, ending = path.rpartition(".")
+        endings.setdefault((stem, about), []).append(ending)
+    return [FileRow(stem, formats, about) for (stem, about), formats in endings.items()]
 
 
 def inline(svg: str, name: str, caption: str) -> Markup:

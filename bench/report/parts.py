@@ -220,12 +220,12 @@ class Section:
         cards: framed statements, side by side above everything else.
         lost: a sentence on how many trials failed, shown in red with a sign.
         folded: whether a reader opens this subsection to see more than its title; it is printed only when it is open.
-        code: text to show and copy verbatim, such as BibTeX.
         sections: subsections, one level deep.
         on_demand: whether this section is printed only when it is open.
         problem: the label of the problem that a subsection is about; rows of tables that name it link to it.
         apart: figures that are written as files and listed among them, and not shown on the page.
         files: what the report's folder has besides the files of tables and figures.
+        lists_files: whether the list of all files of the report stands at its end.
     """
 
     title: str
@@ -233,7 +233,6 @@ class Section:
     items: tuple[Part, ...] = ()
     warnings: tuple[str, ...] = ()
     cards: tuple[Card, ...] = ()
-    code: str = ""
     sections: tuple[Section, ...] = ()
     lost: str = ""
     folded: bool = False
@@ -241,12 +240,11 @@ class Section:
     problem: str = ""
     apart: tuple[Figure, ...] = ()
     files: tuple[File, ...] = ()
+    lists_files: bool = False
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
-        _check_texts(
-            "section", self.title, self.lost, self.code, self.problem, *_sequence(self.text), *_sequence(self.warnings)
-        )
+        _check_texts("section", self.title, self.lost, self.problem, *_sequence(self.text), *_sequence(self.warnings))
         if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
         if not all(isinstance(figure, Figure) for figure in _sequence(self.apart)):
@@ -262,9 +260,8 @@ class Section:
         """Return this section with the parts of another one after its own."""
         several = ("text", "items", "warnings", "cards", "sections", "apart", "files")
         parts: dict[str, Any] = {name: (*getattr(self, name), *getattr(other, name)) for name in several}
-        for name in ("code", "lost"):
-            parts[name] = "\n".join(filter(None, (getattr(self, name), getattr(other, name))))
-        return replace(self, **parts)
+        lost = "\n".join(filter(None, (self.lost, other.lost)))
+        return replace(self, lost=lost, lists_files=self.lists_files or other.lists_files, **parts)
 
 
 def _check_texts(of: str, *texts: Any) -> None:

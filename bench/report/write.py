@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
@@ -16,7 +16,7 @@ from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.latex import ONE_COLUMN, Layout, figure_to_latex, to_latex
-from bench.report.page import Item, View, inline, render
+from bench.report.page import Item, View, file_rows, inline, render
 from bench.report.parts import Figure, Part, Section, Table
 
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
@@ -94,8 +94,10 @@ class Draft:
                 for view in self.views:
                     places.setdefault(view.section.title, place)
         self.views.sort(key=lambda view: places[view.section.title])
-        self.add_downloads()
         self.save(CONTENTS, contents(title, self.files), "These files.")
+        listed = file_rows(self.files)
+        self.views = [replace(view, files=listed) if view.section.lists_files else view for view in self.views]
+        self.step("The page")
         page = self.save(PAGE, render(title, lead, self.views, self.problems), "This page.")
         self.clean()
         return page
@@ -160,17 +162,6 @@ class Draft:
                 return
         self.views.append(self.view(section, self.anchor(ANCHOR, section.title)))
 
-    def add_downloads(self) -> None:
-        """Add the last part, the list of all files."""
-        text = (
-            "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
-            f"{style.COLUMN:.2f} or {style.PAGE:.2f} in wide, for a column or the whole width of a paper."
-        )
-        section = Section("Downloads", (text,), on_demand=True)
-        self.step(section.title)
-        anchor = self.anchor(ANCHOR, section.title)
-        self.views.append(View(anchor, section, [], [], sorted(self.files.items())))
-
     def view(self, section: Section, anchor: str) -> View:
         """Return a section with its files written, ready for the page."""
         printed = self.printed(section)
@@ -233,11 +224,7 @@ class Draft:
 
 def contents(title: str, files: Mapping[str, str]) -> str:
     """Return, as Markdown, what each file of a report is: files of one name and several formats in one line."""
-    formats: dict[tuple[str, str], list[str]] = {}
-    for path, about in sorted(files.items()):
-        stem, _, ending = path.rpartition(".")
-        formats.setdefault((stem, about), []).append(ending)
-    rows = [f"| `{stem}` | {', '.join(endings)} | {about} |" for (stem, about), endings in formats.items()]
+    rows = [f"| `{row.stem}` | {', '.join(row.endings)} | {row.about} |" for row in file_rows(files)]
     head = [f"# {title}", "", "Open `report.html` first.", "", "| file | formats | content |", "|-|-|-|"]
     return "\n".join([*head, *rows, ""])
 

@@ -12,26 +12,14 @@ from bench.helpers.atomic import replacing
 from bench.report import Section, Table
 from bench.reproduce.protocol import protocol_of, samples
 from bench.reproduce.table import PaperTable, read
-from bench.reproduce.verdict import (
-    DIFFERS,
-    HEADS,
-    NOTE,
-    OPEN,
-    REPRODUCED,
-    Judgement,
-    frame,
-    judge,
-    sentence,
-    shown,
-    unjudged,
-)
+from bench.reproduce.verdict import HEADS, NOTE, Judgement, frame, judge, sentences, shown, unjudged
 from bench.results.results import StoredResults
 from bench.topics import Findings
 
 FILES = ("published.csv", "published.toml")
 """What the imported table is called in a study's folder."""
 
-TONES = {REPRODUCED: "good", DIFFERS: "bad", OPEN: "warn"}
+TITLE = "In your units"
 
 
 def attach(source: Path, folder: Path) -> PaperTable:
@@ -53,25 +41,24 @@ def attach(source: Path, folder: Path) -> PaperTable:
     return table
 
 
-def sections(findings: Findings) -> list[Section]:
-    """Return a section for each folder into which a published table was imported."""
+def section(findings: Findings) -> Section | None:
+    """Return the tables that were imported into the folders beside our trials, None without any."""
     results = findings.results
-    tables = [folder / name for folder in results.paths for name in FILES if (folder / name).is_file()]
-    made = []
-    for number, path in enumerate(tables, start=1):
+    paths = [folder / name for folder in results.paths for name in FILES if (folder / name).is_file()]
+    text, tables = list[str](), list[Table]()
+    for number, path in enumerate(paths, start=1):
         table = read(path)
+        judgements = judged(table, results)
         source = str(table.settings.get("source", "a published table"))
-        name = "published" if len(tables) == 1 else f"published-{number}"
-        made.append(section(results, table, f"Beside {source}", name))
-    return made
+        text += [f"Beside {source}: {'. '.join((*sentences(judgements), *unjudged(judgements)))}."]
+        tables += beside(judgements, "published" if len(paths) == 1 else f"published-{number}")
+    return Section(TITLE, tuple(text), tuple(tables)) if text else None
 
 
-def section(results: StoredResults, table: PaperTable, title: str, name: str) -> Section:
-    """Return the section on a table: the verdict, why cells are not judged, and a row a cell."""
+def judged(table: PaperTable, results: StoredResults) -> list[Judgement]:
+    """Return the verdict on each cell of a table, by the trials of some results."""
     made = protocol_of(table, beside=results)
-    judgements = judge(table, samples(table, made, results), made.reasons)
-    text = [f"{line[0].upper()}{line[1:]}." for line in (sentence(judgements), *unjudged(judgements))]
-    return Section(title, tuple(text), beside(judgements, name))
+    return judge(table, samples(table, made, results), made.reasons)
 
 
 def beside(judgements: list[Judgement], name: str) -> tuple[Table, ...]:
@@ -79,10 +66,5 @@ def beside(judgements: list[Judgement], name: str) -> tuple[Table, ...]:
     rows = pd.DataFrame(shown(judgements), columns=list(HEADS)).set_index("cell")
     if rows.empty:
         return ()
-    tones = pd.DataFrame({"verdict": rows["verdict"].map(TONES)}, index=rows.index)
-    return (
-        Table(
-            name, "Printed means (and SDs) beside ours.", rows, tones=tones, note=f"{NOTE}.",
-            data=frame(judgements),
-        ),
-    )  # fmt: skip
+    caption = "Printed means (and SDs) beside ours."
+    return (Table(name, caption, rows, note=f"{NOTE}.", data=frame(judgements)),)

@@ -11,9 +11,10 @@ claims of a difference rare without an assumption on the distribution (``validat
   have one exact law, the negative hypergeometric (precedence tests; Balakrishnan and Ng 2006).
 
 The p of a cell is Bonferroni's over its tests, that of a table Holm's over its cells. A cell that does not differ is
-*reproduced* where it also is shown to be near: the means differ by less than one SD (the printed one, or ours where
-none is), and by less than the printed mean lies above the lowest value (two one-sided tests at 5%, Schuirmann 1987);
-else the runs leave it *open*.
+*alike* where the 90% interval of the difference of means, by t, also lies within one SD (the printed one, or ours where
+none is), and within what the printed mean lies above the lowest value (Schuirmann 1987); else it is *open*. This is no
+claim that the means of all runs are near: with errors so skewed that few runs fail by far, neither sample need have
+such a run. The sentence on a table says how rare a failure may be that a sample does not show.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from bench.helpers.text import count, listed
 from bench.reproduce.table import NEAR, PaperCell, PaperTable, Printed
 from bench.typing import Floats
 
-REPRODUCED, DIFFERS, OPEN, UNJUDGED = "reproduced", "differs", "open", "not judged"
+ALIKE, DIFFERS, OPEN, UNJUDGED = "alike", "differs", "open", "not judged"
 HEADS = ("cell", "printed", "ours", "shift", "p", "verdict")
 NOTE = "shift: our mean less theirs, in their SDs (ours where none is printed); p: adjusted over the table"
 SHOWN = 6
@@ -42,7 +43,7 @@ SHOWN = 6
 
 
 class CellOutcome(NamedTuple):
-    """The outcome of a cell's tests: the joint p, whether the means are near, and the number that differs."""
+    """The outcome of a cell's tests: the joint p, whether the means seem near, and the number that differs."""
 
     p: Floats
     near: NDArray[np.bool_]
@@ -57,10 +58,10 @@ class Judgement:
         cell: as printed.
         values: (n,) our final values, empty where there are none.
         p: of its tests, adjusted over them; 1 where none could be made.
-        near: whether the means are shown to differ by less than one printed SD and the printed mean.
+        near: whether the interval of their difference lies within one SD and the printed mean.
         by: the printed number whose test has the least p.
         reason: why it is not judged, "" where it is.
-        verdict: one of reproduced, differs, open and not judged.
+        verdict: one of alike, differs, open and not judged.
     """
 
     cell: PaperCell
@@ -102,7 +103,7 @@ def judge(table: PaperTable, samples: Mapping[PaperCell, Floats], reasons: Mappi
     adjusted = holm(np.array([found[place].p for place in judged])) if judged else ()
     for place, p in zip(judged, adjusted, strict=True):
         each = found[place]
-        verdict = DIFFERS if p <= ALPHA else REPRODUCED if each.near else OPEN
+        verdict = DIFFERS if p <= ALPHA else ALIKE if each.near else OPEN
         found[place] = replace(each, p_table=float(p), verdict=verdict)
     return found
 
@@ -150,7 +151,7 @@ def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: f
 def compare_means(
     mean: Printed, sd: Printed | None, runs: int, lowest: Floats | float, values: Floats
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return the two-sided p of equal means, and whether they are shown to be near (see the module).
+    """Return the two-sided p of equal means, and whether they seem near (see the module).
 
     Args:
         mean: as printed; the difference counts from its last digit on.
@@ -285,29 +286,36 @@ def unjudged(judgements: Sequence[Judgement]) -> list[str]:
     return [f"not judged: {cells[0]}{more[reason]}: {reason}" for reason, cells in reasons.items()]
 
 
-def sentence(judgements: Sequence[Judgement]) -> str:
-    """Return the verdict on a table in one sentence, such as ``"reproduced in 61 of 72 cells, …; 4 differ: …"``."""
-    groups = {
-        kind: [each for each in judgements if each.verdict == kind] for kind in (REPRODUCED, DIFFERS, OPEN, UNJUDGED)
-    }
+def sentences(judgements: Sequence[Judgement]) -> list[str]:
+    """Return the verdict on a table: the cells that differ, those that do not, and what so few runs cannot show."""
+    groups = {kind: [each for each in judgements if each.verdict == kind] for kind in (ALIKE, DIFFERS, OPEN, UNJUDGED)}
     judged = len(judgements) - len(groups[UNJUDGED])
     if not judged:
-        return f"none of {count(len(judgements), 'cell')} can be judged"
-    own = any("sd" not in each.cell.numbers for each in groups[REPRODUCED])
-    within = "one SD (ours, where none is printed)" if own else "one SD"
-    parts = [f"reproduced in {len(groups[REPRODUCED])} of {count(judged, 'cell')} to within {within}"]
-    if groups[DIFFERS]:
-        number = len(groups[DIFFERS])
-        parts.append(f"{number} differ{'s' if number == 1 else ''}: {_named(groups[DIFFERS])}")
+        return [f"none of {count(len(judgements), 'cell')} can be judged"]
+    number = len(groups[DIFFERS])
+    differ = f"{number} of {count(judged, 'cell')} differ{'s' * (number == 1)}, tested at {ALPHA:.0%} over the table"
+    said = [f"{differ}: {_named(groups[DIFFERS])}" if number else differ]
+    if groups[ALIKE]:
+        own = " (ours, where none is printed)" if any("sd" not in each.cell.numbers for each in groups[ALIKE]) else ""
+        fewest = min(len(each.values) for each in groups[ALIKE])
+        said.append(
+            f"{len(groups[ALIKE])} do not differ, and the 90% interval (t) of the difference of their means lies "
+            f"within one SD{own}; a failure rate of up to {unseen(fewest):.0%} can go unseen in {count(fewest, 'run')}"
+        )
     if groups[OPEN]:
-        parts.append(f"{len(groups[OPEN])} left open by so few runs")
-    if groups[UNJUDGED]:
-        parts.append(f"{len(groups[UNJUDGED])} more not judged")
-    return "; ".join(parts)
+        number = len(groups[OPEN])
+        wider = "the interval is" if number == 1 else "their intervals are"
+        said.append(f"{number} {'is' if number == 1 else 'are'} open: no test shows a difference, and {wider} wider")
+    return said
+
+
+def unseen(runs: int) -> float:
+    """Return the share of failures that no run of a sample shows with a probability of 5%."""
+    return float(1 - ALPHA ** (1 / runs))
 
 
 def _named(judgements: Sequence[Judgement]) -> str:
-    """Return functions and how far their cells differ, those with most first."""
+    """Return the functions and how far their cells differ, those with most first."""
     groups: dict[str, list[Judgement]] = {}
     for each in judgements:
         groups.setdefault(each.cell.where.rpartition(", ")[0], []).append(each)

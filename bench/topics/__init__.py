@@ -8,7 +8,6 @@ None for a study of another kind. One with the title of a section of the page ad
 from bench.results.results import StoredResults
 from bench.study.descriptions import repairing
 from bench.topics.findings import Findings
-from bench.topics.time.figures import timing_figure
 from bench.topics.write import write_report
 
-__all__ = ["Findings", "StoredResults", "repairing", "timing_figure", "write_report"]
+__all__ = ["Findings", "StoredResults", "repairing", "write_report"]

@@ -1,15 +1,63 @@
-"""The section of the page on what the optimizers cost."""
+"""The section of the page on what the optimizers cost: evaluations, time a run and time an evaluation."""
 
 from __future__ import annotations
 
-from bench.report.parts import Section
+from typing import Any
+
+import pandas as pd
+
+from bench import analysis
+from bench.report.parts import Section, Table
+from bench.topics.cost import words
 from bench.topics.findings import Findings
-from bench.topics.hung import hung
-from bench.topics.time import section as time
 
 TITLE = "Cost"
+COLUMNS = {
+    "evaluations_median": ("evaluations", 1.0), "per_call_median": ("a call", 1.0), "wall_median": ("s a run", 1.0),
+    "own_per_evaluation": ("own µs an evaluation", 1e6),
+    "objective_per_evaluation": ("objective’s µs an evaluation", 1e6),
+    "objective_share": ("objective’s share %", 100.0),
+}  # fmt: skip
+"""The columns of :func:`bench.analysis.timing` that the table has, their titles and factors."""
 
 
 def section(findings: Findings) -> Section | None:
-    """Return the section; None where there is no finding."""
-    return hung(findings, TITLE, time.section)
+    """Return the table of evaluations and times; None where no time of a finished trial is known."""
+    timing = analysis.timing(findings.trials.whole)
+    known = timing[timing["wall_median"].notna()].sort_values("wall_median", kind="stable")
+    if known.empty:
+        return None
+    fastest, slowest = (known.iloc[place] for place in (0, -1))
+    text = words.fastest(fastest["optimizer"], fastest["wall_median"], slowest["optimizer"], slowest["wall_median"])
+    warnings = (
+        words.unknown([*timing.loc[timing["wall_median"].isna(), "optimizer"]]),
+        words.waited([*known.loc[known["contention"], "optimizer"]]),
+        words.several_cores([*known.loc[known["hidden_threads"], "optimizer"]]),
+        words.crowded() if crowded(findings) else "",
+    )
+    return Section(TITLE, (text,), (_table(known, timing),), tuple(filter(None, warnings)))
+
+
+def crowded(findings: Findings) -> bool:
+    """Return whether more trials ran at a time than there were cores; False where that was not recorded."""
+    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine of a run
+    for record in findings.results.environments:
+        run = tuple(record.get(key) for key in ("folder", "started", "command", "shard"))
+        runs.setdefault(run, {})[record.get("host")] = record.get("jobs"), record.get("cores")
+    noted = [list(machines.values()) for machines in runs.values()]
+    if not all(isinstance(number, int) for run in noted for machine in run for number in machine):
+        return False
+    return any(max(jobs for jobs, _ in run) > sum(cores for _, cores in run) for run in noted)
+
+
+def _table(known: pd.DataFrame, timing: pd.DataFrame) -> Table:
+    columns = {title: factor * known[name] for name, (title, factor) in COLUMNS.items() if known[name].notna().any()}
+    shown = pd.DataFrame(columns).set_index(pd.Index(known["optimizer"], name="optimizer"))
+    return Table(
+        "cost",
+        "Medians over finished runs: evaluations, those in a call of the objective, and time.",
+        shown,
+        decimals={"evaluations": 0, "a call": 1, "objective’s share %": 0},
+        note="Own: the wall time outside the objective. The CSV file has quartiles and processor times.",
+        data=timing,
+    )

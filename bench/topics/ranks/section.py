@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bench.analysis.customary import customary, friedman
 from bench.report.parts import Part, Section, Table
 from bench.report.wording import count
 from bench.topics.findings import MANY_OPTIMIZERS, Final, Findings
@@ -11,7 +10,6 @@ from bench.topics.ranks.tables import pair_matrix, ranking_table
 from bench.topics.ranks.words import across
 
 TITLE = "Across problems"
-SIGNS = ("optimizer", "better", "alike", "worse")
 WINNER = "The pairs of a winner are significant without adjustment, as all of them must be. "
 
 
@@ -31,35 +29,10 @@ def section(findings: Findings) -> Section:
     items: list[Part] = [ranking_table(findings)]
     if len(optimizers) <= MANY_OPTIMIZERS:
         items += [forest_figure(findings.final.tested_overall), _tests(findings.final)]
-        return Section(TITLE, tuple(text), tuple(items), sections=(_customary(findings),))
+        return Section(TITLE, tuple(text), tuple(items))
     items.append(pair_matrix(findings))
     every = Section("Every pair of optimizers", items=(_tests(findings.final),), folded=True)
-    return Section(TITLE, tuple(text), tuple(items), sections=(every, _customary(findings)))
-
-
-def _customary(findings: Findings) -> Section:
-    """Return the table of the tests that reviewers ask for; its files are what counts."""
-    reference = findings.subject or findings.final.ranked[0]
-    tests = customary(findings.trials.frame, reference)
-    signs = [
-        "" if label == reference else f"{better:.0f} / {alike:.0f} / {worse:.0f}"
-        for label, better, alike, worse in zip(*(tests[name] for name in SIGNS), strict=True)
-    ]
-    names = {"optimizer": "optimizer", "mean_rank": "mean rank", "p": "p", "p_holm": "p (Holm)"}
-    shown = tests[list(names)].rename(columns=names)
-    shown["+ / ≈ / −"], shown["note"] = signs, tests["note"]
-    shown = shown.set_index("optimizer").sort_values("mean rank", kind="stable")
-    table = Table(
-        "customary",
-        f"The customary tests of {reference} against each other optimizer, by which this page claims nothing.",
-        shown if shown["note"].any() else shown.drop(columns="note"),
-        decimals={"mean rank": 2},
-        note=f"Ranks are of medians; p: Wilcoxon’s signed ranks of medians; + / ≈ / −: problems on which {reference} "
-        "is lower, not shown to differ, or higher (rank-sum test at 0.05, not adjusted). "
-        + friedman(findings.trials.frame),
-        data=tests,
-    )
-    return Section("The customary tests", items=(table,), folded=True)
+    return Section(TITLE, tuple(text), tuple(items), sections=(every,))
 
 
 def _tests(final: Final) -> Table:

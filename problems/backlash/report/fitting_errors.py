@@ -12,9 +12,9 @@ import pandas as pd
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
 from bench.report import Table
-from bench.reproduce.protocol import protocol_of, samples
+from bench.reproduce.section import judged
 from bench.reproduce.table import PaperTable, read
-from bench.reproduce.verdict import DIFFERS, Judgement, judge, sentence, unjudged
+from bench.reproduce.verdict import DIFFERS, Judgement, sentences, unjudged
 from bench.topics import StoredResults
 from problems.backlash.report import words
 
@@ -32,22 +32,12 @@ def compared(results: StoredResults, frame: pd.DataFrame) -> tuple[list[str], li
     if not swarms or not rows:
         return [], []
     pairs = pairwise_tests(part(frame, rows, swarms))
-    judgements = judged(results, columns, rows) if re.search("thesis|published", study.name.lower()) else []
+    known = re.search("thesis|published", study.name.lower())
+    judgements = judged(of_study(study, columns, rows), results) if known else []
     means, table = table_7_2(frame, pairs, columns, rows, judgements)
-    said = [*sentences(means), *swarm_tests(pairs, study)]
-    return [*said, *(f"{line[0].upper()}{line[1:]}." for line in beside(judgements))], [table]
-
-
-def judged(results: StoredResults, columns: dict[str, str], rows: dict[str, int]) -> list[Judgement]:
-    """Return the verdict on each printed cell of a study's algorithms and datasets."""
-    printed = of_study(results.study, columns, rows)
-    made = protocol_of(printed, beside=results)
-    return judge(printed, samples(printed, made, results), made.reasons)
-
-
-def beside(judgements: list[Judgement]) -> list[str]:
-    """Return the verdict on the printed table, and why cells have none."""
-    return [sentence(judgements), *unjudged(judgements)] if judgements else []
+    beside = [*sentences(judgements), *unjudged(judgements)] if judgements else []
+    said = [*order(means), *swarm_tests(pairs, study), *(f"{line[0].upper()}{line[1:]}." for line in beside)]
+    return said, [table]
 
 
 def algorithms(study: Study) -> dict[str, str]:
@@ -98,7 +88,7 @@ def table_7_2(
     """Return the mean errors by dataset and plug-in name, and the table with the thesis's marks.
 
     As in the thesis, bold and italics compare the swarms alone, whose tests are ``pairs``. ``columns`` are from
-    :func:`algorithms`, ``rows`` from :func:`datasets`, ``judgements`` from :func:`judged`.
+    :func:`algorithms`, ``rows`` from :func:`datasets`, ``judgements`` from :func:`bench.reproduce.section.judged`.
     """
     summary = summarise(part(frame, rows, columns.values()))
     swarms = summary[summary["optimizer"] != columns.get(EXTRA)]
@@ -152,7 +142,7 @@ def ordered(means: pd.DataFrame) -> int:
     return int((better_to_worse > 0).all(axis=1).sum())
 
 
-def sentences(means: pd.DataFrame) -> list[str]:
+def order(means: pd.DataFrame) -> list[str]:
     """Return a sentence on the order of the means, beside that of the published ones of the same datasets."""
     printed = published()
     if not set(ORDER) <= set(means.columns):

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.report.page import Item, View, inline, render
+from bench.report.page import FileRow, Item, View, inline, render
 from bench.report.parts import Card, Figure, Section, Table
 
 SVG = """<?xml version="1.0" encoding="utf-8"?>
@@ -50,7 +50,7 @@ def view(item):
 
 @pytest.fixture(scope="session")
 def views(view):
-    """A verdict, tables to sort and to filter, figures with short and long data, datasets, a text to copy and files."""
+    """A verdict, tables to sort and to filter, figures with short and long data, datasets and files."""
     cards = (
         Card("What may be claimed", ("cma-es is ranked first on 18 of 18 problems.",), "claim"),
         Card(
@@ -84,15 +84,14 @@ def views(view):
         view("section-2", Section("Comparison", items=(matrix, Table("wide", "Everything.", wide)))),
         view("section-3", Section("Curves", items=(short, long))),
         view("section-4", Section("Datasets", sections=datasets)),
-        view("section-5", Section("Methods", code="@book{a,\n  title = {<b>}\n}" + " " * 200 + "end")),
+        view("section-5", Section("Methods", ("A paragraph.",))),
         view(
             "section-6",
-            Section("Downloads"),
+            Section("Files", lists_files=True),
             [
-                ("figures/a b#.pdf", "A figure."),
-                ("figures/a b#.svg", "A figure."),
-                ("report.html", "this page"),
-                ("tables/trials.csv", "every trial"),
+                FileRow("figures/a b#", ["pdf", "svg"], "A figure."),
+                FileRow("report", ["html"], "this page"),
+                FileRow("tables/trials", ["csv"], "every trial"),
             ],
         ),
     ]

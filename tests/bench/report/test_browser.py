@@ -177,7 +177,7 @@ class TestKeyboard:
     def test_everything_is_reached_by_tab_and_the_titles_of_a_table_by_one(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
-        stops = "a, .all, .copy, input, summary, pre, th:first-child > button"
+        stops = "a, .all, input, summary, th:first-child > button"
         wanted = browser.run(f"document.querySelectorAll('{stops}').length")
         scrolled = "[...document.querySelectorAll('.scroll')].filter((each) => each.scrollWidth > each.clientWidth)"
         wanted += browser.wait(f"{scrolled}.every((each) => each.tabIndex === 0) && {scrolled}.length + 1") - 1
@@ -214,15 +214,6 @@ def test_without_scripts_all_is_shown_and_nothing_is_dead(browser, file):
     assert browser.run("document.querySelectorAll('#wide tbody tr').length") == 12
 
 
-@pytest.mark.slow
-def test_a_text_is_copied_or_selected(browser, file):
-    browser.open(file)
-    browser.run(OPEN_ALL)
-    browser.run("document.querySelector('.copy').focus()")
-    browser.press("Enter")
-    assert browser.wait("document.querySelector('.copy').textContent.replace('Copy', '')") in {"Copied", "Selected"}
-
-
 class TestOffline:
     def test_only_the_page_is_asked_for_and_nothing_is_complained_of(self, browser, file):
         browser.open(file)
@@ -253,7 +244,7 @@ class TestOffline:
         target.with_name("a b#.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
         browser.open(file)
         with browser.page.expect_navigation():
-            browser.run("document.querySelector('.downloads a[href$=svg]').click()")
+            browser.run("document.querySelector('.demand a[href$=svg]').click()")
         assert browser.run("document.documentElement.tagName") == "svg"
 
 
@@ -264,17 +255,13 @@ class TestPrint:
     def test_nothing_is_wider_than_the_paper(self, browser, file):
         browser.open(file, width=self.A4, media="print")
         browser.run(OPEN_ALL)
-        edges = (
-            "[...document.querySelectorAll('table, svg, pre, .card')].map((each) => each.getBoundingClientRect().right)"
-        )
+        edges = "[...document.querySelectorAll('table, svg, .card')].map((each) => each.getBoundingClientRect().right)"
         assert max(browser.run(edges)) <= self.A4
 
     @pytest.mark.slow
     def test_what_the_script_adds_stays_off_paper(self, browser, file):
         browser.open(file, media="print")
-        shown = (
-            "[...document.querySelectorAll('.filter, .copy, .files, .skip')].filter((each) => each.offsetHeight).length"
-        )
+        shown = "[...document.querySelectorAll('.filter, .files, .skip')].filter((each) => each.offsetHeight).length"
         assert browser.run(shown) == 0
 
     @pytest.mark.sampled(1)

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from bench.plots import style
-from bench.report.page import by_folder, grid, inline, render
+from bench.report.page import FileRow, file_rows, grid, inline, render
 from bench.report.parts import MOST_ROWS, Card, Figure, Section, Table
 from bench.report.write import save_figure
 
@@ -38,7 +38,7 @@ class TestPage:
 
     def test_headings_are_numbered_and_in_the_contents(self, document):
         assert document.texts("h2") == [
-            "1 Verdict", "2 Comparison", "3 Curves", "4 Datasets", "5 Methods", "6 Downloads"
+            "1 Verdict", "2 Comparison", "3 Curves", "4 Datasets", "5 Methods", "6 Files"
         ]  # fmt: skip
         assert document.texts("h3") == [
             "4.1 dataset 1",
@@ -58,23 +58,22 @@ class TestPage:
         folded = re.compile(r"Download|Data|\w+ \(\d+\)")
         assert [each for each in document.texts("summary") if folded.match(each)] == [
             "Download Table 1", "Download Table 2", "Data table and files of Figure 1",
-            "Data table and files of Figure 2", "figures (1)", "report (1)", "tables (1)",
+            "Data table and files of Figure 2", "Files (3)",
         ]  # fmt: skip
         assert document.texts("a", href="tables/matrix.tex") == ["LaTeX"]
         assert "Table 1 as LaTeX" in document.values("aria-label")
 
-    def test_cards_warnings_and_code(self, document):
+    def test_cards_and_warnings(self, document):
         (claim,) = document.texts("div", **{"class": "card claim"})
         (limit,) = document.texts("details", **{"class": "card limit"})
         assert "What may be claimed cma-es is ranked first on 18 of 18 problems." in claim
         assert "What may not No optimizer" in limit
         assert "⚠ Few trials." in document.texts("summary")
-        assert document.texts("pre")[0].startswith("@book{a, title = {<b>} }")
 
     def test_downloads_stand_together_by_kind(self, document):
         assert "figures/a%20b%23.pdf" in document.values("href")
-        assert "a b#.pdf .svg A figure." in document.texts("li")
-        assert "report.html this page" in document.texts("li")
+        assert {"figures/a b#.pdf .svg", "report.html"} <= set(document.texts("th", scope="row"))
+        assert {"A figure.", "this page"} <= set(document.texts("td"))
 
     def test_a_page_of_nothing(self, read):
         assert read(render("Nothing", "", [])).texts("h1") == ["Nothing"]
@@ -87,14 +86,14 @@ class TestPage:
         part = Table("t", HOSTILE, frame, marks=pd.DataFrame({HOSTILE: [HOSTILE]}, index=frame.index), note=HOSTILE)
         figure = Figure("f", HOSTILE, None, frame)
         section = Section(
-            HOSTILE, (HOSTILE,), (part, figure), (HOSTILE,), (Card(HOSTILE, (HOSTILE,), "limit"),), HOSTILE,
-            (Section(HOSTILE),),
+            HOSTILE, (HOSTILE,), (part, figure), (HOSTILE,), (Card(HOSTILE, (HOSTILE,), "limit"),), (Section(HOSTILE),),
+            lost=HOSTILE, lists_files=True,
         )  # fmt: skip
-        document = read(render(HOSTILE, HOSTILE, [view("v", section, [(f"a/{HOSTILE}.csv", HOSTILE)])]))
+        document = read(render(HOSTILE, HOSTILE, [view("v", section, [FileRow(f"a/{HOSTILE}", ["csv"], HOSTILE)])]))
         assert len(document.texts("script")) == 1
         assert "onclick" not in {name for _, attrs, _ in document.elements for name in attrs}
         shown = " ".join(HOSTILE.split())
-        assert document.texts("td") == [shown * 2, shown]
+        assert document.texts("td") == [shown * 2, shown, shown]
         assert document.texts("title") == document.texts("h1") == [shown]
 
 
@@ -138,7 +137,7 @@ class TestTable:
         assert "The first 400 of 1,234 rows are shown; the other 834 are in figures/long.csv." in document.texts(
             "p", **{"class": "note"}
         )
-        assert page.count("<tr>") == 1 + 2 + 1 + 12 + 1 + 2 + 1 + MOST_ROWS
+        assert page.count("<tr>") == 1 + 2 + 1 + 12 + 1 + 2 + 1 + MOST_ROWS + 1 + 3  # the files
 
     def test_a_cut_table_keeps_its_marks(self):
         frame = pd.DataFrame({"a": np.arange(MOST_ROWS + 1)})
@@ -199,16 +198,14 @@ class TestFolded:
         assert "Open a section below" not in page
 
 
-class TestByFolder:
-    def test_kinds_of_one_thing_stand_together(self):
-        files = [("figures/a.pdf", "A"), ("figures/a.svg", "A"), ("figures/b.csv", "B"), ("x.html", "page")]
-        assert by_folder(files) == {
-            "figures": [("A", ["figures/a.pdf", "figures/a.svg"]), ("B", ["figures/b.csv"])],
-            "report": [("page", ["x.html"])],
-        }
-
-    def test_nothing(self):
-        assert by_folder([]) == {}
+def test_a_file_in_several_formats_has_one_row():
+    files = {"figures/a.svg": "A", "figures/a.pdf": "A", "figures/b.csv": "B", "x.html": "page"}
+    assert file_rows(files) == [
+        ("figures/a", ["pdf", "svg"], "A"),
+        ("figures/b", ["csv"], "B"),
+        ("x", ["html"], "page"),
+    ]
+    assert file_rows({}) == []
 
 
 OWN = f"f{zlib.crc32(b'n'):x}"  # of the ids in a figure named n

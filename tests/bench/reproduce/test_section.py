@@ -7,7 +7,7 @@ import pytest
 import bench
 from bench import BenchError
 from bench.cli.app import main
-from bench.reproduce.section import attach, sections
+from bench.reproduce.section import attach, section
 from bench.topics import Findings
 from tests.bench.reproduce.test_protocol import HEAD, ROWS, results  # noqa: F401 - a fixture
 
@@ -23,19 +23,23 @@ def paper(tmp_path, name="paper.csv", text=f"# source = 'Doe 2020'\n# values = '
 
 
 def shown(folder):
-    return sections(Findings(bench.Results(folder)))
+    return section(Findings(bench.Results(folder)))
 
 
 def test_a_folder_without_a_table_has_no_section(folder):
-    assert shown(folder) == []
+    assert shown(folder) is None
 
 
 def test_an_imported_table_stands_beside_the_trials(folder, tmp_path):
     attach(paper(tmp_path), folder)
-    (section,) = shown(folder)
-    assert section.title == "Beside Doe 2020"
-    assert section.text == ("Reproduced in 0 of 2 cells to within one SD; 2 left open by so few runs.",)
-    (table,) = section.items
+    found = shown(folder)
+    assert found.title == "In your units"
+    (said,) = found.text
+    assert said == (
+        "Beside Doe 2020: 0 of 2 cells differ, tested at 5% over the table. "
+        "2 are open: no test shows a difference, and their intervals are wider."
+    )
+    (table,) = found.items
     assert table.frame["ours"].tolist() == ["2 ± 1.3", "2 ± 1.3"]
     assert table.data["our_mean"].tolist() == [2.0, 2.0]
 
@@ -44,8 +48,8 @@ def test_a_later_table_replaces_an_earlier_one(folder, tmp_path):
     attach(paper(tmp_path), folder)
     text = "source = 'Roe'\nsuite = 'classical'\n[[cells]]\nfunction = 'sphere'\noptimizer = 'GWO'\nmean = 1\n"
     attach(paper(tmp_path, "paper.toml", text), folder)
-    assert [section.title for section in shown(folder)] == ["Beside Roe"]
-    assert shown(folder)[0].items == ()
+    assert [text.partition(":")[0] for text in shown(folder).text] == ["Beside Roe"]
+    assert shown(folder).items == ()
 
 
 def test_a_table_has_no_trials_to_make_a_folder_of(tmp_path):

@@ -15,9 +15,12 @@ from bench.reproduce.verdict import (
     compare_order,
     frame,
     judge,
-    sentence,
+    sentences,
     shown,
+    unseen,
 )
+
+INTERVAL = "the 90% interval (t) of the difference of their means"
 
 
 def number(value, unit=0.0):
@@ -44,9 +47,9 @@ def verdicts(*pairs, **settings):
     return [each.verdict for each in judged(*pairs, **settings)]
 
 
-def test_equal_means_of_many_runs_are_reproduced_and_far_ones_differ():
+def test_equal_means_of_many_runs_are_alike_and_far_ones_differ():
     same, far, near = cell(mean=10.0, sd=1.0), cell("2", mean=12.0, sd=1.0), cell("3", mean=10.65, sd=1.0)
-    assert verdicts((same, normal(10)), (far, normal(10)), (near, normal(10))) == ["reproduced", "differs", "open"]
+    assert verdicts((same, normal(10)), (far, normal(10)), (near, normal(10))) == ["alike", "differs", "open"]
 
 
 def test_the_test_of_means_is_student_s_with_the_larger_sd():
@@ -73,10 +76,10 @@ def test_a_difference_within_the_last_digit_is_none():
 
 def test_values_without_spread_that_differ_are_separated():
     assert verdicts((cell(mean=0.0, sd=0.0), np.full(30, 0.5))) == ["differs"]
-    assert verdicts((cell(mean=0.0, sd=0.0), np.zeros(30))) == ["reproduced"]
+    assert verdicts((cell(mean=0.0, sd=0.0), np.zeros(30))) == ["alike"]
 
 
-def test_errors_of_another_order_of_size_are_not_reproduced_though_within_one_sd():
+def test_errors_of_another_order_of_size_are_not_alike_though_within_one_sd():
     skewed = np.exp(2 * normal(0.0, 1.0))
     printed = {"mean": skewed.mean(), "sd": skewed.std(ddof=1)}
     assert verdicts((cell(**printed), skewed / 100), values="error") == ["open"]
@@ -119,8 +122,8 @@ def test_a_mean_without_an_sd_shows_that_errors_are_larger_and_no_more():
     assert verdicts((cell(mean=1.0), normal(10.0)), lowest=0.0) == ["differs"]
 
 
-def test_a_mean_without_an_sd_is_reproduced_within_one_of_our_sds():
-    assert verdicts((cell(mean=10.0), normal(10.1)), (cell("2", mean=10.0), normal(11.0))) == ["reproduced", "open"]
+def test_a_mean_without_an_sd_is_alike_within_one_of_our_sds():
+    assert verdicts((cell(mean=10.0), normal(10.1)), (cell("2", mean=10.0), normal(11.0))) == ["alike", "open"]
 
 
 def test_cells_that_cannot_be_judged_say_why():
@@ -134,7 +137,7 @@ def test_cells_that_cannot_be_judged_say_why():
         "no mean is printed, and no best, median or worst",
         "there are no trials of it",
     ]
-    assert sentence(found) == "none of 4 cells can be judged"
+    assert sentences(found) == ["none of 4 cells can be judged"]
 
 
 def test_the_p_of_a_table_is_holm_s():
@@ -148,7 +151,7 @@ def test_the_p_of_a_table_is_holm_s():
 def test_errors_below_what_counts_as_zero_are_zero():
     printed = cell(mean=3.6e-13, sd=1.8e-13, best=1e-14)
     assert verdicts((printed, np.zeros(30)), values="error") == ["differs"]
-    assert verdicts((printed, np.zeros(30)), values="error", zero=1e-8) == ["reproduced"]
+    assert verdicts((printed, np.zeros(30)), values="error", zero=1e-8) == ["alike"]
 
 
 def test_the_sentence_names_the_functions_that_differ():
@@ -156,10 +159,11 @@ def test_the_sentence_names_the_functions_that_differ():
         ("1", "GWO", 10), ("1", "PSO", 10), ("12", "GWO", 12.5), ("12", "PSO", 7), ("3", "GWO", 10.7),
     ]]  # fmt: skip
     pairs.append((cell("4", "GWO", runs=1, mean=1.0, sd=0.0), normal(1)))
-    assert sentence(judged(*pairs)) == (
-        "reproduced in 2 of 5 cells to within one SD; 2 differ: f12 (GWO 2.5 SD higher, PSO 3 SD lower); 1 left open "
-        "by so few runs; 1 more not judged"
-    )
+    assert sentences(judged(*pairs)) == [
+        "2 of 5 cells differ, tested at 5% over the table: f12 (GWO 2.5 SD higher, PSO 3 SD lower)",
+        f"2 do not differ, and {INTERVAL} lies within one SD; a failure rate of up to 10% can go unseen in 30 runs",
+        "1 is open: no test shows a difference, and the interval is wider",
+    ]
 
 
 def test_the_frame_has_a_row_a_cell_with_both_samples():
@@ -181,12 +185,15 @@ def test_no_more_than_one_in_twenty_tables_has_a_false_difference():
 
 def test_a_difference_in_another_number_than_the_mean_is_named():
     printed = cell(mean=10.0, sd=1.0, median=10.0, best=10.0)
-    assert (
-        sentence(judged((printed, normal(10))))
-        == "reproduced in 0 of 1 cell to within one SD; 1 differs: f1 (GWO by its best)"
-    )
+    assert sentences(judged((printed, normal(10)))) == [
+        "1 of 1 cell differs, tested at 5% over the table: f1 (GWO by its best)"
+    ]
 
 
 def test_a_cell_without_a_mean_shows_no_shift():
     (row,) = shown(judged((cell(median=10.0, sd=1.0), normal(10))))
     assert row == ("f1, GWO", "no mean", "10 ± 1", "", "1", "open")
+
+
+def test_the_share_of_failures_that_a_sample_need_not_show():
+    assert (1 - unseen(30)) ** 30 == pytest.approx(0.05)

@@ -17,10 +17,8 @@ from bench.topics.figures import at_round_numbers
 from bench.topics.findings import BEST
 from bench.topics.ranks.figures import forest_figure
 from bench.topics.suite.figures import reached_figure, scatter_figure
-from bench.topics.time.figures import timing_figure
 from tests.bench.plots.frames import (
     GRID,
-    clock,
     curves,
     fractions,
     improvements,
@@ -66,7 +64,6 @@ def every_figure(optimizers, problems=("p", "q")):
         reached_figure("targets-of-all", reached, optimizers, ends=ends, columns=2),
         scatter_figure(erts, optimizers[0], "another"),
         forest_figure(improvements(optimizers)),
-        timing_figure(clock(optimizers)),
     ]
 
 
@@ -127,7 +124,7 @@ class TestEveryFigure:
 
     def test_a_pdf_embeds_truetype_fonts(self):
         file = io.BytesIO()
-        FigureCanvasPdf(timing_figure(clock(["a"])).figure).print_pdf(file)
+        FigureCanvasPdf(forest_figure(improvements(["a", "b"])).figure).print_pdf(file)
         assert b"/FontFile2" in file.getvalue()
         assert b"/Type3" not in file.getvalue()
 
@@ -138,7 +135,6 @@ class TestEveryFigure:
             ert_figure(times(["p"], ["a"]).iloc[:0], ["a"]),
             ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], target="tau = 0.01"),
             forest_figure(improvements(["a"])),
-            timing_figure(clock([])),
         ]
         for each in empty:
             svg(each.figure)

@@ -17,8 +17,8 @@ from bench.study.budget import Budget
 from bench.topics.findings import Findings
 from bench.topics.findings import anytime as findings_module
 from tests.bench.reports import finished, store
+from tests.bench.topics.methods.records import NEWER, RECORD
 from tests.bench.topics.page_text import compare, page_text
-from tests.bench.topics.time.records import NEWER, RECORD
 
 STUDIES = {}
 

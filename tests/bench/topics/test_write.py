@@ -14,7 +14,7 @@ from bench.topics import page as page_of
 from bench.topics import write_report
 
 PARTS = [
-    "Answer", "Can you trust it?", "Every run", "Over the budget", "Cost", "Methods, environment, files", "Downloads",
+    "Answer", "Can you trust it?", "Every run", "Over the budget", "Cost", "Methods, environment, files",
 ]  # fmt: skip
 
 

@@ -129,6 +129,6 @@ def test_steps_are_told_before_their_work_and_end_at_their_number(folder, tmp_pa
     steps = []
     write_report(folder, output=tmp_path / "out", on_progress=lambda *step: steps.append(step))
     titles, done, totals = zip(*steps, strict=True)
-    assert (titles[0], titles[-1]) == ("Answer", "Downloads")
+    assert (titles[0], titles[-1]) == ("Answer", "The page")
     assert done == tuple(range(len(steps)))
     assert set(totals) == {len(steps)}

@@ -11,7 +11,7 @@ from bench import BenchError, Results, load_problem
 from bench.cli.app import app
 from bench.formats.importing import import_results
 from bench.topics.findings import Findings
-from bench.topics.time.environment import section
+from bench.topics.methods.section import section
 from tests.bench.formats.made import exported, make
 
 

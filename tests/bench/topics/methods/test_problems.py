@@ -2,7 +2,7 @@
 
 from bench import load_problem
 from bench.results.results import ProblemFacts
-from bench.topics.methods.problems import problems_table
+from bench.topics.methods.problems import bounds
 
 BOX = {"x1": (-5.0, 5.0), "x2": (-5.0, 5.0)}
 FACTS = {
@@ -13,12 +13,11 @@ FACTS = {
 }
 
 
-def test_the_table_has_every_bound():
-    table = problems_table(FACTS, {label: [label] for label in FACTS} | {"bbob-f01-d2": ["i1", "i2", "i3"]})
-    assert list(table.frame["instances"]) == [3, 1, 1, 1]
-    assert list(table.frame["box"]) == ["[-5, 5]^d", "[-5, 5]^d", "by variable", "–"]
-    assert table.data.set_index(["problem", "variable"]).at[("fit-1", "t0"), "upper"] == 4.8
-    assert "instances" not in problems_table(FACTS, {label: [label] for label in FACTS}).frame
+def test_the_file_has_every_bound_and_where_optima_are_from():
+    rows = bounds(FACTS).set_index(["problem", "variable"])
+    assert rows.at[("fit-1", "t0"), "upper"] == 4.8
+    sources = rows["optimum_from"].fillna("").groupby("problem", sort=False).first()
+    assert sources.tolist() == ["the suite", "the suite", "the problem itself", ""]
 
 
 def test_families_say_where_their_optima_are_from():

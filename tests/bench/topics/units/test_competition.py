@@ -6,8 +6,8 @@ from bench import BenchError, Results
 from bench.report.latex import to_latex
 from bench.results.results import ProblemFacts
 from bench.topics import write_report
-from bench.topics.competition import section as competition
 from bench.topics.findings import Findings
+from bench.topics.units import section as units
 
 
 def section(folder, subject=None, suite="cec2022", **optima):
@@ -16,7 +16,7 @@ def section(folder, subject=None, suite="cec2022", **optima):
         optima.get(label), features={"suite": suite, "function": label} if suite else {}
     )
     found.trials.__dict__["dimensions"] = dict.fromkeys(found.trials.problems, 10)
-    return competition.section(found)
+    return units.section(found)
 
 
 def tables(section):
@@ -27,7 +27,7 @@ def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
     found = section(make(tmp_path / "s", trials=6), "b", p=1.0, q=1.0)
     table = tables(found)["competition"]
     assert table.marks.loc["p"].to_dict() == {"a": "−", "b": "", "c": "+"}
-    assert table.texts.loc["+ / = / −"].to_dict() == {"a": "0 / 0 / 2", "b": "", "c": "2 / 0 / 0"}
+    assert table.texts.loc["+ / ≈ / −"].to_dict() == {"a": "0 / 0 / 2", "b": "", "c": "2 / 0 / 0"}
     assert table.texts.loc["U-score"].to_dict() == {"a": "144.0", "b": "72.0", "c": "0.0"}
     assert table.bold.loc["q"].to_dict() == {"a": True, "b": False, "c": False}
     assert not table.bold.loc["U-score"].any()
@@ -37,7 +37,7 @@ def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
     latex = to_latex(table, "competition")
     assert r"\textsuperscript{+}" in latex
     assert "0 / 0 / 2 & " in latex
-    assert "\\midrule\n+ / = / " in latex
+    assert "\\midrule\n+ / " in latex
 
 
 def test_means_that_differ_by_rounding_alone_are_both_bold(make, tmp_path):
@@ -46,33 +46,27 @@ def test_means_that_differ_by_rounding_alone_are_both_bold(make, tmp_path):
     assert table.bold.loc["p"].to_dict() == {"a": True, "b": True, "c": False}
 
 
-def test_the_text_says_that_nothing_is_corrected_and_what_that_means(make, tmp_path):
-    text = " ".join(section(make(tmp_path / "s", trials=3), "a", p=1.0, q=1.0).text)
-    assert "nothing is corrected for the 4 tests of this table" in text
-    assert "If no optimizer differed from a, about 0.2 of its signs would still be + or −" in text
+def test_the_note_says_at_which_level_signs_are_and_that_nothing_is_adjusted(make, tmp_path):
+    note = tables(section(make(tmp_path / "s", trials=3), "a", p=1.0, q=1.0))["competition"].note
+    assert "(A12, p < 0.05)" in note
+    assert "Nothing is adjusted: of 4 tests without any difference, about 0.2 would show a sign." in note
 
 
 def test_values_stand_where_no_optimum_is_known(make, tmp_path):
-    found = section(make(tmp_path / "s"), p=1.0)
-    assert (
-        "On 1 problem without a known optimum, or where a trial beat it, the table has the value itself."
-        in found.text[0]
-    )
-    assert len(found.text) == 1  # no subject, no test
-    assert tables(found)["competition"].note.endswith("The CSV file has every statistic and p.")
+    table = tables(section(make(tmp_path / "s"), p=1.0))["competition"]
+    assert table.caption.endswith("Of 1 problem without a known optimum it is the value.")
+    assert "adjusted" not in table.note  # no subject, no test
 
 
 def test_checkpoints_are_those_of_the_suite(make, tmp_path):
-    found = tables(section(make(tmp_path / "s"), p=1.0, q=1.0))
-    (name,) = [each for each in found if each.startswith("checkpoints")]
-    assert found[name].frame.shape == (6, 16)
-    assert not any("checkpoints" in each for each in tables(section(make(tmp_path / "t"), suite="cec2019", p=1.0)))
+    (file,) = section(make(tmp_path / "s"), p=1.0, q=1.0).files
+    assert file.content.groupby(["problem", "optimizer"]).size().tolist() == [16] * 6
+    assert not section(make(tmp_path / "t"), suite="cec2019", p=1.0).files
 
 
 def test_small_and_odd_studies_have_it(make, tmp_path):
     alone = section(make(tmp_path / "one", optimizers=("a",), trials=1), "a", p=1.0)
-    assert "No problem has trials of a and of another optimizer." in alone.text[1]
-    assert tables(alone)["competition"].texts.at["+ / = / −", "a"] == ""
+    assert tables(alone)["competition"].texts.at["+ / ≈ / −", "a"] == ""
     failed = section(make(tmp_path / "failed", fail=[("p", "a")]), "a", p=1.0, q=1.0)
     assert tables(failed)["competition"].texts.at["p", "a"] == "∞"
     skipped = section(make(tmp_path / "skipped", trials=2, skip=[("p", "b", 0), ("p", "b", 1)]), "b", p=1.0)

@@ -1,1 +1,0 @@
-"""A topic of reports: the table of competitions."""

@@ -1,1 +1,0 @@
-"""A topic of reports: the time of a trial, and the machines."""

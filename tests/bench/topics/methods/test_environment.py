@@ -1,0 +1,61 @@
+"""The report distinguishes machines and versions, and which trials came from which."""
+
+import pandas as pd
+
+from tests.bench.topics.methods.records import NEWER, OLD, RECORD
+
+
+def table(section):
+    (shown,) = section.items
+    return shown
+
+
+def content(section, name):
+    return next(file.content for file in section.files if file.path == f"tables/{name}.csv")
+
+
+def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
+    section = render([RECORD, NEWER], [1] * 24)
+    assert section.warnings == ()
+    assert list(content(section, "runs")["trials"]) == [24, 0]
+    assert render([RECORD, NEWER]).warnings != ()  # which made them is not known
+
+
+def test_the_records_of_older_folders_are_read(render):
+    section = render([OLD, OLD | {"python": "3.12.1"}])
+    assert "B differs from A by Python 3.11.7 → 3.12.1" in section.warnings[0]
+    assert table(section).frame.loc["commit"].tolist() == [f"{RECORD['git']['commit']} with uncommitted changes"] * 2
+    assert len(content(render([{}]), "runs")) == 1
+    assert "no record" in render([]).warnings[0]
+
+
+def test_fifty_environments_can_still_be_read(render):
+    section = render([RECORD | {"python": f"3.11.{i}"} for i in range(50)], [1 + i % 50 for i in range(24)])
+    (warning,) = section.warnings
+    assert warning.startswith("The trials come from 24 different environments")
+    assert warning.endswith("D differs from A by Python 3.11.0 → 3.11.3; and 20 more.")
+    assert list(table(section).frame) == ["A", "B", "C", "D"]
+    assert list(table(section).data.columns[[1, 26, 27, 50]]) == ["A", "Z", "AA", "AX"]
+    assert content(section, "environment-trials")["environment"].nunique() == 24
+
+
+def test_the_state_of_code_is_shown_by_a_hash(render):
+    dirty = {"commit": "f" * 40, "dirty": True, "diff": "0123456789abcdef" * 4}
+    items = table(render([RECORD | {"checkouts": {"mine": dirty}}])).data.set_index("item")["A"]
+    assert items["commit of mine"] == f"{'f' * 40} with uncommitted changes (0123456789ab)"
+
+
+def test_every_trial_has_its_run(render):
+    rows = content(render([RECORD, NEWER, OLD], [1, 2, 3] * 8), "environment-trials")
+    assert list(rows.columns) == ["problem", "optimizer", "trial", "run", "environment"]
+    assert list(rows["run"]) == [1, 2, 3] * 8
+    assert isinstance(rows, pd.DataFrame)
+
+
+def test_the_customary_tests_are_a_file_by_which_the_page_claims_nothing(render):
+    section = render([RECORD])
+    (file,) = (file for file in section.files if file.path == "tables/customary.csv")
+    assert file.about.startswith("The tests that reviewers ask for; the page claims nothing by them. Friedman's test")
+    assert {"mean_rank", "p_holm", "better", "alike", "worse"} <= set(file.content)
+    assert not any("Friedman" in text for text in section.text)
+    assert section.lists_files
