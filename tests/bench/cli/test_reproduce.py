@@ -92,7 +92,7 @@ def test_the_trials_of_a_folder_are_judged_beside_the_table(called, results, tmp
     code, printed = called(text, "--beside", "run")
     assert code == 0
     assert "not judged: ackley, d = 2, Unheard (line 8): no optimizer is called 'Unheard'" in printed
-    assert "0 of 1 cell to within one SD; 1 left open by so few runs; 1 more not judged" in printed
+    assert "1 is open: no test shows a difference, and the interval is wider\n" in printed
     written = pd.read_csv(folder / "reproduction.csv")
     assert written["verdict"].tolist() == ["open", "not judged"]
     assert json.loads((folder / "reproduction.json").read_text(encoding="utf-8"))["sentence"] in printed

@@ -52,7 +52,7 @@ class TestPage:
     def test_parts_are_numbered_through_and_files_named(self, document):
         assert document.texts("caption") == [
             "Table 1. Medians.", "Table 2. Everything.", "Data of Figure 1.",
-            "Data of Figure 2.",
+            "Data of Figure 2.", "Paths are relative to this page. CSV files have all digits.",
         ]  # fmt: skip
         assert document.texts("figcaption") == ["Figure 1. A figure of few numbers.", "Figure 2. A figure of many."]
         folded = re.compile(r"Download|Data|\w+ \(\d+\)")
