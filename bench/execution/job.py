@@ -306,7 +306,8 @@ def root(task: Task, *, without_problems: bool = False) -> ForkServer:
     optimizers, problems = ([entry.name for entry in every] for every in (task.study.optimizers, task.study.problems))
     if not without_problems:
         return ForkServer(task.hash_seed, sandbox=sandbox([*optimizers, *problems]))
-    hidden = [*_named(problems), *(Path(each) for each in (task.output,) if each)]
+    hidden = {*_named(problems)} - {*_named(optimizers)}  # a file may hold both
+    hidden |= {Path(task.output)} if task.output else set()
     return ForkServer(task.hash_seed, sandbox=sandbox_of_optimizers(optimizers, hidden))
 
 

@@ -15,6 +15,7 @@ from bench.errors import BenchError, explained, nearest
 from bench.families import derive
 from bench.helpers.text import listed, short_hash
 from bench.optimizer import Optimizer, build, is_frozen
+from bench.plugins import observing
 from bench.plugins.functions import asks_and_tells, optimizer_of
 from bench.problem import Problem
 
@@ -150,12 +151,13 @@ def _imported(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType
 
 def _refuse_namesakes(tree: ast.Module, path: Path, folder: Path) -> None:
     """Raise BenchError where a file imports a module beside it, and one of that name is loaded from elsewhere."""
+    others = observing.modules()
     for node in ast.walk(tree):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         if isinstance(node, ast.ImportFrom) and not node.level:
             names = [node.module or ""]
         for name in names:
-            loaded = getattr(sys.modules.get(name), "__file__", None)
+            loaded = others.get(name)
             beside = next(filter(Path.exists, (folder / f"{name}.py", folder / name / "__init__.py")), None)
             if beside and loaded and Path(loaded).resolve() != beside.resolve():
                 raise BenchError(
