@@ -26,7 +26,7 @@ from bench.plots.curves import (
     spells,
 )
 from bench.plots.ranks import a12_forest, rank_course
-from bench.plots.rows import box_plot, timing
+from bench.plots.rows import box_plot, strips, timing
 
 __all__ = [
     "a12_forest",
@@ -40,6 +40,7 @@ __all__ = [
     "regret",
     "scaling",
     "spells",
+    "strips",
     "style",
     "timing",
 ]

@@ -79,6 +79,35 @@ def box_plot(
     return ax
 
 
+def strips(
+    rows: pd.DataFrame, optimizers: Sequence[str], marks: pd.Series[str], *, pens: style.Pens, ax: Axes
+) -> Axes:
+    """Draw every run as a dot and the median of each optimizer as a line, in a row per optimizer.
+
+    ``rows`` have optimizer, status and ``value``, missing for a failed run; failed ones are counted at the right, below
+    the ``marks`` of the rows.
+    """
+    drawn = rows[style.drawable(rows["value"])].astype({"optimizer": object})
+    colours = {label: pens[label].color for label in optimizers}
+    seaborn.stripplot(
+        drawn, x="value", y="optimizer", order=optimizers, hue="optimizer", hue_order=optimizers, palette=colours,
+        jitter=False, size=2.2, alpha=0.7, legend=False, rasterized=len(drawn) > style.MANY_POINTS, ax=ax,
+    )  # fmt: skip
+    for dots in ax.collections:  # seaborn's own jitter comes from numpy's global generator
+        places = np.asarray(dots.get_offsets())
+        dots.set_offsets(np.column_stack([places[:, 0], places[:, 1] + style.spread(len(places))]))
+    medians = drawn.groupby("optimizer")["value"].median()
+    failed = rows.loc[rows["value"].isna(), "optimizer"].value_counts()
+    for row, label in enumerate(optimizers):
+        if label in medians:
+            ax.plot(medians[label], row, "|", color="black", markersize=7, markeredgewidth=1.2, zorder=4)
+        note = f"{marks[label]}{f' {failed[label]}✗' if failed.get(label, 0) else ''}"
+        ax.annotate(note, (1.02, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
+    style.name_rows(ax, list(style.names(optimizers).values()))
+    ax.set_ylabel("")
+    return ax
+
+
 def timing(table: pd.DataFrame, *, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Draw the mean wall time of one trial of each optimizer, split into the objective and the rest.
 

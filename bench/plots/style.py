@@ -44,8 +44,10 @@ LEGEND_ROW = 0.145  # inches, a row of a legend
 X_LABEL, Y_LABEL = 0.2, 0.15  # inches from an axis to the name below it, and of the name from the figure's left edge
 POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes ("small" is 0.833 of the size)
 
-# Okabe and Ito (2008), safe for colour-blind readers, with brown for their yellow, which is faint on white.
-PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#8C6D31")
+# Okabe and Ito (2008), safe for colour-blind readers, with brown for their yellow, which is faint on white, and two more.
+PALETTE = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#8C6D31", "#882255", "#6A51C7",
+)  # fmt: skip
 GREY = "#BDBDBD"  # of optimizers in the background
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", "-.", ":", (0, (5, 1)))
@@ -98,7 +100,7 @@ def pens(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bo
 
     An optimizer keeps its colour from report to report as far as colours suffice: hashes of a label and a colour
     (BLAKE2b) are the order in which labels take colours, each the first one that nobody has. So another label seldom
-    changes a pen. Labels beyond the eight colours take them again, with other markers and lines.
+    changes a pen. Labels beyond the ten colours take them again, with other markers and lines.
 
     With ``best``, only these have a pen of their own; the others are drawn in grey, behind them, or without ``grey``
     take their colours after them. Pens stay what they are.

@@ -136,7 +136,8 @@ class Figure:
         caption: one sentence or two; also the text for screen readers.
         figure: a matplotlib figure, best from :func:`bench.plots.style.grid`.
         data: the tidy data of the figure, written as CSV.
-        shown: the data table on the page where ``data`` is too long to read; ``data`` by default.
+        shown: the table that a reader opens below it, where ``data`` is too long to read: a frame, or a table with files
+            of its own; ``data`` by default.
         live: a specification of Vega-Lite, values of JSON, that is drawn below the figure where scripts run.
     """
 
@@ -144,14 +145,15 @@ class Figure:
     caption: str
     figure: matplotlib.figure.Figure
     data: pd.DataFrame
-    shown: pd.DataFrame | None = None
+    shown: pd.DataFrame | Table | None = None
     live: Mapping[str, Any] | None = None
 
     @property
     def table(self) -> Table:
         """The data as a table, for readers who cannot see the figure or want its numbers."""
-        frame = self.data if self.shown is None else self.shown
-        return Table(self.name, "", frame)
+        if isinstance(self.shown, Table):
+            return self.shown
+        return Table(self.name, "", self.data if self.shown is None else self.shown)
 
 
 Part = Table | Figure

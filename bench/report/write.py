@@ -186,6 +186,8 @@ class Draft:
         else:
             drawing = self.drawer.finish(part.figure, pdf=printed)
             svg, files = save_figure(part, self.folder, name, drawing, layout=self.layout, study=self.study)
+            if isinstance(part.shown, Table):
+                files += self.item(part.shown, printed=printed).files
             item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section

@@ -15,7 +15,9 @@ MANY_OPTIMIZERS = 10
 """Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""
 
 WIDE = 160  # letters of the names of optimizers above which they are the rows of tables
-COLOURED = 8  # optimizers, as many as there are colours
+COLOURED = 10  # optimizers, as many as there are colours
+FEW = 12
+"""Of more optimizers than these figures and tables of the page show the first ten and the subject; files have all."""
 CROWD = 60
 """Of more optimizers than these only the best are shown problem by problem; the files of the whole study have all."""
 
@@ -48,6 +50,14 @@ class Excerpt:
             return None
         first = [label for label in self.final.ranked if label != self.subject]
         return ([self.subject] if self.subject else []) + first[: COLOURED - bool(self.subject)]
+
+    @cached_property
+    def shown(self) -> list[str]:
+        """The optimizers that figures and tables of the page show, in their order: of many, the first and the subject."""
+        ranked = self.final.ranked
+        return ranked if len(ranked) <= FEW else [*ranked[:COLOURED], *(
+            [self.subject] if self.subject in ranked[COLOURED:] else []
+        )]
 
     @property
     def upright(self) -> bool:

@@ -1,1 +1,1 @@
-"""The section “Every run”: all final values."""
+"""Section 3 of the page, every run: a dot a run, the medians with their tests, and the map of ranks."""

@@ -1,17 +1,34 @@
-"""The section of the page on all final values."""
+"""Section 3 of the page: every run of every optimizer on every problem."""
 
 from __future__ import annotations
 
+from bench.analysis import feasibility
 from bench.report.parts import Section
-from bench.topics.comparison import section as comparison
-from bench.topics.datasets import section as datasets
 from bench.topics.findings import Findings
-from bench.topics.hung import hung
-from bench.topics.ranks import section as ranks
+from bench.topics.runs import words
+from bench.topics.runs.figure import runs_figure
+from bench.topics.runs.tables import comparison, files
 
 TITLE = "Every run"
 
 
 def section(findings: Findings) -> Section | None:
-    """Return the section; None where there is no finding."""
-    return hung(findings, TITLE, comparison.section, ranks.section, datasets.section, files=(comparison.tables,))
+    """Return the figure of all runs, and behind it the table of medians; None without a run."""
+    if not findings.trials.problems:
+        return None
+    figure = runs_figure(findings, comparison(findings))
+    return Section(TITLE, tuple(filter(None, _text(findings))), (figure,), files=files(findings))
+
+
+def _text(findings: Findings) -> list[str]:
+    tests, trials = findings.final.tested_pairs, findings.trials
+    text = []
+    if tests["problem"].nunique():
+        text.append(words.differences(tests["problem"].nunique(), tests.loc[tests["lower"] != "", "problem"].nunique()))
+    empty = trials.coverage[trials.coverage["stored"] == 0]
+    if gaps := empty.loc[empty["problem"].isin(trials.problems), "problem"].nunique():
+        text.append(words.gaps(gaps))
+    cells = feasibility(trials.frame, trials.traces, trials.constrained)
+    if len(cells) and (lost := int((cells["trials"] - cells["feasible"]).sum())):
+        text.append(words.infeasible(lost, int(cells["trials"].sum()), findings.study.constraints))
+    return text
