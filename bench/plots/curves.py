@@ -59,24 +59,12 @@ def ecdf(
     pens: style.Pens | None = None,
     legend: bool = True,
     ax: Axes | None = None,
-    ends: Mapping[str, float] | None = None,
 ) -> Axes:
     """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
-    ``curves`` are those of :func:`bench.analysis.ecdf`, or of ``bench.analysis.curve_bands``, whose bands are drawn
-    for up to six optimizers. A cross marks the end of the budget of an optimizer, which ``ends`` gives in the unit of
-    the axis: beyond it, restarts are simulated.
+    ``curves`` are those of :func:`bench.analysis.ecdf`, or of ``bench.analysis.curve_bands``, whose bands are drawn.
     """
-    ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
-    _fractions(curves, "share of targets reached", pens, legend, ax)
-    along = next(name for name in AXES if name in curves)
-    for optimizer, end in (ends or {}).items():
-        spent = curves[(curves["optimizer"] == optimizer) & (curves[along].astype(float) <= end * (1 + 1e-9))]
-        if len(spent) and optimizer in pens:
-            ax.plot(
-                end, spent["fraction"].iloc[-1], "x", color=pens[optimizer].color, markersize=5, markeredgewidth=1.2
-            )
-    return ax
+    return _fractions(curves, "share of targets reached", pens, legend, ax)
 
 
 def spells(shown: pd.DataFrame, rivals: Sequence[str], *, pens: style.Pens, ax: Axes | None = None) -> Axes:
@@ -199,7 +187,7 @@ def _fractions(curves: pd.DataFrame, share: str, pens: style.Pens | None, legend
     for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
         one = curves[curves["optimizer"] == optimizer]
         x, fraction = one[[along, "fraction"]].to_numpy(dtype=float).T
-        if "low" in one and len(pens) <= MOST_BANDS:
+        if "low" in one:
             low, high = one[["low", "high"]].to_numpy(dtype=float).T
             ax.fill_between(x, low, high, step="post", color=pen.color, alpha=0.18, linewidth=0)
         _curve(ax, x, fraction, pen, place, steps=True)

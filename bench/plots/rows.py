@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -80,7 +80,7 @@ def box_plot(
 
 
 def strips(
-    rows: pd.DataFrame, optimizers: Sequence[str], marks: pd.Series[str], *, pens: style.Pens, ax: Axes
+    rows: pd.DataFrame, optimizers: Sequence[str], marks: Mapping[str, str], *, pens: style.Pens, ax: Axes
 ) -> Axes:
     """Draw every run as a dot and the median of each optimizer as a line, in a row per optimizer.
 
@@ -101,7 +101,7 @@ def strips(
     for row, label in enumerate(optimizers):
         if label in medians:
             ax.plot(medians[label], row, "|", color="black", markersize=7, markeredgewidth=1.2, zorder=4)
-        note = f"{marks[label]}{f' {failed[label]}✗' if failed.get(label, 0) else ''}"
+        note = f"{marks.get(label, '')}{f' {failed[label]}✗' if failed.get(label, 0) else ''}"
         ax.annotate(note, (1.02, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
     style.name_rows(ax, list(style.names(optimizers).values()))
     ax.set_ylabel("")

@@ -44,7 +44,7 @@ LEGEND_ROW = 0.145  # inches, a row of a legend
 X_LABEL, Y_LABEL = 0.2, 0.15  # inches from an axis to the name below it, and of the name from the figure's left edge
 POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes ("small" is 0.833 of the size)
 
-# Okabe and Ito (2008), safe for colour-blind readers, with brown for their yellow, which is faint on white, and two more.
+# Okabe and Ito (2008), safe for colour-blind readers, with brown for their yellow, faint on white, and two more.
 PALETTE = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#8C6D31", "#882255", "#6A51C7",
 )  # fmt: skip

@@ -136,8 +136,8 @@ class Figure:
         caption: one sentence or two; also the text for screen readers.
         figure: a matplotlib figure, best from :func:`bench.plots.style.grid`.
         data: the tidy data of the figure, written as CSV.
-        shown: the table that a reader opens below it, where ``data`` is too long to read: a frame, or a table with files
-            of its own; ``data`` by default.
+        shown: the table that a reader opens below it where ``data`` is too long to read: a frame, or a table with
+            files of its own; ``data`` by default.
         live: a specification of Vega-Lite, values of JSON, that is drawn below the figure where scripts run.
     """
 

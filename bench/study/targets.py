@@ -211,11 +211,8 @@ class _RunLengths(Targets):
     absolute = rising = by_best = True
     without = "whose optimum was beaten, or on which the best of 2009 has no running time"
     _meaning = (
-        "The targets of a problem are by running length, as cocopp sets them for expensive functions: for a budget of "
-        f"{_LENGTHS} times d evaluations, the next precision (five a decade) after the hardest that the best of 2009 "
-        "reached within it in expectation, at least one step harder than that of the budget before, and 1e-8 at the "
-        "hardest. So an optimizer as fast as the best algorithm of 2009 on each function needs slightly more "
-        "evaluations than the budget, or fewer where 1e-8 is reached within it."
+        f"Targets are by running length, as in cocopp: for {_LENGTHS} times d evaluations, the precision next to the "
+        "hardest that the best of 2009 reached within them (five a decade, to 1e-8)."
     )
 
     def rungs(self, found: Found) -> tuple[Floats, Floats]:  # noqa: ARG002 - they follow from no trial

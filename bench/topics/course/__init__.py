@@ -1,1 +1,1 @@
-"""The section “Over the budget”: what was reached when."""
+"""Section 4 of the page, over the budget: the share of targets reached, who is ahead when, and running times."""

@@ -19,16 +19,15 @@ from bench.study.descriptions import Descriptions, noted
 from bench.study.targets import Targets
 from bench.study.values import Checked
 from bench.topics.findings.anytime import BEST, Anytime
-from bench.topics.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Excerpt
+from bench.topics.findings.display import CROWD, FEW, Excerpt
 from bench.topics.findings.final import Final
 from bench.topics.findings.selection import selection, versions
 from bench.topics.findings.trials import MANY_PROBLEMS, Trials
 
 __all__ = [
     "BEST",
-    "COLOURED",
     "CROWD",
-    "MANY_OPTIMIZERS",
+    "FEW",
     "MANY_PROBLEMS",
     "Anytime",
     "Excerpt",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -16,13 +15,12 @@ from bench.analysis.cells import near_best as near_best_of
 from bench.analysis.cells import traces_of
 from bench.analysis.compare import table as table_of
 from bench.analysis.instances import SOLVED
-from bench.analysis.reference import reference_shares, reference_times, runlength_targets
+from bench.analysis.reference import reference_times, runlength_targets
 from bench.analysis.running_time import in_seconds
-from bench.analysis.running_time import restart_shares as restart_shares_of
 from bench.analysis.running_time import running_times as running_times_of
 from bench.analysis.stages import SHARES, stage_ranks
 from bench.analysis.stages import earlier_leads as earlier_leads_of
-from bench.analysis.target_sets import compare_sets, target_areas, tolerance_times
+from bench.analysis.target_sets import tolerance_times
 from bench.errors import BenchError
 from bench.families import function_of
 from bench.formats.coco.best2009 import best2009
@@ -141,21 +139,6 @@ class Anytime:
         """Whether curves and tables show the best of 2009: it was asked for, or targets are set by it."""
         return self.beside_best or self.target_set.by_best
 
-    @property
-    def curves(self) -> list[str]:
-        """The labels of the curves of simulated restarts: the optimizers, and the best of 2009 where it is shown."""
-        return [*self.trials.optimizers, *([BEST] if self.shows_best else [])]
-
-    def ends(self, problems: Collection[str], *, per_dimension: bool) -> dict[str, float]:
-        """Return the largest budget of each optimizer on these problems; beyond it, restarts are simulated."""
-        largest = dict.fromkeys(self.trials.optimizers, 0.0)
-        for key, evaluations in cast("Mapping[Any, int]", self.trials.allowed).items():
-            label, optimizers = (key, largest) if isinstance(key, str) else (key[0], [key[1]])
-            if label in problems and (not per_dimension or label in self.trials.dimensions):
-                budgets = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
-                largest |= {optimizer: max(largest[optimizer], budgets) for optimizer in optimizers}
-        return largest
-
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
         self.target_set.require_metric(any(facts.expected for facts in self.trials.known.values()))
@@ -207,11 +190,6 @@ class Anytime:
         return self.hits[pd.MultiIndex.from_frame(self.hits[keys].astype(object)).isin(compared)]
 
     @cached_property
-    def success(self) -> pd.DataFrame:
-        """The share of trials of each cell that reached a target, with its interval."""
-        return analysis.success_rates(self.hits, self.target_set.levels)
-
-    @cached_property
     def tabled_hits(self) -> pd.DataFrame:
         """The hitting times of the targets of the tables, with the ``budget`` of each trial."""
         hits = self.hits
@@ -244,13 +222,6 @@ class Anytime:
             if self.target_set.by_best:
                 table = table.assign(precision=best["precision"].reindex(keys).to_numpy())
         return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.target_set.unit})
-
-    def precisions_at(self, levels: Sequence[float]) -> dict[str, list[float]]:
-        """Return the precisions of targets by running length by problem, missing ones NaN; {} of other targets."""
-        if not self.target_set.by_best:
-            return {}
-        wide = self.best_times.pivot(index="problem", columns="tau", values="precision").reindex(columns=list(levels))
-        return {str(problem): list(row) for problem, row in zip(wide.index, wide.to_numpy(dtype=float), strict=True)}
 
     @cached_property
     def ert_at_level(self) -> pd.DataFrame:
@@ -287,61 +258,6 @@ class Anytime:
         }
         table = runlength_targets(self.best, kept, self.trials.dimensions)
         return table.assign(tau=1 / table["length"])[LEVEL]
-
-    @cached_property
-    def restart_shares(self) -> pd.DataFrame:
-        """The shares of simulated restarts over all targets of each cell, over evaluations up to ten times the budget.
-
-        Over evaluations / d where budgets differ.
-        """
-        return self.restarts_per_dimension if self.trials.scaled else self._restart_shares(self.trials.budgets)
-
-    @cached_property
-    def restarts_per_dimension(self) -> pd.DataFrame:
-        """The same over evaluations / d, of the problems whose dimension is known."""
-        most = {label: self.trials.budgets[label] / d for label, d in self.trials.dimensions.items()}
-        return self._restart_shares(most, self.trials.dimensions)
-
-    def _restart_shares(self, most: Mapping[str, float], dimensions: dict[str, int] | None = None) -> pd.DataFrame:
-        budget, hits = max(most.values(), default=1.0), self.hits
-        first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
-        grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
-        sized = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
-        shares = restart_shares_of(sized, grid, dimensions)
-        if not self.shows_best:
-            return shares
-        best = reference_shares(self._best_to_targets, grid, dimensions).assign(optimizer=BEST)
-        return pd.concat([shares, best], ignore_index=True)
-
-    @cached_property
-    def _best_to_targets(self) -> pd.DataFrame:
-        """The ERT of the best of 2009 to every target that is a precision."""
-        if self.target_set.by_best:
-            levels = self._run_lengths
-        else:
-            with_value = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
-            levels = self.targets.loc[with_value, ["problem", "tau"]].assign(precision=lambda rows: rows["tau"])
-        return reference_times(self.best, self.functions, levels.reset_index(drop=True))
-
-    @cached_property
-    def target_sets(self) -> pd.DataFrame:
-        """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
-        areas = {self.target_set.short: target_areas(self.hits, self.trials.budgets)}
-        others = [KINDS[kind] for kind in ("precisions", "relative", "quantiles") if kind != self.target_set][:2]
-        for chosen in others:
-            targets = dict(list(self._targets(chosen).groupby("problem", observed=True)))
-            # Problem by problem: the hits of all trials on all targets may take a gigabyte.
-            parts = [
-                target_areas(
-                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed),
-                    self.trials.budgets,
-                )
-                for label, trials in self.trials.measured.groupby("problem", observed=True)
-                if label in targets
-            ]
-            none = target_areas(self.hits.head(0), self.trials.budgets)
-            areas[chosen.short] = pd.concat([part for part in parts if len(part)] or [none])
-        return compare_sets(areas, self.trials.optimizers)
 
     @cached_property
     def aocc(self) -> pd.DataFrame:

@@ -14,7 +14,6 @@ from bench.analysis.error_rates import enough_trials
 from bench.analysis.error_rates import levels as levels_of
 from bench.analysis.pairwise import adjusted
 from bench.analysis.standings import disagreements as disagreements_of
-from bench.analysis.subject import signs_of
 from bench.topics.findings.trials import Trials
 
 
@@ -90,12 +89,6 @@ class Final:
     @cached_property
     def _enough(self) -> tuple[int, float]:
         return enough_trials(len(self.medians), self.tested, self.tests)
-
-    @cached_property
-    def matrix(self) -> pd.DataFrame:
-        """The comparison matrix of medians, with the signs of a subject's tests where there is one, one row a cell."""
-        matrix = analysis.comparison_matrix(self.summary, self.tested_pairs, standing=self.standings)
-        return matrix.merge(signs_of(self.summary, self.pairs, self.subject)) if self.subject else matrix
 
     @cached_property
     def standings(self) -> pd.DataFrame:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from os.path import commonprefix
 
 import matplotlib.figure
 import pandas as pd
@@ -31,7 +30,7 @@ def runs_figure(findings: Findings, behind: Table) -> Figure:
     values, columns = drawn["value"].dropna(), _columns(len(places))
     for place, ((title, problems), ax) in enumerate(zip(places.items(), axes, strict=True)):
         rows = drawn[drawn["problem"].isin(problems)]
-        strips(rows, shown, marked.loc[title].reindex(shown).fillna(""), pens=findings.display.pens, ax=ax)
+        strips(rows, shown, {label: str(marked.at[title, label]) for label in shown}, pens=findings.display.pens, ax=ax)
         ax.set_xlim(*_limits(values, found.logarithmic))
         (style.log_scale if found.logarithmic else style.linear_scale)(ax, "x")
         below = place + columns >= len(places)
@@ -59,10 +58,12 @@ def _grid(places: Panels, shown: Sequence[str]) -> tuple[matplotlib.figure.Figur
 
 
 def _titles(places: Panels, ax: Axes) -> list[str]:
-    """Return the titles of panels without the beginning that all share, such as a suite's name, where there are many."""
-    shared = commonprefix(list(places)) if len(places) > COLUMNS[8] else ""
-    names = [title[shared.rfind("-") + 1 :] for title in places]
-    return list(style.names(names, style.letters(style.inches(ax), style.SMALL)).values())
+    """Return the titles of panels; long ones without a beginning up to a "-" that all share, such as a suite's name."""
+    names, room = list(places), style.letters(style.inches(ax), style.SMALL)
+    beginnings = {name.partition("-")[0] for name in names}
+    if max(map(len, names)) > room and len(beginnings) == 1 and all("-" in name for name in names):
+        names = [name.partition("-")[2] for name in names]
+    return list(style.names(names, room).values())
 
 
 def _limits(values: pd.Series[float], logarithmic: bool) -> tuple[float, float]:

@@ -83,7 +83,9 @@ def measured(findings: Findings) -> Measured:
         meaning = f"The axis has the precision, the value less the optimum; one below {SOLVED:g} is drawn there."
         return Measured(frame.assign(value=value), "precision", meaning, True)
     lowest = fun.groupby(problem).min()
-    best = problem.map(lowest if not optimum else lowest.combine(pd.Series(optimum, dtype=float), np.fmin)).astype(float)
+    best = problem.map(lowest if not optimum else lowest.combine(pd.Series(optimum, dtype=float), np.fmin)).astype(
+        float
+    )
     if bool((best.dropna() > 0).all()):
         scale, unit = best, "the lowest known"
     else:
@@ -94,7 +96,5 @@ def measured(findings: Findings) -> Measured:
         meaning = "The axis has the value over the lowest that is known of the problem."
         return Measured(frame.assign(value=1 + distance), "value / lowest", meaning, False)
     over = "that value" if unit == "the lowest known" else unit
-    meaning = (
-        f"The axis has the distance from the lowest value that is known, over {over}; below {FLOOR:g} it is drawn there."
-    )
+    meaning = f"The axis has the distance from the lowest value known, over {over}, from {FLOOR:g} on."
     return Measured(frame.assign(value=distance.clip(lower=FLOOR)), "distance from the lowest", meaning, True)

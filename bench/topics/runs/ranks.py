@@ -10,7 +10,7 @@ from bench.topics.findings import Findings
 from bench.topics.runs.marks import FIRST, NEAR, marks, ranks_on
 from bench.topics.runs.panels import MOST, classes
 
-HEAD = 20  # letters of a column's title
+HEAD, CLASS = 20, 28  # letters of an optimizer, and of a problem or class
 COLUMNS = 12  # most columns of the map beside the names of its rows
 
 
@@ -21,7 +21,7 @@ def rank_map(findings: Findings) -> Table:
     places = classes(trials) if by_class else {label: [label] for label in trials.problems}
     ranks = ranks_on(findings.final, places).reindex(columns=shown).dropna(how="all")
     marked = marks(findings.final, places).reindex(index=ranks.index, columns=shown).fillna("")
-    near = marked.eq(NEAR)
+    near = marked == NEAR
     every = len(trials.optimizers)
     notes = ["Bold: the first. Ties share their mean rank."]
     notes += [f"{NEAR}: no test separates it from the first."] if near.any(axis=None) else []
@@ -31,13 +31,13 @@ def rank_map(findings: Findings) -> Table:
         f"{'Mean rank of each optimizer on each class' if by_class else 'Rank of each optimizer on each problem'}, by "
         "the chance to end lower.",
         ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:.1f}" if by_class else f"{rank:g}").astype(object),
-        bold=marked.eq(FIRST),
+        bold=marked == FIRST,
         marks=near.map(lambda beside: NEAR if beside else ""),
         shades=(ranks - 1) / max(every - 1, 1),
         note=" ".join(notes),
         data=findings.final.standings,
     )
-    heads, rows = style.names(shown, HEAD), style.names(ranks.index, HEAD)
+    heads, rows = style.names(shown, HEAD), style.names(ranks.index, CLASS)
     if by_class and len(ranks) <= COLUMNS:
         turned = found.arranged(lambda frame: frame.rename(index=rows, columns=heads).T)
         return turned.arranged(lambda frame: frame.rename_axis(index="optimizer", columns=None))

@@ -55,7 +55,9 @@ def cells_of(findings: Findings) -> pd.DataFrame:
     above = analysis.regret(final.measured_summary, findings.trials.unbeaten, ("median",))
     above = above[["problem", "optimizer", "median"]].rename(columns={"median": "median_above_optimum"})
     for more in (above, tests):
-        cells = cells.merge(more.astype({"problem": object, "optimizer": object}), how="left", on=["problem", "optimizer"])
+        cells = cells.merge(
+            more.astype({"problem": object, "optimizer": object}), how="left", on=["problem", "optimizer"]
+        )
     return cells.assign(leader=findings.leader)
 
 
@@ -69,6 +71,7 @@ def files(findings: Findings) -> tuple[File, ...]:
             f"The tests of {final.pairs_words} on every problem, of at most the {CROWD} first optimizers.",
             findings.display.written_pairs,
         ),
+        File("tables/ranking.csv", "The order of the optimizers over all problems.", final.ranking),
     ]
     feasible = analysis.feasibility(findings.trials.frame, findings.trials.traces, findings.trials.constrained)
     if len(feasible):

@@ -12,7 +12,7 @@ from bench.analysis.instances import SOLVED
 from bench.analysis.subject import seen_from
 from bench.plots import a12_forest, box_plot, style
 from bench.report.parts import Figure
-from bench.topics.findings import MANY_OPTIMIZERS, Findings
+from bench.topics.findings import FEW, Findings
 
 PROBLEMS, PROBLEMS_OF_TWO = 6, 12  # at most, of which all trials are drawn; the second of two optimizers
 ONE_ROW = 4  # panels beside each other
@@ -62,7 +62,7 @@ def shows_trials(findings: Findings) -> bool:
     """Return whether the first picture shows every trial: of few problems, or of two optimizers."""
     optimizers = len(findings.trials.optimizers)
     most = PROBLEMS_OF_TWO if optimizers == 2 else PROBLEMS
-    return len(findings.final.medians) <= most and optimizers <= MANY_OPTIMIZERS
+    return len(findings.final.medians) <= most and optimizers <= FEW
 
 
 def trials_figure(

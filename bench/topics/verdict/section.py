@@ -18,10 +18,10 @@ from bench.topics.conditions.conditions import sentences
 from bench.topics.conditions.differing import UNUSED, differing, shares_used
 from bench.topics.findings import Final, Findings
 from bench.topics.integrity.section import warnings
-from bench.topics.ranks.tables import rank_map
-from bench.topics.ranks.words import across
+from bench.topics.runs.ranks import rank_map
 from bench.topics.subject.against import FirstScreen, against, first_screen, subject_rule
 from bench.topics.trials.power import error_text
+from bench.topics.verdict.across import across
 from bench.topics.verdict.answer import answer
 from bench.topics.verdict.clock import clock
 from bench.topics.verdict.first_picture import evidence

@@ -17,7 +17,6 @@ from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.targets import Targets
 from bench.topics import write_report
-from bench.topics.anytime.section import course
 from bench.topics.findings import Findings
 from bench.topics.integrity.beside import section
 from bench.topics.integrity.checks import checks
@@ -194,7 +193,6 @@ class TestFinalValues:
         (claim, *_) = verdict.section(found).cards
         assert claim.text == ("a ends lowest on these 2 problems at 1,000 evaluations.",)
         assert "smaller budgets" not in f"{claim.lines}"
-        assert course(found) == []
 
 
 def of_years(tmp_path, name, instances):

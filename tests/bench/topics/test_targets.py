@@ -1,18 +1,16 @@
-"""Targets in the sections: the usual ones, those asked for, running times and the order under three sets."""
+"""Targets in the sections: the usual ones, those asked for, and running times."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_problem
-from bench.report.latex import to_latex
 from bench.results.results import ProblemFacts
-from bench.topics.anytime import section as anytime
-from bench.topics.datasets import section as datasets
+from bench.topics.course import section as course
+from bench.topics.course.times import ratios
 from bench.topics.findings import Findings
 from bench.topics.findings import anytime as findings_module
 from bench.topics.methods.methods import methods
-from bench.topics.suite.ert_table import ert_table
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
 
@@ -76,12 +74,11 @@ class TestSections:
     def test_every_set_has_its_parts(self, folder, chosen, optima):
         found = findings(folder, chosen, {"speed": (1.0, 2.0)} if chosen == "tolerance" else None, **optima)
         found.anytime.check_targets()
-        section = anytime.section(found)
-        names = [item.name for item in section.items]
-        assert names.count("target-sets") == 1
-        assert ("aocc" in names) == (found.anytime.target_set.absolute and bool(found.trials.unbeaten))
+        section = course.section(found)
+        written = [file.path for file in section.files]
+        assert "tables/running-times.csv" in written
+        assert ("tables/aocc.csv" in written) == (found.anytime.target_set.absolute and bool(found.trials.unbeaten))
         assert "nan" not in " ".join(section.text)
-        assert datasets.section(found).sections
         assert methods(found).text
 
     def test_running_times_have_their_spread_and_seconds(self, folder):
@@ -96,17 +93,11 @@ class TestSections:
         assert (own["ert"] <= own["high"]).all()
         assert (own["ert_s"] > 0).all()
 
-    def test_one_optimizer_is_not_ordered(self, make, tmp_path):
-        found = findings(make(tmp_path / "s", optimizers=("a",), trials=1), "precisions", p=4.0)
-        section = anytime.section(found)
-        assert "choice" not in " ".join(section.text)
-        assert "target-sets" not in [item.name for item in section.items]
-
     def test_failed_trials_alone_have_no_targets(self, make, tmp_path):
         folder = make(tmp_path / "s", fail=[(p, o) for p in "pq" for o in "abc"])
         found = findings(folder, "precisions")
         assert found.anytime.running_times.empty
-        assert anytime.section(found).text
+        assert course.section(found) is None
 
     def test_a_tolerance_needs_an_expected_metric(self, folder):
         with pytest.raises(BenchError, match="need a problem with an expected metric, and this study has none"):
@@ -155,60 +146,26 @@ class TestRunLengths:
         times = found.anytime.target_set.in_unit(found.anytime.running_times, "budget / d")
         own = times[times["optimizer"] == "a"].set_index("budget / d")["ert"]
         assert own.to_dict() == pytest.approx({0.5: 8.0, 1.2: 8.0, 3.0: 8.0, 10.0: np.inf, 50.0: np.inf})
-        rates = next(item for item in anytime.section(found).items if item.name == "success-rates")
-        assert list(rates.frame) == [f"the target for {each} d evaluations" for each in (3, 10, 50)]
-        assert sorted(rates.data["tau"].unique()) == pytest.approx([3, 10, 50])
-        (problem,) = [each for each in datasets.section(found).sections[0].items if "running-times" in each.name]
-        assert list(problem.frame)[:5] == ["0.5", "1.2", "3", "10", "50"]
-        assert "trials that reached 50." in problem.note
         assert "(targets: running lengths)" in methods(found).text
 
-    def test_the_tables_have_the_precision_behind_each_running_length(self, small):
-        """Within 0.5, 1.2, 3, 10 and 50 d evaluations the best reached 10^2 … 10^1.2; the targets are a step harder."""
+    def test_the_table_is_relative_to_the_best_of_2009(self, small):
+        """Within 3 d evaluations the best reached 10^1.6; a precision of 10^1.4 took it 19 evaluations, and a 8."""
         found = small()
-        table = ert_table(found, {found.trials.problems[0]: "f08"}, 2)
-        assert list(table.frame.loc[("f08", "target precision")]) == ["63", "40", "25", "16", "10", ""]
-        assert not table.bold.loc[("f08", "target precision")].any()
+        table = ratios(found)
+        assert list(table.frame) == ["best of 2009", "a", "b"]
+        assert table.texts.loc["bbob-f08-d2"].tolist()[0] == "19"
+        assert table.frame.at["bbob-f08-d2", "a"] == pytest.approx(8 / 19)
         precision = table.data[table.data["optimizer"] == "a"].set_index("budget / d")["precision"]
         assert precision.to_dict() == pytest.approx(
             {0.5: 10**1.8, 1.2: 10**1.6, 3.0: 10**1.4, 10.0: 10**1.2, 50.0: 10.0}
         )
-        assert "target precision & 63 & 40 & 25 & 16 & 10" in " ".join(to_latex(table, "t").split())
-        (problem,) = [each for each in datasets.section(found).sections[0].items if "running-times" in each.name]
-        assert "the precisions 63 (0.5), 40 (1.2), 25 (3), 16 (10) and 10 (50)." in problem.note
 
-    def test_a_beaten_optimum_leaves_no_target_and_that_is_said(self, small):
+    def test_a_beaten_optimum_leaves_no_target_and_no_section(self, small):
         found = small("runlength")
         found.trials.__dict__["unbeaten"] = {}
         assert found.anytime.targets.empty
-        assert "leave out 1 problem whose optimum was beaten, or" in " ".join(anytime.section(found).text)
+        assert course.section(found) is None
 
     def test_they_need_the_best(self, folder):
         with pytest.raises(BenchError, match="the study has no such problem"):
             findings(folder, "runlength").anytime.check_targets()
-
-
-class TestOrder:
-    @staticmethod
-    def said(folder, **ranks):
-        found = findings(folder)
-        rows = [
-            {"set": name, "problems": 2, "optimizer": label, "area": 0.5, "rank": rank}
-            for name, own in ranks.items()
-            for label, rank in zip("abc", own, strict=True)
-        ]
-        found.anytime.__dict__["target_sets"] = pd.DataFrame(rows)
-        return " ".join(anytime.section(found).text)
-
-    def test_the_choice_matters_or_not(self, folder):
-        same = self.said(folder, x=[1, 2, 3], y=[1, 2, 3], z=[1, 2, 3])
-        assert "the order of the optimizers is the same under 3 sets of targets (x, y and z)." in same
-        assert "the first is the same, a, but the order of the others" in self.said(folder, x=[1, 2, 3], y=[1, 3, 2])
-        other = self.said(folder, x=[1, 2, 3], y=[2, 1, 3], z=[1.5, 1.5, 3])
-        assert (
-            "matters: of 3 sets of targets (x, y and z), the first is a under x; b under y; a and b under z." in other
-        )
-
-    def test_where_nothing_can_be_compared_nothing_is_said(self, folder):
-        assert "choice of targets" not in self.said(folder, x=[1, 2, 3])
-        assert "choice of targets" not in self.said(folder, x=[np.nan] * 3, y=[1, 2, 3])

@@ -6,7 +6,7 @@ import pytest
 
 from bench import BenchError, Results
 from bench.formats.importing import import_results
-from bench.topics.anytime import section as anytime
+from bench.topics.course import section as course
 from bench.topics.findings import Findings
 from tests.bench.formats.made import exported, make, some_fail
 
@@ -34,13 +34,12 @@ def test_a_table_of_evaluations_becomes_trials(tmp_path):
     assert results.environments[0]["licence"] == "CC-BY-4.0"
 
 
-def test_problems_of_unknown_dimension_have_their_data_profile_over_evaluations(tmp_path):
+def test_problems_of_unknown_dimension_have_their_curves_over_evaluations(tmp_path):
     import_results(written(tmp_path), tmp_path / "out")
     findings = Findings(Results(tmp_path / "out"))
-    together = next(item for item in anytime.section(findings).items if item.name == "targets-reached")
+    together = next(item for item in course.section(findings).items if item.name == "targets-reached")
     assert findings.trials.dimensions == {}
-    profile = together.data[together.data["panel"] == "data profile"]
-    assert profile["evaluations"].max() == 20
+    assert together.data["evaluations"].max() == 20
 
 
 def test_our_export_comes_back_with_failures_and_times(tmp_path):

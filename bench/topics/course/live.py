@@ -10,16 +10,16 @@ import numpy as np
 import pandas as pd
 
 from bench.plots import style
+from bench.plots.curves import AXES
+from bench.topics.course.curves import Compared, compared, curves, span
 from bench.topics.findings import Findings
-from bench.typing import Floats
 
 MOST_ROWS = 100_000  # of the data inside the page, about 2 MB
-STEPS = 60  # budgets to which evaluations are rounded up
 EVERY = -1  # in place of the number of a problem or of a target
 INK = "#000000"  # drawn in the colour of the page's text, so that it can be seen on a dark page
 DASHES: dict[Any, list[int]] = {"-": [1, 0], "--": [6, 3], "-.": [6, 3, 2, 3], ":": [2, 3], (0, (5, 1)): [9, 2]}
 """The line styles of :mod:`bench.plots.style` in Vega's terms."""
-TITLE = "Share of targets reached by the trials"
+TITLE = "The same curves, of a problem and a target"
 HINT = [
     "Choose problem and target; click a name for its curve alone.",
     "Ctrl and the wheel zoom, dragging moves, a double click goes back.",
@@ -28,14 +28,16 @@ HINT = [
 
 def targets_reached(findings: Findings) -> dict[str, Any] | None:
     """Return the specification; None where no problem has targets, or too much data would be inside the page."""
-    table, along = _counts(findings)
+    found = findings.of(compared)
+    table, grid = _counts(findings, found), [float(f"{each:.4g}") for each in found.grid]
     if table.empty or len(table) > MOST_ROWS:
         return None
     chosen = findings.anytime.target_set
     problems = {"all problems": EVERY} | {label: i for i, label in enumerate(findings.trials.problems)}
     targets = {"all targets": EVERY} | {_at(findings, tau): i for i, tau in enumerate(chosen.tabled)}
     shown = {"condition": {"param": "curve", "value": 1}, "value": 0.1}
-    x_axis = {"title": along, "format": "~g", "labelOverlap": True, "tickCount": 6}
+    x_axis = {"title": AXES[found.unit], "format": "~g", "labelOverlap": True, "tickCount": 6, "grid": False}
+    x_scale = {"type": "log", "nice": False, "domain": span(findings.of(curves), found.unit)}
     y_axis = {"title": None, "format": ".0%", "tickCount": 5}
     return {
         "$schema": "https://vega.github.io/schema/vega-lite/v6.json",
@@ -53,20 +55,18 @@ def targets_reached(findings: Findings) -> dict[str, Any] | None:
         "transform": [
             {"flatten": list(table)},
             {"filter": f"(problem == {EVERY} || datum.p == problem) && (target == {EVERY} || datum.t == target)"},
-            {"joinaggregate": [{"op": "sum", "field": "of", "as": "all"}], "groupby": ["o"]},
-            {
-                "window": [{"op": "sum", "field": "reached", "as": "so_far"}],
-                "sort": [{"field": "e"}],
-                "groupby": ["o"],
-            },
-            {"calculate": "datum.all > 0 ? datum.so_far / datum.all : null", "as": "share"},
+            {"joinaggregate": [{"op": "sum", "field": "of", "as": "all"}], "groupby": ["o", "p"]},
+            {"joinaggregate": [{"op": "distinct", "field": "p", "as": "problems"}], "groupby": ["o"]},
+            {"calculate": "datum.all > 0 ? datum.reached / datum.all / datum.problems : 0", "as": "step"},
+            {"window": [{"op": "sum", "field": "step", "as": "share"}], "sort": [{"field": "e"}], "groupby": ["o"]},
+            {"calculate": f"{json.dumps(grid)}[datum.e]", "as": "spent"},
         ],
         "mark": {"type": "line", "interpolate": "step-after", "clip": True},
         "encoding": {
-            "x": {"field": "e", "type": "quantitative", "scale": {"type": "log", "nice": False}, "axis": x_axis},
+            "x": {"field": "spent", "type": "quantitative", "scale": x_scale, "axis": x_axis},
             "y": {"field": "share", "type": "quantitative", "scale": {"domain": [0, 1]}, "axis": y_axis},
             "opacity": shown,
-            **_pens(findings.display.drawn),
+            **_pens({label: findings.display.pens[label] for label in findings.display.shown}),
         },
         "config": {
             "view": {"stroke": None},
@@ -107,39 +107,35 @@ def _at(findings: Findings, tau: float) -> str:
     return chosen.at(1 / tau if chosen.rising else tau)
 
 
-def _counts(findings: Findings) -> tuple[pd.DataFrame, str]:
-    """Return how often targets were reached when, and the title of the axis of evaluations.
+def _counts(findings: Findings, found: Compared) -> pd.DataFrame:
+    """Return how often targets were reached when, as whole numbers.
 
-    Columns: numbers of optimizer, problem and target (o, p, t; targets that no table has count together), evaluations
-    (e), in how many pairs of a trial and a target it was then reached, and of how many pairs (of), once a cell and
-    target. Evaluations are counted by dimension where budgets differ.
+    Columns: numbers of optimizer, problem and target (o, p, t; targets that no table has count together), the place of
+    the evaluations on the grid (e), in how many pairs of a run and a target it was then reached, and of how many pairs
+    (of), once a cell and target.
     """
-    trials, names, tabled = findings.trials, list(findings.display.drawn), np.array(findings.anytime.target_set.tabled)
-    hits = findings.anytime.hits
-    hits = hits[hits["optimizer"].isin(names)].reset_index(drop=True)
+    names, tabled = findings.display.shown, np.array(findings.anytime.target_set.tabled)
+    hits = found.hits[found.hits["optimizer"].isin(names)].reset_index(drop=True)
     if hits.empty:
-        return hits, ""
-    scaled = trials.scaled and trials.dimensions.keys() >= set(trials.problems)
-    sizes = trials.dimensions if scaled else dict.fromkeys(trials.problems, 1)
+        return hits
     codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
     same = np.isclose(taus[:, np.newaxis], tabled, rtol=1e-9, atol=0)
     target = np.where(same.any(axis=1), same.argmax(axis=1), len(tabled))
+    problems = findings.trials.problems
     own = pd.DataFrame(
-        {"o": _places(hits["optimizer"], names), "p": _places(hits["problem"], trials.problems), "t": target[codes]}
+        {"o": _places(hits["optimizer"], names), "p": _places(hits["problem"], problems), "t": target[codes]}
     )
     keys = list(own)
-    evaluations = hits["evaluations"].to_numpy(float) / hits["problem"].astype(object).map(sizes).to_numpy(float)
-    end = max(budget / sizes[label] for label, budget in trials.budgets.items())
-    finite = np.isfinite(evaluations)
-    first = min(evaluations[finite].min(initial=end), end / 10)
-    grid: Floats = np.geomspace(first, end, STEPS)
-    rounded = grid[np.searchsorted(grid * (1 + 1e-9), evaluations[finite]).clip(max=STEPS - 1)]
-    begun = own.groupby(keys).size().rename("of").reset_index().assign(e=first)
-    when = own[finite].assign(e=rounded).groupby([*keys, "e"]).size().rename("reached").reset_index()
-    ended = own.drop_duplicates().assign(e=end)
-    table = pd.concat([begun, when, ended])[[*keys, "e", "reached", "of"]].fillna(0)
-    table["e"] = [float(f"{each:.4g}") for each in table["e"]]
-    return table.astype({"reached": int, "of": int}), "evaluations / d" if scaled else "evaluations"
+    spent = hits["evaluations"].to_numpy(float)
+    if found.dimensions is not None:
+        spent = spent / hits["problem"].astype(object).map(found.dimensions).to_numpy(float)
+    place = np.searchsorted(found.grid * (1 + 1e-9), spent)
+    inside = place < len(found.grid)
+    begin = int(place[inside].min(initial=len(found.grid) - 1))
+    begun = own.groupby(keys).size().rename("of").reset_index().assign(e=max(begin - 1, 0))
+    when = own[inside].assign(e=place[inside]).groupby([*keys, "e"]).size().rename("reached").reset_index()
+    ended = own.drop_duplicates().assign(e=len(found.grid) - 1)
+    return pd.concat([begun, when, ended])[[*keys, "e", "reached", "of"]].fillna(0).astype(int)
 
 
 def _places(labels: pd.Series[Any], order: Sequence[str]) -> Any:

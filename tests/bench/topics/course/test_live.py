@@ -9,8 +9,9 @@ from markupsafe import Markup
 from bench import Results, analysis
 from bench.report.page import Item, View, render
 from bench.report.parts import Section
-from bench.topics.anytime import live
-from bench.topics.anytime.section import section
+from bench.topics.course import live
+from bench.topics.course.curves import compared
+from bench.topics.course.section import section
 from bench.topics.findings import Findings
 
 HOSTILE = "q</script><!--'\"&"
@@ -31,15 +32,14 @@ def specification(findings):
 
 def test_its_shares_are_those_of_the_picture(findings, specification):
     (columns,) = specification["data"]["values"]
-    o, e, reached, of = (np.array(columns[name]) for name in ("o", "e", "reached", "of"))
-    for evaluations in (1.0, 10.0, 100.0):
-        shares = analysis.ecdf(findings.anytime.hits, np.array([evaluations])).set_index("optimizer")["fraction"]
-        for place, label in enumerate(findings.trials.optimizers):
-            own = o == place
-            # Evaluations are rounded up to a grid: what is reached at 10 counts at the first step from 10 on.
-            until = e[own & (e >= evaluations * 0.999)].min()
-            share = reached[own & (e <= until)].sum() / of[own].sum()
-            assert share == pytest.approx(shares[label])
+    o, p, e, reached, of = (np.array(columns[name]) for name in ("o", "p", "e", "reached", "of"))
+    grid = findings.of(compared).grid
+    shares = analysis.ecdf(findings.anytime.hits, grid).set_index(["optimizer", "evaluations"])["fraction"]
+    for place, label in enumerate(findings.display.shown):
+        for until in (0, 20, len(grid) - 1):
+            own = [(o == place) & (p == problem) for problem in range(2)]
+            share = np.mean([reached[cell & (e <= until)].sum() / of[cell].sum() for cell in own])
+            assert share == pytest.approx(shares[label, grid[until]])
 
 
 def test_a_reader_chooses_problem_and_target(findings, specification):

@@ -4,7 +4,7 @@ import pytest
 
 from bench import Results
 from bench.topics.findings import Findings
-from bench.topics.ranks.words import across
+from bench.topics.verdict.across import across
 
 
 def said(folder):

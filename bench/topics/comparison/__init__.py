@@ -1,1 +1,0 @@
-"""A topic of reports: medians, means, and feasibility of every optimizer on every problem."""

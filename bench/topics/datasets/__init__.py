@@ -1,1 +1,0 @@
-"""A topic of reports: every problem by itself."""

@@ -1,1 +1,0 @@
-"""A topic of reports: ranks, tests and effect sizes over all problems."""

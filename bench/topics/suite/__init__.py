@@ -1,1 +1,0 @@
-"""A topic of reports: running times and targets on the functions of a suite."""

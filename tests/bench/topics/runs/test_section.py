@@ -1,0 +1,122 @@
+"""The section on every run: the axis that panels share, marks, medians with tests, and the map of ranks."""
+
+import numpy as np
+import pytest
+
+from bench import Results, Study, run
+from bench.topics.findings import Findings
+from bench.topics.runs.marks import FIRST, NEAR, marks
+from bench.topics.runs.panels import classes, measured, panels
+from bench.topics.runs.ranks import rank_map
+from bench.topics.runs.section import section
+
+
+@pytest.fixture(scope="module")
+def folder(make, tmp_path_factory):
+    """Return a folder in which a, b and c find about 5, 6 and 7 on p and q."""
+    return make(tmp_path_factory.mktemp("runs") / "s")
+
+
+@pytest.fixture(scope="module")
+def suite(tmp_path_factory):
+    """Return the findings of two functions in two dimensions, of two instances each."""
+    table = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2, 5], "instances": "1-2"}
+    study = Study.from_dict(
+        {"name": "suite", "trials": 3, "budget": "100 * d", "problems": [table],
+         "optimizers": [{"name": "cma-es-fast"}, {"name": "random-search"}]}
+    )  # fmt: skip
+    return Findings(Results(run(study, tmp_path_factory.mktemp("suite") / "s", n_jobs=1).folder))
+
+
+def found(folder, **optima):
+    findings = Findings(Results(folder))
+    findings.trials.__dict__["optima"] = optima
+    return findings
+
+
+class TestTheAxis:
+    def test_has_ratios_where_values_are_positive(self, folder):
+        of_all = measured(found(folder))
+        assert (of_all.axis, of_all.logarithmic) == ("value / lowest", False)
+        assert of_all.frame.groupby("problem", observed=True)["value"].min().tolist() == [1.0, 1.0]
+        known = measured(found(folder, p=2.0)).frame
+        assert known.loc[known["problem"] == "p", "value"].min() == pytest.approx(
+            known.loc[known["problem"] == "p", "fun"].min() / 2
+        )
+
+    def test_has_distances_where_values_are_not(self, make, tmp_path):
+        of_all = measured(found(make(tmp_path / "s", changes={"a": {"fun": -1.0}})))
+        assert of_all.logarithmic
+        assert of_all.frame["value"].min() == 1e-6
+        assert of_all.frame.groupby("problem", observed=True)["value"].median().tolist() == pytest.approx([1, 1])
+
+    def test_has_precisions_on_functions_of_the_field(self, suite):
+        of_all = measured(suite)
+        assert (of_all.axis, of_all.logarithmic) == ("precision", True)
+        assert of_all.frame["value"].min() >= 1e-8
+
+
+class TestPanels:
+    def test_each_problem_has_one_up_to_forty(self, suite, monkeypatch):
+        assert list(panels(suite.trials)) == suite.trials.problems
+        monkeypatch.setattr("bench.topics.runs.panels.MOST", 3)
+        assert panels(suite.trials) == {
+            name: [f"classical-{name}-d{d}" for d in (2, 5)] for name in ("sphere", "rastrigin")
+        }
+
+    def test_classes_are_groups_or_dimensions(self, suite, folder):
+        assert len(classes(suite.trials)) == len({facts.features["group"] for facts in suite.trials.known.values()})
+        assert classes(found(folder).trials) == {"d = 1": ["p", "q"]}
+
+
+class TestMarks:
+    def test_the_first_and_those_that_no_test_separates_from_it(self, folder):
+        shown = marks(found(folder).final, {"p": ["p"], "both": ["p", "q"]})
+        assert shown.loc["p"].to_dict() == {"a": FIRST, "b": "", "c": ""}
+        assert shown.loc["both"].to_dict() == {"a": FIRST, "b": "", "c": ""}
+
+    def test_equal_ones_have_none_and_few_runs_separate_nobody(self, make, tmp_path):
+        findings = found(make(tmp_path / "s", ("p",), trials=2))
+        assert marks(findings.final, {"p": ["p"]}).loc["p"].to_dict() == {"a": FIRST, "b": NEAR, "c": NEAR}
+        equal = found(make(tmp_path / "t", ("p",), ("a", "b"), changes={each: {"fun": 1.0} for each in "ab"}))
+        assert marks(equal.final, {"p": ["p"]}).loc["p"].to_dict() == {"a": "", "b": ""}
+
+
+class TestTheSection:
+    def test_has_one_figure_with_the_medians_behind_it(self, folder):
+        findings = found(folder, p=2.0)
+        made = section(findings)
+        (figure,) = made.items
+        table = figure.table
+        assert (figure.name, table.name, len(figure.data)) == ("runs", "comparison", 48)
+        assert table.frame.index.tolist() == ["p", "q"]
+        assert table.bold.loc["p"].to_dict() == {"a": True, "b": False, "c": False}
+        assert table.marks.loc["p"].to_dict() == {"a": "", "b": "1.00*", "c": "1.00*"}
+        data = table.data.set_index(["problem", "optimizer"])
+        assert data.at[("p", "b"), "median_above_optimum"] == pytest.approx(data.at[("p", "b"), "median"] - 2)
+        assert np.isnan(data.at[("q", "b"), "median_above_optimum"])
+        assert {"a12", "p", "p_holm", "mean", "rank"} <= set(data)
+        assert made.text == (
+            "Tests find a difference on 2 of 2 problems; of 2 problems without any difference, 0.1 would show one.",
+        )
+        assert {file.path for file in made.files} == {f"tables/{name}.csv" for name in ("trials", "tests", "ranking")}
+
+    def test_failed_and_missing_runs_are_said(self, make, tmp_path):
+        made = section(found(make(tmp_path / "s", fail=[("p", "b")], skip=[("q", "c")])))
+        assert "On 1 problem at least one optimizer has no run; nothing is compared with it there." in made.text
+        table = made.items[0].table
+        assert table.lost.loc["p"].to_dict() == {"a": False, "b": True, "c": False}
+        assert "8✗" in [text.get_text().strip() for text in made.items[0].figure.axes[0].texts]
+
+
+class TestTheMapOfRanks:
+    def test_has_a_row_a_problem(self, folder):
+        table = rank_map(found(folder))
+        assert table.frame.loc["p"].tolist() == ["1", "2", "3"]
+        assert table.shades.loc["p"].tolist() == [0, 0.5, 1]
+
+    def test_has_a_column_a_class_above_forty_problems(self, suite, monkeypatch):
+        monkeypatch.setattr("bench.topics.runs.ranks.MOST", 3)
+        table = rank_map(suite)
+        assert list(table.frame.index) == suite.final.ranked
+        assert list(table.frame) == list(classes(suite.trials))
