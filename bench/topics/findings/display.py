@@ -29,7 +29,8 @@ class Excerpt:
     def written_pairs(self) -> pd.DataFrame:
         """The tests that a report writes as a file."""
         first = self.final.ranked[:CROWD]
-        return self.final.pairs[self.final.pairs["first"].isin(first) & self.final.pairs["second"].isin(first)]
+        pairs = self.final.on_problems
+        return pairs[pairs["first"].isin(first) & pairs["second"].isin(first)]
 
     @cached_property
     def shown(self) -> list[str]:

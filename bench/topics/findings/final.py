@@ -10,6 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.across import places, with_winner
+from bench.analysis.comparison import within_problems
 from bench.analysis.error_rates import enough_trials
 from bench.analysis.error_rates import levels as levels_of
 from bench.analysis.pairwise import adjusted
@@ -44,6 +45,11 @@ class Final:
         if not level:  # the whole level belongs to the tests over all problems
             pairs = adjusted(pairs, level, self.subject).assign(testable=False)
         return pairs
+
+    @cached_property
+    def on_problems(self) -> pd.DataFrame:
+        """The pairs with their claims on each problem: p adjusted within it, and which optimizer ends lower."""
+        return within_problems(self.pairs)
 
     @property
     def tested_pairs(self) -> pd.DataFrame:

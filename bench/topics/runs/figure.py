@@ -68,6 +68,7 @@ def _titles(places: Panels, ax: Axes) -> list[str]:
 
 def _limits(values: pd.Series[float], logarithmic: bool) -> tuple[float, float]:
     """Return the ends of the axis, a little beyond the least and the largest value."""
+    values = values[style.drawable(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (1.0, 2.0)
     if logarithmic:
         return low / 1.6, high * 1.6

@@ -24,11 +24,12 @@ def marks(final: Final, panels: Mapping[str, Sequence[str]]) -> pd.DataFrame:
     On a panel of several problems a test separates them where it shows the first to end lower on any of these.
     """
     ranks = ranks_on(final, panels)
-    shown = final.tested_pairs
-    shown = shown[shown["lower"] != ""].astype({"problem": object, "first": object, "second": object})
+    tests = final.on_problems
+    tests = tests[tests["p_holm"].notna()]
+    shown = tests[tests["lower"] != ""].astype({"problem": object, "first": object, "second": object})
     higher = shown["second"].where(shown["lower"] == shown["first"], shown["first"])
     by_problem = pd.DataFrame({"problem": shown["problem"], "lower": shown["lower"], "higher": higher})
-    tested = {*final.tested_pairs["first"], *final.tested_pairs["second"]}
+    tested = {*tests["first"], *tests["second"]}
     found = pd.DataFrame("", index=ranks.index, columns=ranks.columns)
     for title, problems in panels.items():
         own = ranks.loc[title].dropna()

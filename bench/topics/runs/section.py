@@ -21,7 +21,8 @@ def section(findings: Findings) -> Section | None:
 
 
 def _text(findings: Findings) -> list[str]:
-    tests, trials = findings.final.tested_pairs, findings.trials
+    tests, trials = findings.final.on_problems, findings.trials
+    tests = tests[tests["p_holm"].notna()]
     text = []
     if tests["problem"].nunique():
         text.append(words.differences(tests["problem"].nunique(), tests.loc[tests["lower"] != "", "problem"].nunique()))

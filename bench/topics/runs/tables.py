@@ -49,7 +49,7 @@ def cells_of(findings: Findings) -> pd.DataFrame:
     ``a12`` is the chance that a run of the leader ends lower, and ``p_holm`` is p adjusted within the problem.
     """
     final = findings.final
-    pairs = seen_from(final.pairs.astype({"first": object, "second": object}), findings.leader)
+    pairs = seen_from(final.on_problems.astype({"first": object, "second": object}), findings.leader)
     tests = pairs[["problem", "second", *TESTS, "lower"]].rename(columns={"second": "optimizer"})
     cells = final.summary.merge(final.standings[["problem", "optimizer", "rank"]], on=["problem", "optimizer"])
     above = analysis.regret(final.measured_summary, findings.trials.unbeaten, ("median",))

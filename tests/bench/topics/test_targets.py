@@ -153,8 +153,8 @@ class TestRunLengths:
         found = small()
         table = ratios(found)
         assert list(table.frame) == ["best of 2009", "a", "b"]
-        assert table.texts.loc["bbob-f08-d2"].tolist()[0] == "19"
-        assert table.frame.at["bbob-f08-d2", "a"] == pytest.approx(8 / 19)
+        assert table.texts.iloc[0, 0] == "19"
+        assert table.frame["a"].iloc[0] == pytest.approx(8 / 19)
         precision = table.data[table.data["optimizer"] == "a"].set_index("budget / d")["precision"]
         assert precision.to_dict() == pytest.approx(
             {0.5: 10**1.8, 1.2: 10**1.6, 3.0: 10**1.4, 10.0: 10**1.2, 50.0: 10.0}
