@@ -135,6 +135,7 @@ def _imported(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType
     folder = path.resolve().parent
     module = module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look up annotations there
+    _folders.add(folder)
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
     try:
@@ -149,6 +150,9 @@ def _imported(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType
     return module
 
 
+_folders: set[Path] = set()  # of plug-ins' files, which Python searches last
+
+
 def _refuse_namesakes(tree: ast.Module, path: Path, folder: Path) -> None:
     """Raise BenchError where a file imports a module beside it, and one of that name is loaded from elsewhere."""
     others = observing.modules()
@@ -159,7 +163,8 @@ def _refuse_namesakes(tree: ast.Module, path: Path, folder: Path) -> None:
         for name in names:
             loaded = others.get(name)
             beside = next(filter(Path.exists, (folder / f"{name}.py", folder / name / "__init__.py")), None)
-            if beside and loaded and Path(loaded).resolve() != beside.resolve():
+            home = Path(loaded).resolve().parents[beside.name == "__init__.py"] if beside and loaded else folder
+            if home != folder and home in _folders:  # all else Python finds first, for both
                 raise BenchError(
                     f"{path} imports {beside} and another plug-in imports {loaded}, but a process loads one module of "
                     "a name alone; rename one of them"

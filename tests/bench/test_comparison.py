@@ -63,10 +63,11 @@ def test_functions_and_classes_are_compared_in_one_call(results):
     assert again.fun == results.frame["fun"][0]
 
 
-def test_the_cells_have_the_hashes_of_code_and_data(results, place):
-    cells = Folder(place).store.held().all.values()
-    assert all(f'"python:{label}": "' in cell.optimizer for label, cell in zip(("Halving", "draw"), cells, strict=True))
-    assert all('"data": "' in cell.problem and '"data": ""' not in cell.problem for cell in cells)
+def test_trials_are_made_from_the_content_of_problem_and_optimizer(results, place):
+    held = Folder(place).store.held()
+    for label, cell in zip(("Halving", "draw"), held.all.values(), strict=True):
+        assert len(held.made[cell.optimizer][f"object:optimizers python:{label}"][0]) == 16
+        assert any(name.startswith("object:problems python:") for name in held.made[cell.problem])
 
 
 def test_the_same_call_makes_only_what_is_missing(results, place):

@@ -252,3 +252,19 @@ def test_a_file_that_is_no_python_is_refused_in_a_sentence(tmp_path):
     (tmp_path / "mine.py").write_text("def broken(:")
     with pytest.raises(BenchError, match=r"mine\.py cannot be read as Python"):
         from_file.is_problem(f"{tmp_path / 'mine.py'}:Mine")
+
+
+def test_two_files_that_import_other_modules_of_one_name_are_refused(tmp_path):
+    for folder, text in (("p", f"import namesake_of_bowl\n{PROBLEM}"), ("o", f"import namesake_of_bowl\n{ANY}")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.py").write_text(text, encoding="utf-8")
+        (tmp_path / folder / "namesake_of_bowl.py").write_text("A = 1")
+    study = Study.from_dict(
+        {"name": "s", "trials": 1, "budget": 20, "problems": [{"name": f"{tmp_path}/p/mine.py:Bowl"}],
+         "optimizers": [{"name": f"{tmp_path}/o/mine.py:any"}]}
+    )  # fmt: skip
+    with pytest.raises(BenchError, match=r"o/mine.py imports .* and another plug-in imports .*rename one of them"):
+        run(study, tmp_path / "out", n_jobs=1)
+
+
+ANY = "def any(objective, rng):\n    objective(objective.initial(2))\n"
