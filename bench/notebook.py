@@ -14,9 +14,10 @@ from bench import analysis, plots
 from bench.errors import BenchError, nearest
 from bench.helpers.text import html_table
 from bench.results.results import AnyPath, StoredResults
+from bench.topics.answer.facts import facts
+from bench.topics.answer.file import answer
+from bench.topics.answer.section import lines
 from bench.topics.findings import Findings
-from bench.topics.verdict import section as verdict
-from bench.topics.verdict.answer import answer
 from bench.topics.write import write_report
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ class Results(StoredResults):
         """Return the verdict, as a report begins with it, and its table."""
         found = self._answer
         rows = pd.DataFrame(found["rows"], columns=found["columns"]).to_string(index=False) if found["rows"] else ""
-        return "\n".join(filter(None, (found["sentence"], found["selection"], rows, found["more"])))
+        lines = [f"{label}: {text}" for label, text in found["lines"]]
+        return "\n".join(filter(None, (found["sentence"], *lines, found["selection"], rows, found["more"])))
 
     def _repr_html_(self) -> str:
         """Return the verdict with its table, where anything is compared, and the numbers of trials."""
@@ -46,7 +48,7 @@ class Results(StoredResults):
     @cached_property
     def _answer(self) -> dict[str, Any]:
         findings = Findings(self)
-        return answer(findings, verdict.section(findings))
+        return answer(findings, lines(findings))
 
     def _counts(self) -> str:
         """Return the numbers of trials as a table; damaged trials are counted as they are stored."""
@@ -92,8 +94,8 @@ class Plots:
     _results: StoredResults
 
     def chances(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the chance that the first of two optimizers ends lower, over the problems, for each pair."""
-        return plots.a12_forest(analysis.across_problems(analysis.pairwise_tests(self._results.pooled())), ax=ax)
+        """Draw the chance that a run of the first optimizer, or of the subject, ends lower, against each rival."""
+        return plots.a12_forest(Findings(self._results).of(facts).rivals, ax=ax)
 
     def values(self, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the values that the trials of each optimizer reached on a problem; by default on the first one."""

@@ -224,6 +224,12 @@ def shared(seeds: Sequence[Sequence[Samples]]) -> bool:
     return False
 
 
+def shared_by(frame: pd.DataFrame) -> list[str]:
+    """Return the optimizers of which runs on different problems have the same seed."""
+    cells = frame[["problem", "optimizer", "seed"]].astype(object).dropna().drop_duplicates()
+    return list(dict.fromkeys(cells.loc[cells.duplicated(["optimizer", "seed"]), "optimizer"]))
+
+
 def inflation(samples: Sequence[Sequence[Samples]], seeds: Sequence[Sequence[Samples]]) -> tuple[float, float]:
     """Return by how much runs of one seed make the variance of a mean larger, at least 1, and its degrees of freedom.
 

@@ -28,6 +28,7 @@ def read(folder: Path) -> dict[str, Any]:
 def as_lines(content: dict[str, Any]) -> Group:
     """Return an answer as lines for a terminal."""
     parts: list[RenderableType] = [Text(str(content.get("sentence", "")), style="bold")]
+    parts += [Text(f"{label}: {text}") for label, text in content.get("lines", [])]
     if content.get("selection"):
         parts.append(Text(str(content["selection"])))
     if content["rows"]:

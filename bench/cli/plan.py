@@ -33,7 +33,7 @@ def command(
         raise BenchError(f"the gap is an A12 between 0.5 and 1, such as 0.71, not {gap:g}")
     from bench.results.results import StoredResults
     from bench.study import Study
-    from bench.topics.trials.design import foreseen
+    from bench.topics.trust.design import foreseen
 
     planned = Study.load(study) if study.suffix == ".toml" else StoredResults(study).study
     if len(planned.optimizers) < 2:

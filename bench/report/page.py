@@ -13,7 +13,6 @@ from typing import NamedTuple
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from bench.helpers.text import slug
 from bench.report.library import as_json, digest, library
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 from bench.report.wording import clause
@@ -114,10 +113,9 @@ def render(
 
 
 def _anchors(views: list[View]) -> dict[str, str]:
-    """Return the ids that a line of the first part can link to, by title: those of parts and of its folded cards."""
-    folded = [card.title for view in views[:1] for card in view.section.cards if card.folded]
+    """Return the ids that a line of the first section can link to, by the titles of sections and their parts."""
     shown = [view for outer in views for view in (outer, *outer.views)]
-    return {title: f"card.{slug(title)}" for title in folded} | {view.section.title: view.anchor for view in shown}
+    return {view.section.title: view.anchor for view in shown}
 
 
 def grid(table: Table) -> PageTable:

@@ -195,14 +195,12 @@ class Card:
         text: paragraphs of plain text; the first one of a card with lines is its headline.
         tone: "claim" for a statement that the results support, "open" for one that leaves the question open, "limit"
             for a limit of the results.
-        folded: whether only the title shows until a reader opens it; it is printed all the same.
-        lines: what a reader asks next, on the first section of a page below its pictures.
+        lines: short answers, each with a label; those of the first section of a page stand below its pictures.
     """
 
     title: str
     text: tuple[str, ...]
     tone: Literal["claim", "open", "limit"]
-    folded: bool = False
     lines: tuple[Line, ...] = ()
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.latex import ONE_COLUMN, Layout, figure_to_latex, to_latex
 from bench.report.page import Item, View, file_rows, inline, render
-from bench.report.parts import Figure, Part, Section, Table
+from bench.report.parts import Figure, File, Part, Section, Table
 
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
 TABLES, FIGURES = "tables", "figures"
@@ -80,8 +80,8 @@ class Draft:
         self._done = 0
         self._steps = 0
 
-    def write(self, title: str, lead: str, chapters: Sequence[Chapter]) -> Path:
-        """Write all files and return the path of the page."""
+    def write(self, title: str, lead: str, chapters: Sequence[Chapter], short: Callable[[Section], File]) -> Path:
+        """Write all files and return the path of the page; ``short`` makes a file of its first section."""
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         self._steps = len(chapters) + self.expected + 1
@@ -94,6 +94,8 @@ class Draft:
                 for view in self.views:
                     places.setdefault(view.section.title, place)
         self.views.sort(key=lambda view: places[view.section.title])
+        file = short(self.views[0].section)
+        self.save(file.path, file.content, file.about)
         self.save(CONTENTS, contents(title, self.files), "These files.")
         listed = file_rows(self.files)
         self.views = [replace(view, files=listed) if view.section.lists_files else view for view in self.views]

@@ -208,6 +208,11 @@ class StoredResults:
         return [source.found for source in self._read_sources]
 
     @property
+    def histories(self) -> list[list[dict[str, Any]]]:
+        """What the runs of each folder selected, oldest first (:meth:`bench.storage.folder.Folder.history`)."""
+        return [source.folder.history() for source in self._sources]
+
+    @property
     def damage(self) -> list[str]:
         """A sentence for each folder in which trials, or records of environments, are damaged."""
         return [f"{source.name}: {source.found.sentence}" for source in self._read_sources if not source.found.sound]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from bench.report.write import MANIFEST, Draft
 from bench.results.results import StoredResults
 from bench.study.selection import Dimensions, Patterns
 from bench.study.targets import Targets
+from bench.topics.answer.file import answer_file
 from bench.topics.findings import Findings
 from bench.topics.findings.replication import each_problem
 from bench.topics.page import chapters
@@ -97,7 +99,7 @@ def write_report(
                 layout=LAYOUTS[columns],
             )
             title = findings.study.title or findings.study.name
-            page = draft.write(title, lead(findings), chapters(findings))
+            page = draft.write(title, lead(findings), chapters(findings), partial(answer_file, findings))
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {reason(error)}") from error
     results.note_stores()

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
 from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.report.parts import Table
-from bench.report.prose import speaker
 from bench.report.wording import MISSING, listing
 from bench.study import Study
 from bench.study.descriptions import Description
 from bench.study.sweep import swept
 
 UNKNOWN, NONE = "not known", "null"
-MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
-SAY = speaker(__package__, MOST_LABELS=MOST_LABELS)
+MOST_VALUES, MOST_LABELS = 4, 5  # that a sentence names
 
 
 def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
@@ -44,31 +42,6 @@ def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.Data
         )
         rows.append(row)
     return pd.DataFrame(rows, [entry.label for entry in study.optimizers], [*CONDITIONS, "changed"], dtype=object)
-
-
-class Conditions(NamedTuple):
-    """Sentences on the conditions: ``limits`` restrict the claims of a page, ``others`` do not."""
-
-    limits: tuple[str, ...]
-    others: tuple[str, ...]
-
-
-def sentences(study: Study, descriptions: Mapping[str, Description], leader: str) -> Conditions:
-    """Return the differences besides the algorithm, and the options that are not the optimizers' own defaults."""
-    table = conditions(study, descriptions)
-    clause = differing(study, descriptions, leader)
-    described = table["changed"].dropna()
-    unknown = [*map(str, table.index.difference(described.index, sort=False))]
-    pairs = _changed(described, len(table))
-    if len(pairs) > MOST_OPTIONS:
-        owners = sum(bool(changed) for changed in described)
-        changed = SAY("many_changed", len(pairs), owners, len(table))
-    else:
-        changed = SAY("changed", pairs) if pairs else ""
-    not_known = SAY("unknown", unknown) if unknown else ""
-    limits = (SAY("limits", clause) if clause else "", f"{changed} {not_known}".strip())
-    others = ("" if clause else _alike(table), SAY("usual", bool(unknown)) if len(described) and not pairs else "")
-    return Conditions(tuple(filter(None, limits)), tuple(filter(None, others)))
 
 
 def differing(study: Study, descriptions: Mapping[str, Description], leader: str) -> str:
@@ -119,14 +92,6 @@ def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:
     return groups
 
 
-def _alike(table: pd.DataFrame) -> str:
-    """Return the sentence on the conditions that all optimizers have and that are known to be the same."""
-    groups = {name: by_value(table[name]) for name in CONDITIONS if None not in table[name].tolist()}
-    alike = [f"{name} ({next(iter(values))})" for name, values in groups.items() if len(values) == 1]
-    partly = bool((table[[*CONDITIONS]] == UNKNOWN).any(axis=None))
-    return SAY("alike", alike, partly) if alike else ""
-
-
 def _said(value: object) -> str:
     """Return the value of a condition in words."""
     return "no option" if value is None else "automatic" if value == NONE else str(value)
@@ -141,18 +106,6 @@ def grouped(groups: Mapping[str, list[str]]) -> str:
     value, labels = ordered[-1]
     most = f"the {len(labels)} others" if len(labels) > 1 else labels[0]
     return listing([*parts, f"{value} for {most}"])
-
-
-def _changed(described: pd.Series[Any], optimizers: int) -> list[str]:
-    """Return the options that are not the defaults, with their values and owners, as ``"agents = 9 for gwo"``."""
-    by_option: dict[str, list[str]] = {}
-    for label, changed in described.items():
-        for name, (value, _) in changed.items():
-            by_option.setdefault(f"{name} = {value}", []).append(str(label))
-    return [
-        f"{pair} for {'all' if len(labels) == optimizers else listing(labels, at_most=MOST_LABELS)}"
-        for pair, labels in by_option.items()
-    ]
 
 
 def conditions_table(study: Study, descriptions: Mapping[str, Description]) -> Table:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import pandas as pd
@@ -10,27 +11,28 @@ import pandas as pd
 from bench.analysis.cells import budgets, scores
 from bench.analysis.instances import SOLVED
 from bench.analysis.stages import unused_budget
-from bench.report.prose import speaker
-from bench.report.wording import listing, percent
 from bench.topics.conditions import conditions
 from bench.topics.findings import Findings
 
 UNUSED = 0.01  # of the budget, on average, by which an optimizer may use less than another one
-SAY = speaker(__package__, MOST_LABELS=conditions.MOST_LABELS)
 
 
 class Differing(NamedTuple):
-    """What may explain an outcome besides the algorithms, each "" where nothing is known to.
+    """What may explain an outcome besides the algorithms, each empty where nothing is known to.
 
     Attributes:
-        clause: such as ``"handling is box for cma-es and repair for the 4 others, gwo left 28% of its budget unused"``.
-        line: the same in at most twenty words, with what removes it.
-        remedy: sentences on what removes it.
+        clause: such as ``"handling is box for cma-es and repair for the 4 others"``.
+        names: the conditions of the clause, which a study can set alike.
+        left: the share of its budget that an optimizer left unused, by label, where that may explain a loss.
     """
 
     clause: str = ""
-    line: str = ""
-    remedy: str = ""
+    names: tuple[str, ...] = ()
+    left: Mapping[str, float] = MappingProxyType({})
+
+    def __bool__(self) -> bool:
+        """Whether anything may explain it."""
+        return bool(self.clause or self.left)
 
 
 def differing(findings: Findings, beaten: Collection[str], lost: Collection[str] = ()) -> Differing:
@@ -47,19 +49,11 @@ def differing(findings: Findings, beaten: Collection[str], lost: Collection[str]
     most = spent["used"].reindex([*lost]).clip(upper=1.0).max()
     own = spent["needed"][[leader]]
     less = pd.concat([less, own[own < most - UNUSED]]).sort_values()
-    left = listing([f"{label} left {percent(1 - share)}" for label, share in less.items()], conditions.MOST_LABELS)
-    options = options_differing(findings)
-    clauses = (options, f"{left} of its budget unused" if len(less) else "")
-    names = conditions.names_differing(findings.study, findings.descriptions, leader)
-    remedy = (SAY("alike_in_the_study", names), SAY("restarts", list(less.index)))
     return Differing(
-        ", ".join(filter(None, clauses)), SAY("unlike", names, list(less.index)), " ".join(filter(None, remedy))
+        conditions.differing(findings.study, findings.descriptions, leader),
+        tuple(conditions.names_differing(findings.study, findings.descriptions, leader)),
+        {str(label): 1 - float(share) for label, share in less.items()},
     )
-
-
-def options_differing(findings: Findings) -> str:
-    """Return the options that may favour or harm the leader, as a clause; "" if none is known to."""
-    return conditions.differing(findings.study, findings.descriptions, findings.leader)
 
 
 def shares_used(findings: Findings) -> pd.DataFrame:

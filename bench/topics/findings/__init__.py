@@ -89,11 +89,16 @@ class Findings:
         return subject if subject in self.trials.optimizers else ""
 
     @property
-    def declared(self) -> bool:
-        """Whether the first run already named the subject; only then are other pairs no hypotheses of the page."""
+    def first_subject(self) -> str:
+        """The subject that the first run named; "" without one, or where no run is on record."""
         runs = [record for record in self.results.environments if not record.get("imported")]
         first = min(runs, key=lambda record: str(record.get("started", "")), default={})
-        return bool(self.subject) and first.get("subject") == self.subject
+        return str(first.get("subject") or "")
+
+    @property
+    def declared(self) -> bool:
+        """Whether the first run already named the subject; only then are other pairs no hypotheses of the page."""
+        return bool(self.subject) and self.first_subject == self.subject
 
     @property
     def leader(self) -> str:

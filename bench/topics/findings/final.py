@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.across import places, with_winner
-from bench.analysis.comparison import within_problems
+from bench.analysis.comparison import chances, order, within_problems
 from bench.analysis.error_rates import enough_trials
 from bench.analysis.error_rates import levels as levels_of
 from bench.analysis.pairwise import adjusted
@@ -24,6 +24,16 @@ class Final:
 
     trials: Trials
     subject: str = ""  # whose pairs alone are tested
+
+    @cached_property
+    def chances(self) -> pd.DataFrame:
+        """The chance of each optimizer to end lower than its rivals on each problem, and its rank by that."""
+        return chances(self.trials.frame)
+
+    @cached_property
+    def order(self) -> pd.DataFrame:
+        """The optimizers in the order of their chance over problems, which is that of every part of a report."""
+        return order(self.chances)
 
     # problem by problem
 
@@ -134,5 +144,5 @@ class Final:
 
     @cached_property
     def ranked(self) -> list[str]:
-        """The labels of the optimizers in the order of every part of a report (:func:`bench.analysis.places`)."""
-        return list(self.ranking.sort_values("place", kind="stable")["optimizer"])
+        """The labels of the optimizers in the order of every part of a report."""
+        return list(self.order["optimizer"])

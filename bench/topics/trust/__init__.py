@@ -1,1 +1,1 @@
-"""The section “Can you trust it?”: what may limit the answer."""
+"""The section “Can you trust it?”: one card with what may limit the answer."""

@@ -1,16 +1,125 @@
-"""The section of the page on what may limit the answer."""
+"""What may limit the answer: conditions, checks, changes after the results, few trials, and other measures."""
 
 from __future__ import annotations
 
-from bench.report.parts import Section
-from bench.topics.findings import Findings
-from bench.topics.hung import hung
-from bench.topics.integrity import beside
-from bench.topics.integrity import section as integrity
+from collections.abc import Iterator
+
+import pandas as pd
+
+from bench.analysis.comparison import shared_by
+from bench.objective import ON_TARGET, OUT_OF_TIME
+from bench.report.parts import Card, File, Line, Section, Table
+from bench.report.wording import count, listing, unfinished_trials
+from bench.topics.answer.facts import facts
+from bench.topics.answer.section import nothing_to_compare
+from bench.topics.findings import Findings, Trials
+from bench.topics.trust import words
+from bench.topics.trust.changes import changes
+from bench.topics.trust.checks import checks
+from bench.topics.trust.design import foreseen
+from bench.topics.trust.left_out import left_out
 
 TITLE = "Can you trust it?"
+TROUBLE = ("error", "warning")
 
 
 def section(findings: Findings) -> Section | None:
-    """Return the section; None where there is no finding."""
-    return hung(findings, TITLE, beside.section, integrity.section)
+    """Return one card with what limits the answer, and tables of failed and missing trials; None without a trial."""
+    if findings.trials.whole.empty:
+        return None
+    made = findings.of(checks)
+    verdicts = made["verdict"]
+    troubles = made[verdicts.isin(TROUBLE)]
+    passed = made.loc[verdicts.isin(("pass", "note")), "check"]
+    headline = words.checked(len(passed), len(troubles), int((verdicts == "not checked").sum()))
+    compared = not nothing_to_compare(findings)
+    reasons = {label: known.reason for label, known in findings.trials.known.items() if known.reason}
+    skipped = (*findings.results.differences, *left_out(findings.trials.comparable))
+    lines = [
+        *(_conditions(findings) if compared else ()),
+        *(Line("not compared", text) for text in skipped),
+        *(Line(str(row.check), f"{row.finding}".partition(". ")[0]) for row in troubles.itertuples()),
+        *([Line("problems", words.not_loaded(list(reasons), next(iter(reasons.values()))))] if reasons else []),
+        *(Line("failures", text) for text in handled(findings.trials.whole)),
+        *([Line("passed", words.passed(list(passed)))] if len(passed) else []),
+        *(_claims(findings) if compared else ()),
+    ]
+    card = Card("", (headline,), "open" if len(troubles) else "limit", lines=tuple(lines))
+    table = File("tables/integrity.csv", "The checks of the results, and what each found.", made)
+    lost = unfinished_trials(findings.trials.comparable.working)
+    return Section(TITLE, items=tuple(_incomplete(findings.trials)), cards=(card,), lost=lost, files=(table,))
+
+
+def _conditions(findings: Findings) -> Iterator[Line]:
+    """Yield what differs between the optimizers besides their algorithms."""
+    unlike = findings.of(facts).unlike
+    if unlike.clause:
+        yield Line("unlike", words.alike(unlike.clause, unlike.names))
+    if unlike.left:
+        yield Line("unlike", words.unused(unlike.left))
+    if findings.trials.common:
+        yield Line("budgets", words.budgets(findings.trials.common_words))
+
+
+def _claims(findings: Findings) -> Iterator[Line]:
+    """Yield what limits the claims: changes after the results, seeds, trials, problems and other measures."""
+    found, known = findings.of(changes), findings.of(facts)
+    text = words.changed(found.made, findings.study.seed + 1) if found.made else words.unchanged()
+    yield Line("changed after the results", text if found.made or found.known else words.not_known())
+    if same := shared_by(findings.trials.frame):
+        yield Line("seeds", words.shared(same))
+    if findings.trials.frame["seed"].isna().any():
+        yield Line("seeds", words.without_seeds())
+    yield Line("enough runs?", foreseen(findings.study)[1])
+    yield Line("which problems?", words.scope(len(known.problems)))
+    yield Line("other measures", words.measures(_measures(findings), len(known.problems)))
+
+
+def _measures(findings: Findings) -> dict[str, int]:
+    """Return on how many problems the lowest median, or mean, is not that of a first optimizer."""
+    keys, problems = ["problem", "optimizer"], list(findings.of(facts).problems)
+    plain = dict.fromkeys(keys, object)
+    wide = findings.final.chances.astype(plain).pivot(index=keys[0], columns=keys[1], values="chance")
+    first = wide.loc[problems].pipe(lambda chances: chances.eq(chances.max(axis=1), axis=0))
+    summary, found = findings.final.summary.astype(plain), {}
+    for name in ("median", "mean"):
+        values = summary.pivot(index=keys[0], columns=keys[1], values=name).loc[problems, first.columns]
+        agree = (values.eq(values.min(axis=1), axis=0) & first).any(axis=1)
+        found[name] = int((~agree).sum())
+    return found
+
+
+def handled(frame: pd.DataFrame) -> Iterator[str]:
+    """Yield sentences on evaluations that failed, and on trials that a limit or a good value ended."""
+    sums = frame[["failures", "nfev"]].astype(float).groupby(frame["problem"].astype(object), sort=False).sum()
+    shares = (sums["failures"] / sums["nfev"])[sums["failures"] > 0]
+    if len(shares):
+        named = listing([f"{share:.2g} of those on {problem}" for problem, share in shares.items()], at_most=8)
+        yield f"Evaluations failed, and count with the value +inf: a share of {named}."
+    if late := int((frame["stop"] == OUT_OF_TIME).sum()):
+        yield (
+            f"A limit of time has ended {late:,} of {count(len(frame), 'trial')} before the budget: their results "
+            "depend on the machine and cannot be repeated bit by bit."
+        )
+    if good := int((frame["stop"] == ON_TARGET).sum()):
+        yield f"{good:,} of {count(len(frame), 'trial')} ended before the budget, as their value was good enough."
+
+
+def _incomplete(trials: Trials) -> list[Table]:
+    coverage, frame = trials.coverage, trials.whole
+    short = coverage[(coverage["missing"] > 0) | (coverage["failed"] > 0)]
+    lost = short[["failed"]] > 0
+    tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short, lost=lost)] if len(short) else []
+    failed = frame[frame["status"] != "ok"]
+    return [*tables, _failures(failed)] if len(failed) else tables
+
+
+def _failures(failed: pd.DataFrame) -> Table:
+    first_line = failed["error"].astype(object).where(failed["error"].notna(), "").str.split("\n").str[0]
+    errors = failed.assign(optimizer=failed["optimizer"].astype(str), error=first_line)
+    reasons = (
+        errors.groupby(["optimizer", "status", "error"], sort=False)
+        .agg(trials=("trial", "size"), problems=("problem", "nunique"))
+        .reset_index()[["optimizer", "status", "trials", "problems", "error"]]
+    )
+    return Table("failures", "Failed trials by optimizer and reason.", reasons, lost=reasons[["trials"]] > 0)

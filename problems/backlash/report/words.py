@@ -9,6 +9,13 @@ from bench.report import count, listing
 MOST = 5  # optimizers that a sentence names
 
 
+def remembered(what: str, shares: Sequence[tuple[str, float]]) -> str:
+    """Say which share of the runs of the first optimizers found the best fit, or another figure."""
+    (first, share), *others = shares
+    beside = "".join(f", {label} {other:.0%}" for label, other in others)
+    return f"{first} finds the {what} in {share:.0%} of its runs{beside}"
+
+
 def unknown(problems: str, reason: str) -> str:
     """Say whose true values are not known."""
     return f"The expected values of {problems} are not known here and left out: {reason}."

@@ -17,11 +17,11 @@ from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.targets import Targets
 from bench.topics import write_report
+from bench.topics.answer import section as answer
 from bench.topics.findings import Findings
-from bench.topics.integrity.beside import section
-from bench.topics.integrity.checks import checks
 from bench.topics.methods.methods import methods
-from bench.topics.verdict import section as verdict
+from bench.topics.trust import section as trust
+from bench.topics.trust.checks import checks
 from bench.trial import Trial
 from tests.bench.formats.made import exported, make, record
 
@@ -177,11 +177,10 @@ class TestFinalValues:
         """Trials end at success, so those of b that ended early are the lucky ones."""
         found = Findings(Results(final_values(tmp_path, {"a": 10_000, "b": 1_000}, ends=0.05)))
         assert found.trials.common == {"p1": 1_000, "p2": 1_000}
-        shown = verdict.section(found)
-        assert shown.text == (
+        assert answer.section(found).text == (
             "There is nothing to compare: no problem has trials of every optimizer that can be compared.",
         )
-        assert shown.warnings[0] == (
+        assert trust.section(found).cards[0].lines[0].text == (
             "a spent more evaluations than others had on p1 and p2, and what was found by then is not known, so it is "
             "not compared there."
         )
@@ -190,8 +189,8 @@ class TestFinalValues:
         found = Findings(Results(final_values(tmp_path, {"a": 1_000, "b": 995})))
         assert found.trials.common == {}
         assert set(found.anytime.stages["share"]) == {1.0}
-        (claim, *_) = verdict.section(found).cards
-        assert claim.text == ("a ends lowest on these 2 problems at 1,000 evaluations.",)
+        (claim,) = answer.section(found).cards
+        assert claim.text == ("a ends lowest on these 2 problems.",)
         assert "smaller budgets" not in f"{claim.lines}"
 
 
@@ -241,7 +240,7 @@ def test_sets_of_different_years_keep_all_their_runs_of_a_function(tmp_path):
         "all problems pair functions."
     )
     assert left[0] == "Left out of old: 3 problems that not all folders have."
-    assert "as cocopp does" in section(found).text[1]
+    assert "as cocopp does" in found.results.differences[1]
 
 
 def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_path):

@@ -57,7 +57,6 @@ def views(view):
             "What may not",
             ("No optimizer is shown to be equal to another.", "Shifts may be missed."),
             "limit",
-            folded=True,
         ),
     )
     numbers = [1234.5, np.inf, 0.5, np.nan, -2.0, 1e-5, 99.0, 1200.0, 3.0, 7.0, 8.0, 9.0]

@@ -65,7 +65,7 @@ class TestPage:
 
     def test_cards_and_warnings(self, document):
         (claim,) = document.texts("div", **{"class": "card claim"})
-        (limit,) = document.texts("details", **{"class": "card limit"})
+        (limit,) = document.texts("div", **{"class": "card limit"})
         assert "What may be claimed cma-es is ranked first on 18 of 18 problems." in claim
         assert "What may not No optimizer" in limit
         assert "⚠ Few trials." in document.texts("summary")

@@ -8,8 +8,8 @@ import pytest
 from bench import Results, Study, load_problem
 from bench.study import Entry
 from bench.topics import Findings, repairing
-from problems.backlash.report import section as on_backlash
 from problems.backlash.report import shares
+from problems.backlash.report import units as on_backlash
 from problems.backlash.signature.problem import Fit, SignatureFit
 from tests.bench import reports
 from tests.bench.storage.filled import change_data

@@ -12,7 +12,7 @@ from bench.report import Table
 from bench.report.write import save_figure
 from bench.study import Entry, Study
 from bench.topics import Findings
-from problems.backlash.report import accuracy, fitting_errors, section
+from problems.backlash.report import accuracy, fitting_errors, sections
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
 from tests.bench.reports import FAILED, ended, store
 from tests.bench.storage.filled import change_data
@@ -68,7 +68,8 @@ def usual(tmp_path_factory):
 
 @cache
 def view(results):
-    return section(Findings(results))
+    made = sections(Findings(results))
+    return made[-1] if made else None
 
 
 def table(results, name):

@@ -9,8 +9,8 @@ from bench.storage.folder import Folder
 from bench.storage.selection import Selection
 from bench.study import Entry
 from bench.study.cell import with_inputs
+from bench.topics.answer.section import headline, lines
 from bench.topics.findings import Findings
-from bench.topics.subject.against import against, first_screen
 from tests.bench.reports import finished
 
 
@@ -39,10 +39,9 @@ def folder(tmp_path_factory):
 def test_the_page_stays_about_the_subject_and_its_first_line_has_the_version_before(folder):
     found = Findings(Results(folder, versions=["mine"]))
     assert found.subject == "mine@2"
-    said = first_screen(found.of(against))
-    assert said.headline.startswith("mine@2 beats rival and mine@1 on these 2 problems")
-    lines = {line.label: line.text for line in said.lines}
-    assert lines["by how much"].startswith("a run ends lower than one of mine@1 in 100% [")
+    assert headline(found) == "mine@2 beats 2 of 2 rivals on these 2 problems."
+    (how,) = (line.text for line in lines(found) if line.label == "by how much")
+    assert how.startswith("a run of mine@2 ends lower than one of rival in 100% [")
 
 
 @pytest.mark.parametrize("versions", [(), ("mine",)])
@@ -50,8 +49,8 @@ def test_with_and_without_the_version_before_the_page_says_that_the_last_one_was
     folder, versions
 ):
     found = Findings(Results(folder, versions=versions))
-    lines = {line.label: line.text for line in first_screen(found.of(against)).lines}
-    assert lines["how sure"].startswith("selected after the results: only a run with a new seed restores the level")
+    (sure,) = (line.text for line in lines(found) if line.label == "how sure")
+    assert sure.startswith("changed after the results: versions of 1 optimizer chosen; run again with another seed")
     said = (
         "is version 2 of 2 run here" if not versions else "The versions before mine@2 are shown beside it, chosen after"
     )

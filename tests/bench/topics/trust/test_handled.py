@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from bench.topics.integrity.section import handled
+from bench.topics.trust.section import handled
 
 
 def frame(**changes):

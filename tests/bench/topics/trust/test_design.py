@@ -10,7 +10,7 @@ from bench import Study
 from bench.analysis import detectable_a12
 from bench.analysis.direction import effects, p_values
 from bench.analysis.error_rates import detectable_across, levels
-from bench.topics.trials.design import foreseen
+from bench.topics.trust.design import foreseen
 
 STUDY = {
     "name": "planned",

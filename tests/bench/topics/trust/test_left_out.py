@@ -6,11 +6,12 @@ import pytest
 from bench import Results
 from bench.analysis.comparable import Comparable
 from bench.study import Entry, Study
+from bench.topics.answer import section as answer
 from bench.topics.findings import Findings
 from bench.topics.findings.selection import selection
-from bench.topics.integrity.left_out import left_out
 from bench.topics.methods.methods import methods
-from bench.topics.verdict import section as verdict
+from bench.topics.trust import section as trust
+from bench.topics.trust.left_out import left_out
 
 PROBLEMS = ["f1-d2-i1", "f1-d2-i2", "f8-d2-i1", "f8-d2-i2"]
 
@@ -54,40 +55,36 @@ def test_each_reason_has_the_committed_sentence(committed):
     committed("left-out-cases", "".join(f"{name}: {sentence}\n" for name, (sentence,) in said.items()))
 
 
+def said(section):
+    return [f"{line.label}: {line.text}" for card in section.cards for line in card.lines]
+
+
 def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
     """One trial of a survived: it was best on the problem, before."""
     raised = [("q", label, number) for label in "abc" for number in range(8) if (label, number) != ("a", 0)]
     found = Findings(Results(make(tmp_path / "s", raised=raised)))
     assert list(found.final.medians.index) == ["p"]
-    section = verdict.section(found)
-    assert section.warnings[0].startswith("The problem that failed is not compared")
-    assert "q (in 23 of 24 trials)" in section.warnings[0]
+    section = trust.section(found)
+    assert said(section)[0].startswith("not compared: The problem that failed is not compared")
+    assert "q (in 23 of 24 trials)" in said(section)[0]
     assert section.lost == ""  # no optimizer lost a trial
-    assert "failed" not in "".join(section.cards[1].text)
-    assert not any(warning.startswith("Error: Failures") for warning in section.warnings)
+    assert not any(line.startswith("failures") for line in said(section))
     text = methods(found).text
     assert "failed or found no finite value" not in text
     assert "Not compared, as the problem's own code raised in a trial: q." in text
 
 
-def test_a_problem_that_is_not_compared_is_named_on_the_first_screen_and_drawn_nowhere(make, tmp_path):
-    raised = [("q", "a", 0)]
-    found = Findings(Results(make(tmp_path / "s", ("p", "q", "r"), raised=raised)))
-    section = verdict.section(found)
-    assert section.cards[0].lines[0].text.endswith("; not compared: q")
-    picture, ranks = section.items
-    assert set(picture.data["problem"]) == {"p", "r"}
+def test_a_problem_that_is_not_compared_is_in_no_rank(make, tmp_path):
+    found = Findings(Results(make(tmp_path / "s", ("p", "q", "r"), raised=[("q", "a", 0)])))
+    section = answer.section(found)
+    assert section.cards[0].text == ("a ends lowest on these 2 problems.",)
+    _, ranks = section.items
     assert list(ranks.frame.index) == ["p", "r"]
     assert "mpty" not in ranks.note
-    assert (found.final.tests, len(found.final.pairs)) == (6, 9)
-    assert "the 6 tests" in section.cards[3].text[-1]
-    assert "over the 6 pairs of all problems" in section.cards[4].text[0] or not found.final.levels.problems
-    one = verdict.section(Findings(Results(make(tmp_path / "t", raised=raised))))
-    assert one.cards[0].lines[0].text == "not compared: q"
+    assert len(found.final.pairs) == 9
 
 
 def test_where_every_problem_failed_there_is_nothing_to_compare(make, tmp_path):
     found = Findings(Results(make(tmp_path / "s", problems=("p",), raised=[("p", "a", 0)])))
-    section = verdict.section(found)
-    assert section.text[0].startswith("There is nothing to compare: no problem")
-    assert "p (in 1 of 24 trials)" in section.warnings[0]
+    assert answer.section(found).text[0].startswith("There is nothing to compare: no problem")
+    assert "p (in 1 of 24 trials)" in said(trust.section(found))[0]

@@ -1,1 +1,0 @@
-"""A topic of reports: the checks of the results themselves, and what is not compared."""

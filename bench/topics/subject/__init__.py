@@ -1,1 +1,0 @@
-"""A topic of reports: one optimizer, the subject of the study, against each of its rivals."""

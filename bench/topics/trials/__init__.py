@@ -1,1 +1,0 @@
-"""Whether trials suffice: the power of the tests, and their error rates."""

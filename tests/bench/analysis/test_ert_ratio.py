@@ -1,0 +1,51 @@
+"""The ratio of expected running times of two optimizers over problems."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.analysis.ert_ratio import ert_ratios
+
+
+def hits(times, spent=100.0):
+    """Return hitting times, by problem and optimizer; infinite for a run that spent its budget without a success."""
+    rows = [
+        {"problem": problem, "optimizer": label, "trial": number, "evaluations": time, "spent": spent}
+        for (problem, label), of_cell in times.items()
+        for number, time in enumerate(of_cell)
+    ]
+    return pd.DataFrame(rows)
+
+
+def test_the_ratio_is_the_geometric_mean_over_problems():
+    times = {("p", "a"): [10, 10], ("p", "b"): [40, 40], ("q", "a"): [20, 20], ("q", "b"): [20, 20]}
+    table = ert_ratios(hits(times), "a", ["b"])
+    (row,) = table.to_dict("records")
+    assert (row["rival"], row["problems"], row["bounded"]) == ("b", 2, 0)
+    assert row["ratio"] == pytest.approx(2.0)
+    assert (row["low"], row["high"]) == (pytest.approx(2.0), pytest.approx(2.0))
+
+
+def test_a_problem_that_one_does_not_solve_enters_by_a_bound_and_one_that_neither_solves_is_left_out():
+    never = [np.inf, np.inf]
+    table = ert_ratios(
+        hits({("p", "a"): [10, 10], ("p", "b"): never, ("q", "a"): never, ("q", "b"): never}), "a", ["b"]
+    )
+    (row,) = table.to_dict("records")
+    assert (row["problems"], row["bounded"]) == (1, 1)
+    assert row["ratio"] == pytest.approx(200 / 10)
+
+
+def test_a_single_run_has_no_interval_and_no_solved_problem_no_row():
+    (row,) = ert_ratios(hits({("p", "a"): [10], ("p", "b"): [30]}), "a", ["b"]).to_dict("records")
+    assert np.isnan(row["low"])
+    assert ert_ratios(hits({("p", "a"): [np.inf], ("p", "b"): [np.inf]}), "a", ["b"]).empty
+
+
+def test_intervals_of_equal_optimizers_cover_1_in_about_95_percent():
+    rng, covered = np.random.default_rng(3), 0
+    for _ in range(200):
+        times = {(problem, label): rng.lognormal(3, 0.7, 8) for problem in "pqrs" for label in "ab"}
+        (row,) = ert_ratios(hits(times), "a", ["b"]).to_dict("records")
+        covered += row["low"] <= 1 <= row["high"]
+    assert 180 <= covered <= 200
