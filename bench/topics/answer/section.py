@@ -6,11 +6,11 @@ from math import isnan
 
 from bench.report.parts import Card, Line, Section
 from bench.topics.answer import words
+from bench.topics.answer.changes import changes
 from bench.topics.answer.facts import elsewhere, facts, on_problems, own_seconds, ratios
 from bench.topics.answer.figures import chance_figure
 from bench.topics.findings import Findings
 from bench.topics.runs.ranks import rank_map
-from bench.topics.trust.changes import changes
 
 TITLE = "Answer"
 

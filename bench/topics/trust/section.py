@@ -10,11 +10,11 @@ from bench.analysis.comparison import shared_by
 from bench.objective import ON_TARGET, OUT_OF_TIME
 from bench.report.parts import Card, File, Line, Section, Table
 from bench.report.wording import count, listing, unfinished_trials
+from bench.topics.answer.changes import changes
 from bench.topics.answer.facts import facts
 from bench.topics.answer.section import nothing_to_compare
 from bench.topics.findings import Findings, Trials
 from bench.topics.trust import words
-from bench.topics.trust.changes import changes
 from bench.topics.trust.checks import checks
 from bench.topics.trust.design import foreseen
 from bench.topics.trust.left_out import left_out

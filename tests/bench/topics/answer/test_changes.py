@@ -4,9 +4,9 @@ import pytest
 
 from bench import Results
 from bench.storage.folder import Folder
+from bench.topics.answer.changes import changes
 from bench.topics.answer.section import lines
 from bench.topics.findings import Findings
-from bench.topics.trust.changes import changes
 from bench.topics.trust.section import section
 
 FIRST = {"when": "2026-01-01", "seed": 0, "trials": 8, "budget": 100, "subject": "", "problems": ["p", "q"],
