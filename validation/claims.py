@@ -171,7 +171,6 @@ def curves(studies: int) -> None:
     for name, draws, number, runs in (
         ("rare successes", [bands.rare] * 2, 1, 51), ("one run in fifty", [bands.hopeless] * 2, 1, 51),
         ("one run in thirty stuck", [bands.stuck] * 2, 1, 51), ("two shapes", [bands.alone, bands.together], 1, 51),
-        ("rare successes", [bands.rare] * 5, 6, 51), ("hardly ever to nearly always", [bands.unlike] * 2, 24, 5),
     ):  # fmt: skip
         rng, of = np.random.default_rng(1), {str(place): (draw, 1.0) for place, draw in enumerate(draws)}
         shown = [(leads(bands.hits_of(of, rng, number, runs), bands.GRID)["ahead"] != "").any() for _ in range(studies)]
