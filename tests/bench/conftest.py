@@ -89,6 +89,8 @@ SHADOWS = ("json", "numpy", "random", "typing", "bench")
 @pytest.fixture
 def shadows(tmp_path, monkeypatch):
     """The working folder, with files of the names of modules, each of which notes its import and fails."""
+    monkeypatch.delitem(sys.modules, "stride", raising=False)  # of another test's folder
+    monkeypatch.setattr(sys, "path", [*sys.path])  # to which the folder of the file is added
     for name in SHADOWS:
         imported = str(tmp_path / f"{name}.imported")
         (tmp_path / f"{name}.py").write_text(f"open({imported!r}, 'w').close()\nraise ImportError('a shadow')\n")
