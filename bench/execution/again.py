@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from bench.columns import Row, named
+from bench.execution.journal import place
 from bench.execution.local import Answer
 from bench.execution.plan import EXPENSIVE, Plan
 from bench.objective import OUT_OF_TIME
@@ -55,7 +56,9 @@ class Repetition:
 
         One that takes longer than the limits of time, on a machine that may be busier now, is not counted.
         """
-        chosen = [replace(trial, again=True) for _, trial in self._chosen.values()]
+        trials = [trial for _, trial in self._chosen.values()]
+        self.expensive |= {trial.optimizer for trial in trials if place(folder.path, trial).exists()}
+        chosen = [replace(trial, again=True) for trial in trials if not place(folder.path, trial).exists()]
         if not chosen:
             return []
         compared = _compared(chosen, folder, self._study, answers)
@@ -79,6 +82,8 @@ def doubtful(
         dear = row["objective_s"] * plan.study.parallel >= EXPENSIVE * row["nfev"]
         if labels in growing and not dear and not by_the_clock(row, plan.study):
             found = row["wall_s"], Trial(*labels, row["trial"], row["seed"], again=True)
+            if place(folder.path, found[1]).exists():  # its evaluations are slow, though a journal may have answered
+                continue
             least[labels] = min(least.get(labels, found), found, key=lambda each: each[0])
     compared = _compared([trial for _, trial in least.values()], folder, plan.study, answers)
     return {trial: what for trial, what in compared.items() if what}
@@ -99,7 +104,7 @@ def _compared(
     held = folder.store.held()
     cells = held.by_labels
     for trial, row, _ in answers(lambda: chosen) if chosen else ():
-        made_from, _, _ = (row.pop(key, None) for key in ("inputs", "after", "unasked"))
+        made_from, *_ = (row.pop(key, None) for key in ("inputs", "after", "unasked", "journal"))
         theirs = split(json.loads(made_from or "{}"))
         if any(conflicts(*pair) for pair in zip(held.made_from(cells[trial.key[:2]]), theirs, strict=True)):
             continue

@@ -51,6 +51,8 @@ class Outcome:
         edited: what was changed during the run, by name, with the number of trials that were made after that, and are
             another version.
         unasked: the optimizers that took none of the points that are known (``initial``).
+        replayed: evaluations that the journals of interrupted trials answered.
+        dropped: evaluations in journals that were of no use, as other points were asked for.
         doubtful: a line for each cell that gets no more trials, as a stored one differed when it was made again.
         spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
     """
@@ -64,6 +66,8 @@ class Outcome:
     spared: list[str]
     doubtful: list[str]
     unasked: list[str]
+    replayed: int = 0
+    dropped: int = 0
 
     @property
     def remedy(self) -> str:
@@ -172,7 +176,9 @@ def run(
             doubted = doubtful(plan, folder, make)
         plan.doubtful.update(trial.key[:2] for trial in doubted)
         repetition = Repetition(study)
-        made, edited, unasked = _make(plan, folder, make(plan.missing), about, interrupts, repetition, listeners)
+        made, edited, unasked, replay = _make(
+            plan, folder, make(plan.missing), about, interrupts, repetition, listeners
+        )
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
@@ -181,7 +187,9 @@ def run(
         failed = sum(cell.failed for cell in folder.store.cells())
         spared = sorted(repetition.expensive) if verify else []
         doubts = [difference_line(trial, what) for trial, what in doubted.items()]
-        return Outcome(folder.path, made, failed, folder.store.undeclared(), different, edited, spared, doubts, unasked)
+        return Outcome(
+            folder.path, made, failed, folder.store.undeclared(), different, edited, spared, doubts, unasked, *replay
+        )
 
 
 def plan(
@@ -281,22 +289,23 @@ def _make(
     interrupts: Interrupts,
     repetition: Repetition,
     listeners: Sequence[Listener],
-) -> tuple[int, dict[str, int], list[str]]:
-    """Commit the missing trials as they are made; return ``made``, ``edited`` and ``unasked`` of an Outcome."""
+) -> tuple[int, dict[str, int], list[str], list[int]]:
+    """Commit the missing trials as they are made; return of an Outcome ``made``, ``edited``, ``unasked`` and more."""
     numbers: dict[str, int] = {}  # of environments, by the machine's record
-    made, edited, unasked = 0, Counter[str](), dict[str, None]()
+    made, edited, unasked, replay = 0, Counter[str](), dict[str, None](), [0, 0]
     with folder.store.writer() as writer:
         try:
             while True:
                 with interrupts.allowed():
                     answer = next(answers, None)
                 if answer is None:
-                    return made, dict(edited), [*unasked]
+                    return made, dict(edited), [*unasked], replay
                 trial, row, machine = answer
                 if machine not in numbers:
                     numbers[machine] = writer.environment(json.loads(machine) | about)
                     folder.write_environments()
                 made_from, after = row.pop("inputs", None), row.pop("after", 0)
+                replay = [sum(pair) for pair in zip(replay, row.pop("journal", None) or (0, 0), strict=True)]
                 if row.pop("unasked", False):
                     unasked[trial.optimizer] = None
                 if others := writer.conflicts(trial, made_from):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import warnings
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import copy
 from math import inf
 from multiprocessing import get_context, popen_fork
@@ -18,6 +18,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError, PointError, StopRun
+from bench.execution.journal import Done, Journal, Recorded
 from bench.objective import as_values
 from bench.problem import Problem
 from bench.sandbox import tree
@@ -37,7 +38,9 @@ _ = popen_fork  # imported before any trial, whose side effect it would be
 
 
 @contextmanager
-def evaluated(problem: Problem, parallel: int = 1, seconds: float | None = None) -> Iterator[Problem]:
+def evaluated(
+    problem: Problem, parallel: int = 1, seconds: float | None = None, journal: Journal | None = None
+) -> Iterator[Problem]:
     """Yield a problem as a trial evaluates it; at the end, let go of what its evaluations hold.
 
     With ``parallel`` above 1 or a limit of ``seconds``, the points of a call are evaluated by that many processes of
@@ -48,20 +51,31 @@ def evaluated(problem: Problem, parallel: int = 1, seconds: float | None = None)
         problem: as a study scores it.
         parallel: points evaluated at a time.
         seconds: wall seconds that the evaluation of a point may take.
+        journal: notes slow evaluations and answers those of an earlier attempt, of a problem without noise.
 
     Raises:
         BenchError: for a noisy problem, whose noise is drawn for one point after the other.
     """
     plain = problem.unscored
-    if parallel == 1 and seconds is None:
+    if parallel == 1 and seconds is None and journal is None:
         with closing(plain):
             yield problem
         return
     require_possible(problem, parallel, seconds)
     goes_on = isinstance(problem, Scored) and problem.on_error == "worst"
-    with closing(_Processes(plain, parallel, seconds, goes_on)) as processes:
+    with ExitStack() as held:
+        apart, changed = None, dict[str, Any]()
+        if parallel == 1 and seconds is None:
+            held.enter_context(closing(plain))
+        else:
+            apart = held.enter_context(closing(_Processes(plain, parallel, seconds, goes_on))).values
+            changed = {"evaluate": apart, "noiseless": apart, "by_point": False}
+        if journal is not None:
+            noted = held.enter_context(closing(Recorded(plain, journal, apart, goes_on)))
+            changed = {"evaluate": noted.values, "noiseless": noted.values, "violations": noted.violations}
+            changed |= {"by_point": False}
         beside = copy(plain)  # all else is computed here
-        for name, value in (("evaluate", processes.values), ("noiseless", processes.values), ("by_point", False)):
+        for name, value in changed.items():
             object.__setattr__(beside, name, value)  # also of a frozen dataclass
         if isinstance(problem, Scored):
             problem = copy(problem)
@@ -106,8 +120,9 @@ class _Processes:
             process.join(max(0.0, until - monotonic()))
             _kill(process)
 
-    def values(self, x: Floats) -> Floats:
-        """Return the (n,) values of the (n, d) points; raises PointError where any fails."""
+    def values(self, x: Floats, done: Done = lambda *_: None) -> Floats:
+        """Return the (n,) values of the (n, d) points, each ``done`` once known; raises PointError where any fails."""
+        began = dict[int, float]()
         values, failed = np.full(len(x), np.inf), dict[int, str]()
         left, busy = iter(range(len(x))), dict[Any, tuple[int, float]]()
         while True:
@@ -115,7 +130,7 @@ class _Processes:
                 end = self._idle.pop()
                 with suppress(OSError):  # its process has ended, which is found below
                     end.send_bytes(x[row].tobytes())
-                busy[end] = row, monotonic() + self._seconds + _OPENING
+                busy[end], began[row] = (row, monotonic() + self._seconds + _OPENING), monotonic()
             if not busy:
                 break
             until = min(deadline for _, deadline in busy.values())
@@ -124,10 +139,11 @@ class _Processes:
                 row, _ = busy.pop(end)
                 message = _received(end) if ready else b""
                 if message == _BEGINS:
-                    busy[end] = row, monotonic() + self._seconds
-                elif message[:1] == _STOP:
+                    busy[end], began[row] = (row, monotonic() + self._seconds), monotonic()
+                    continue
+                if message[:1] == _STOP:
                     raise StopRun(message[1:].decode(errors="replace"))
-                elif not message:
+                if not message:
                     failed[row] = self._replace(end, late=not ready)
                 else:
                     self._idle.append(end)
@@ -137,6 +153,7 @@ class _Processes:
                         values[row], *violations = np.frombuffer(message, offset=1)
                         if self._problem.joint:
                             self._problem.found[x[row].tobytes()] = np.array(violations)
+                done(row, float(values[row]), failed.get(row, ""), monotonic() - began[row])
         if failed:
             if self._problem.joint:
                 self._problem.found |= {x[row].tobytes(): np.full(self._problem.joint, np.inf) for row in failed}

@@ -213,7 +213,8 @@ class Supervisor:
         """Have a trial made; return its row once its answer is checked.
 
         The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`. Its
-        ``inputs`` are what it was made from, as JSON; ``unasked`` is that of :class:`bench.trial.Result`.
+        ``inputs`` are what it was made from, as JSON; ``unasked`` is that of :class:`bench.trial.Result`, and
+        ``journal`` has the evaluations answered from it and those that other points followed.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
@@ -226,7 +227,12 @@ class Supervisor:
         if reason := answers.error(answer):
             return failed(self._cut(reason))
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
-        return row | {"after": after, "inputs": answer.get("inputs"), "unasked": answer.get("unasked") is True}
+        return row | {
+            "after": after,
+            "inputs": answer.get("inputs"),
+            "unasked": answer.get("unasked") is True,
+            "journal": answer.get("journal"),
+        }
 
 
 def make_one(task: Task, trial: Trial) -> Row:

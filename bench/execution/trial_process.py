@@ -11,6 +11,7 @@ import traceback
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
 from math import inf
+from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -19,11 +20,13 @@ from bench import scoring
 from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.execution import apart
 from bench.execution.answers import Box
+from bench.execution.journal import Journal
 from bench.execution.side_by_side import evaluated, require_possible
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
 from bench.plugins import objects, observing
+from bench.plugins.inputs import Inputs, named
 from bench.plugins.loading import defining
 from bench.plugins.objects import Objects
 from bench.plugins.observing import Signature, reading
@@ -46,8 +49,8 @@ def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, 
         output: the folder of results.
         known: hashes of large files by path, with their signatures.
     """
-    global _study
-    _study = study
+    global _study, _output
+    _study, _output = study, output
     objects.held.update(held)
     observing.observe(output, known)
 
@@ -154,12 +157,14 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
     global _found
     effects = SideEffects()
     answer: dict[str, Any] = {}
+    journal = None
     try:
         optimizer = _study.optimizer(trial.optimizer)
         if box is None:
             with reading("problem", trial.problem):
                 observing.declare(_study.files(trial.problem))
-            problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation)
+            journal = _journal(trial)
+            problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation, journal)
         else:
             problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer, box.initial))
         beside = reading("problem", trial.problem) if box is None else nullcontext()
@@ -170,10 +175,29 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
             goal = _study.goal(minimized) if box is None else -inf
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit, goal)
             answer = as_answer(_found)
+        if journal is not None:
+            answer["journal"] = [journal.replayed, journal.dropped]
+            if not journal.slow:
+                _fast.add(trial.problem)
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
         reason = _failure(error)
     return ({"error": reason} if reason else answer) | {"altered": effects.any, "inputs": observing.digest()}
+
+
+def _journal(trial: Trial) -> Journal | None:
+    """Return the journal of a trial; None where it needs none, is to repeat another one, or can have none."""
+    problem = _problem(trial.problem)
+    if trial.again or trial.problem in _fast or problem.unscored.noisy or not (_output and Path(_output).is_dir()):
+        return None
+    entry = next(entry for entry in _study.problems if entry.label == trial.problem)
+    key = trial.columns | {"budget": _study.evaluations(problem.dimension), "variables": [*problem.variables]}
+    about = {"name": entry.name, "options": entry.options}
+
+    def read() -> Inputs:
+        return named(observing.observed().get("problem", {}), [trial.problem])
+
+    return Journal(Path(_output), key, about, read, _study.evaluation_timeout, _study.journal)
 
 
 def inputs() -> dict[str, Any]:
@@ -262,4 +286,6 @@ def _problem(label: str) -> Problem:
 
 _study: Study
 _found: Result  # of the last trial
+_output: str
+_fast: set[str] = set()  # labels of problems whose evaluations are worth no journal
 _warm: set[type | str] = set()  # kinds of problems, and optimizers

@@ -124,7 +124,8 @@ def _chosen(folder: Folder, study: Study, store: StoreCheck, trials: int) -> lis
             if by_the_clock(row, study):
                 continue
             cell = cells.setdefault((row["problem"], row["optimizer"]), [])
-            cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
+            again = not FORKS  # else the problem is kept apart, and nothing is answered from a journal
+            cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"], again))
     if not cells:
         limits = [limit for limit in (study.time, study.evaluation_timeout) if limit is not None]
         but = ", but of those that a limit of time may have decided" if limits else ""

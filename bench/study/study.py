@@ -69,6 +69,8 @@ class Study:
             objective that is then under way is its last. Such a trial cannot be repeated bit by bit. None: no limit.
         final_target: the difference to the known optimum at which a trial ends, such as 1e-8; None: none.
         stop_at: the value at which a trial ends once a feasible point has it; None: none.
+        journal: whether the evaluations of a trial are noted in the folder whatever they take, for a trial that was
+            interrupted; otherwise slow ones are. It decides no trial's result.
         parallel: points of a call that are evaluated at a time, each in a process of the problem; it decides no
             trial's result.
         targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
@@ -90,6 +92,7 @@ class Study:
     time: Checked[float | None] = Checked(seconds)
     final_target: Checked[float | None] = Checked(read_final_target)
     stop_at: Checked[float | None] = Checked(read_stop_at)
+    journal: bool = False
     parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
     subject: str = ""
@@ -132,6 +135,8 @@ class Study:
         for key in data:
             if key not in fields:
                 raise BenchError(f"study {where}: unknown key {key!r}{advice(key, fields)}")
+        if not isinstance(data.get("journal", False), bool):
+            raise BenchError(f"study {where}: 'journal' must be true or false, not {data['journal']!r}")
         for key in ("name", "title", "subject"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
@@ -299,6 +304,7 @@ class Study:
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         table["subject"] = self.subject or None
         table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
+        table["journal"] = self.journal or None
         table["targets"] = self.targets
         for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
@@ -324,7 +330,7 @@ class Study:
         evaluations are a part of it where they are not the default ones.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "targets", "subject"}
+        left_out = {*_USUAL, "parallel", "journal", "targets", "subject"}
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         for entry in (*content["problems"], *content["optimizers"]):
             del entry["files"]  # whose content decides, and not their names
