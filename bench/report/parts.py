@@ -36,7 +36,7 @@ class TableCell:
 
 @dataclass(frozen=True)
 class Table:
-    """A table, written as CSV at full precision, as LaTeX and into the page.
+    """A table, written as CSV at full precision, on request as LaTeX, and into the page.
 
     Attributes:
         name: the name of its files; any text, made safe for a file name.
@@ -56,6 +56,7 @@ class Table:
         tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too; likewise.
         most_rows: rows that the page shows, the first ones; the files have all.
         totals: rows at the end that sum up the others; LaTeX has a rule above them.
+        latex: whether it is written as LaTeX, too.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Table:
     tones: pd.DataFrame | None = None
     most_rows: int = MOST_ROWS
     totals: int = 0
+    latex: bool = False
 
     def arranged(self, change: Callable[[pd.DataFrame], pd.DataFrame]) -> Table:
         """Return the table with its frame, and every attribute like the frame, changed alike."""

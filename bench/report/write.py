@@ -15,7 +15,7 @@ from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
-from bench.report.latex import ONE_COLUMN, Layout, figure_to_latex, to_latex
+from bench.report.latex import ONE_COLUMN, Layout, to_latex
 from bench.report.page import Item, View, file_rows, inline, render
 from bench.report.parts import Figure, File, Part, Section, Table
 
@@ -49,8 +49,8 @@ class Draft:
         drawer: draws the figures.
         study: a name that the labels of LaTeX tables begin with.
         problems: about how many sections on one problem there will be.
-        printed: whether those are written as LaTeX and PDF, too.
-        layout: the columns that the LaTeX tables and figures are written for.
+        printed: whether the figures of those are written as PDF, too.
+        layout: the columns that the LaTeX tables are written for.
         on_step: called before every step.
     """
 
@@ -124,7 +124,7 @@ class Draft:
             self.drawer.begin(figures, pdf=self.printed(part))
 
     def printed(self, section: Section) -> bool:
-        """Whether a section is also written as LaTeX and PDF: of many problems, only the parts on all of them are."""
+        """Whether the figures of a section are also written as PDF: of many problems, only those on all of them are."""
         return self.each_printed or not section.problem
 
     def anchor(self, kind: str, title: str) -> str:
@@ -183,11 +183,11 @@ class Draft:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name, layout=self.layout if printed else None, study=self.study)
+            files = save_table(part, self.folder, name, layout=self.layout, study=self.study)
             item = Item(name, files, part)
         else:
             drawing = self.drawer.finish(part.figure, pdf=printed)
-            svg, files = save_figure(part, self.folder, name, drawing, layout=self.layout, study=self.study)
+            svg, files = save_figure(part, self.folder, name, drawing)
             if isinstance(part.shown, Table):
                 files += self.item(part.shown, printed=printed).files
             item = Item(name, files, part, inline(svg, name, part.caption))
@@ -233,38 +233,25 @@ def contents(title: str, files: Mapping[str, str]) -> str:
     return "\n".join([*head, *rows, ""])
 
 
-def save_table(
-    table: Table, folder: Path, name: str, *, layout: Layout | None = ONE_COLUMN, study: str = ""
-) -> list[str]:
-    """Write a table as CSV (full precision) and, for a layout, LaTeX; return the paths relative to ``folder``.
+def save_table(table: Table, folder: Path, name: str, *, layout: Layout = ONE_COLUMN, study: str = "") -> list[str]:
+    """Write a table as CSV (full precision) and on its request as LaTeX; return the paths relative to ``folder``.
 
     The label of the LaTeX begins with the name of the study, as a paper may have the same table of several.
     """
     (folder / TABLES).mkdir(exist_ok=True)
-    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if layout else ("csv",))]
+    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if table.latex else ("csv",))]
     if table.data is None:
         save_csv(table.frame, folder / paths[0], index=table.has_index)
     else:
         save_csv(table.data, folder / paths[0], index=False)
-    if layout:
+    if table.latex:
         text = to_latex(table, f"{study}-{name}" if study else name, layout)
         (folder / paths[1]).write_text(text, encoding="utf-8", newline="\n")
     return paths
 
 
-def save_figure(
-    figure: Figure,
-    folder: Path,
-    name: str,
-    drawing: Drawing | None = None,
-    *,
-    layout: Layout = ONE_COLUMN,
-    study: str = "",
-) -> tuple[str, list[str]]:
-    """Write a drawn figure, its data as CSV and, beside a PDF, its LaTeX for a layout.
-
-    Return the SVG's text and the paths relative to ``folder``. The label of the LaTeX is as :func:`save_table` has it.
-    """
+def save_figure(figure: Figure, folder: Path, name: str, drawing: Drawing | None = None) -> tuple[str, list[str]]:
+    """Write a drawn figure and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
     (folder / FIGURES).mkdir(exist_ok=True)
     drawn = draw(figure.figure) if drawing is None else drawing
     paths = []
@@ -272,10 +259,6 @@ def save_figure(
         if content is not None:
             paths.append(f"{FIGURES}/{name}.{kind}")
             (folder / paths[-1]).write_bytes(content)
-    if drawn.pdf is not None:
-        text = figure_to_latex(figure, paths[-1], f"{study}-{name}" if study else name, layout)
-        paths.append(f"{FIGURES}/{name}.tex")
-        (folder / paths[-1]).write_text(text, encoding="utf-8", newline="\n")
     paths.append(f"{FIGURES}/{name}.csv")
     save_csv(figure.data, folder / paths[-1], index=False)
     return drawn.svg.decode(), paths

@@ -118,6 +118,7 @@ def ratios(findings: Findings) -> Table:
         marks=pd.DataFrame(marks, index=frame.index),
         note=words.times_note(what, chosen.at(1 / level if chosen.rising else level), bool(stars)),
         data=chosen.in_unit(anytime.running_times, chosen.unit),
+        latex=True,
     )
 
 

@@ -40,6 +40,7 @@ def comparison(findings: Findings) -> Table:
         lost=(table(findings.trials.coverage, "failed") > 0).reindex_like(medians),
         note=table_note(findings.leader, bool(final.subject), bool(findings.trials.precisions)),
         data=cells,
+        latex=True,
     )
 
 

@@ -94,6 +94,7 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
         note=" ".join([words.NOTE, *([words.signs(subject, len(tests))] if len(tests) else [])]),
         data=errors.merge(tests, how="left", on=["problem", "optimizer"]),
         totals=len(ends),
+        latex=True,
     )
 
 

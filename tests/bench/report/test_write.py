@@ -34,7 +34,7 @@ def test_an_empty_table(tmp_path):
 def test_tables_of_one_name_have_other_labels_in_other_studies(tmp_path):
     labels = set()
     for study in ("one", "other"):
-        save_table(Table("t", "c", pd.DataFrame({"x": [1]})), tmp_path, "t", study=study)
+        save_table(Table("t", "c", pd.DataFrame({"x": [1]}), latex=True), tmp_path, "t", study=study)
         labels |= set(re.findall(r"\\label\{([^}]*)\}", (tmp_path / "tables" / "t.tex").read_text()))
     assert labels == {"tab:one-t", "tab:other-t"}
 
