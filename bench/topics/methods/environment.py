@@ -94,7 +94,9 @@ class Environments:
     def files(self) -> Iterator[File]:
         """Yield the files of the runs, of the trials that each made, of entries and of data."""
         yield File(
-            "tables/runs.csv", "The runs, a row for each machine that took part; times are in UTC.", self._runs()
+            "tables/environment-runs.csv",
+            "The runs, a row for each machine that took part; times are in UTC.",
+            self._runs(),
         )
         if self.numbers.notna().any():
             rows = self.results.frame[["problem", "optimizer", "trial"]].assign(

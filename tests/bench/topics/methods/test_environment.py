@@ -17,7 +17,7 @@ def content(section, name):
 def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
     section = render([RECORD, NEWER], [1] * 24)
     assert section.warnings == ()
-    assert list(content(section, "runs")["trials"]) == [24, 0]
+    assert list(content(section, "environment-runs")["trials"]) == [24, 0]
     assert render([RECORD, NEWER]).warnings != ()  # which made them is not known
 
 
@@ -25,7 +25,7 @@ def test_the_records_of_older_folders_are_read(render):
     section = render([OLD, OLD | {"python": "3.12.1"}])
     assert "B differs from A by Python 3.11.7 → 3.12.1" in section.warnings[0]
     assert table(section).frame.loc["commit"].tolist() == [f"{RECORD['git']['commit']} with uncommitted changes"] * 2
-    assert len(content(render([{}]), "runs")) == 1
+    assert len(content(render([{}]), "environment-runs")) == 1
     assert "no record" in render([]).warnings[0]
 
 
