@@ -17,28 +17,19 @@ from bench.analysis.input import guarded
 from bench.plots import style
 from bench.plots.curves import (
     convergence,
-    data_profile,
     ecdf,
     ert,
-    ert_scatter,
-    regret,
-    scaling,
     spells,
 )
-from bench.plots.ranks import a12_forest, rank_course
+from bench.plots.forest import a12_forest
 from bench.plots.rows import box_plot, strips, timing
 
 __all__ = [
     "a12_forest",
     "box_plot",
     "convergence",
-    "data_profile",
     "ecdf",
     "ert",
-    "ert_scatter",
-    "rank_course",
-    "regret",
-    "scaling",
     "spells",
     "strips",
     "style",

@@ -1,19 +1,19 @@
-"""Plot curves: best-so-far values, regret and shares of targets over evaluations, and running times over targets."""
+"""Plot curves: best-so-far values and shares of targets over evaluations, and running times over targets."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+from matplotlib.ticker import FixedLocator
 
 from bench.plots import style
 
 EVALUATIONS = "evaluations"
 MOST_BANDS = 6  # optimizers up to which bands of quartiles can be distinguished
-AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d", "groups": "groups of d + 1 evaluations"}
+AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d"}
 AXES |= {"ratio": "ERT / lowest ERT"}
 
 
@@ -32,25 +32,6 @@ def convergence(
     style.log_scale(ax, "x")
     style.fitting_scale(ax, "y", rows["median"], ratio=3)
     return _finish(ax, EVALUATIONS, "best value so far", pens if legend else None, problem)
-
-
-def regret(
-    curves: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
-) -> Axes:
-    """Draw the median regret of each optimizer on a problem over evaluations, its quartiles as a band, on log axes.
-
-    ``curves`` are those of :func:`bench.analysis.convergence`, less the optimum (:func:`bench.analysis.regret`). A log
-    axis cannot show a regret of 0: a curve ends where its median reaches the optimum, and where its lower quartile is
-    at the optimum its band begins at the lowest value drawn.
-    """
-    ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
-    rows = style.rows_of(curves, problem)
-    positive = rows[rows["median"] > 0]
-    least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
-    _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), pens)
-    style.log_scale(ax, "x")
-    style.log_scale(ax, "y")
-    return _finish(ax, EVALUATIONS, "regret", pens if legend else None, problem)
 
 
 def ecdf(
@@ -82,17 +63,6 @@ def spells(shown: pd.DataFrame, rivals: Sequence[str], *, pens: style.Pens, ax: 
     return ax
 
 
-def data_profile(
-    curves: pd.DataFrame, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
-) -> Axes:
-    """Draw the share of trials in which each optimizer reached a target, over evaluations (Moré and Wild 2009).
-
-    ``curves`` are those of :func:`bench.analysis.data_profiles`, over evaluations or over groups of d + 1 of them
-    ("simplex gradients").
-    """
-    return _fractions(curves, "share of trials solved", pens, legend, ax)
-
-
 def ert(
     table: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
@@ -117,56 +87,6 @@ def ert(
     if len(rows):
         ax.set_xlim(rows["tau"].max() * 1.2, rows["tau"].min() / 1.2)
     return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", pens if legend else None, problem)
-
-
-def ert_scatter(
-    table: pd.DataFrame, across: str, up: str, *, pens: Mapping[str, style.Pen], ax: Axes | None = None
-) -> Axes:
-    """Draw the ERT of one optimizer over that of another, a point a problem and target, on log axes.
-
-    ``table`` has kind, whose pen a point has, and the ERTs in the columns ``across`` and ``up``. Above the diagonal
-    ``across`` is faster. A point at a dotted line is infinite for the optimizer of that axis; points that are infinite
-    for both are not drawn.
-    """
-    ax = style.own_axes(ax)
-    finite = table[[across, up]].replace(np.inf, np.nan)
-    low, high = float(finite.min().min()) / 2, float(finite.max().max()) * 2
-    drawn = table[finite.notna().any(axis=1)]
-    for kind, pen in pens.items():
-        x, y = drawn.loc[drawn["kind"] == kind, [across, up]].replace(np.inf, 2 * high).to_numpy(dtype=float).T
-        ax.plot(x, y, linestyle="", marker=pen.marker, color=pen.color, markersize=3.5, alpha=0.8)
-    if np.isfinite(low):
-        ax.plot([low, 2 * high], [low, 2 * high], color="black", linewidth=0.7)
-        for line in (ax.axvline, ax.axhline):
-            line(2 * high, color="black", linewidth=0.7, linestyle=":")
-        ax.set_xlim(low, 3 * high)
-        ax.set_ylim(low, 3 * high)
-    style.log_scale(ax, "x")
-    style.log_scale(ax, "y")
-    ax.set_xlabel(f"ERT / d of {style.plain(across)}")
-    ax.set_ylabel(f"ERT / d of {style.plain(up)}")
-    return ax
-
-
-def scaling(
-    table: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
-) -> Axes:
-    """Draw the expected running time / d of each optimizer on a function over the dimension, on log axes.
-
-    ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d; infinite ones are not drawn.
-    """
-    ax, pens = style.own_axes(ax), style.pens_of(table, pens)
-    rows = style.rows_of(table, problem)
-    for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
-        one = rows[(rows["optimizer"] == optimizer) & style.drawable(rows["ert"])].sort_values("dimension")
-        _curve(ax, one["dimension"].to_numpy(dtype=float), one["ert"].to_numpy(dtype=float), pen, place)
-    dimensions = sorted(table["dimension"].unique())
-    ax.set_xscale("log")
-    ax.set_xlim(dimensions[0] / 1.2, dimensions[-1] * 1.2)
-    ax.xaxis.set_major_locator(FixedLocator(dimensions))
-    ax.xaxis.set_major_formatter(FixedFormatter([f"{dimension:g}" for dimension in dimensions]))
-    ax.xaxis.set_minor_locator(NullLocator())
-    return _finish(ax, "dimension d", "ERT / d", pens if legend else None, problem)
 
 
 def _quartiles(ax: Axes, curves: pd.DataFrame, pens: style.Pens) -> None:

@@ -41,7 +41,7 @@ def runs_figure(findings: Findings, behind: Table) -> Figure:
     axes[-1 - (len(places) - 1) % columns].set_xlabel(found.axis, loc="left")
     keys = ["problem", "optimizer", "trial", "status", "fun", "value"]
     text = caption(found.meaning, len(shown), len(findings.trials.optimizers), bool((marked != "").any(axis=None)))
-    return Figure("runs", text, figure, found.frame[keys], behind)
+    return Figure("every-run", text, figure, found.frame[keys], behind)
 
 
 def _columns(number: int) -> int:

@@ -26,23 +26,6 @@ def test_wide_values_have_a_log_axis():
     assert plots.convergence(wide.assign(median=-wide["median"]), "p", ax=axes()).get_yscale() == "linear"
 
 
-def test_a_curve_of_regret_ends_at_the_optimum_and_its_band_at_what_is_drawn():
-    above = curves(["p"], ["a", "b"]).assign(median=[*np.geomspace(8, 1e-9, 5), 0.0, 0.0, *np.full(7, 2.0)])
-    above = above.assign(q1=0.0, q3=above["median"] + 1)
-    ax = plots.regret(above, "p", ax=axes())
-    assert [line.get_xdata().tolist() for line in ax.lines] == [GRID[:5].tolist(), GRID.tolist()]
-    assert ax.get_yscale() == "log"
-    assert 1e-11 < ax.get_ylim()[0] < 1e-9
-    assert ax.collections[0].get_datalim(ax.transData).y0 == pytest.approx(1e-9)
-    svg(ax.figure)
-
-
-def test_regret_of_none_but_trials_at_the_optimum_has_axes_all_the_same():
-    ax = plots.regret(curves(["p"], ["a"]).assign(median=0.0, q1=0.0, q3=0.0), "p", ax=axes())
-    svg(ax.figure)
-    assert [len(line.get_xdata()) for line in ax.lines] == [0]
-
-
 def test_a_curve_ends_in_an_open_marker_where_targets_are_left():
     ax = plots.ert(times(["p"], ["a", "b"], unreached=["b"]), "p", ax=axes())
     full, short, end = ax.lines
@@ -60,7 +43,7 @@ def test_a_problem_on_which_no_target_was_reached_has_axes_all_the_same():
 
 
 def test_shares_go_from_none_to_all():
-    ax = plots.data_profile(fractions(["a"], "groups"), ax=axes())
-    assert ax.get_xlabel() == "groups of d + 1 evaluations"
+    ax = plots.ecdf(fractions(["a"], "per_dimension"), ax=axes())
+    assert ax.get_xlabel() == "evaluations / d"
     assert ax.get_ylim() == (-0.02, 1.02)
-    assert plots.data_profile(fractions(["a"]), ax=axes()).get_xlabel() == "evaluations"
+    assert plots.ecdf(fractions(["a"]), ax=axes()).get_xlabel() == "evaluations"

@@ -81,10 +81,8 @@ def test_functions_draw_on_the_axes_given_or_on_new_ones():
     draw = [
         lambda ax: plots.box_plot(frame, "p", ax=ax),
         lambda ax: plots.convergence(curves(["p"], ["a"]), "p", ax=ax),
-        lambda ax: plots.regret(curves(["p"], ["a"]), "p", ax=ax),
         lambda ax: plots.ert(times(["p"], ["a"]), "p", ax=ax),
         lambda ax: plots.ecdf(fractions(["a"]), ax=ax),
-        lambda ax: plots.data_profile(fractions(["a"], "groups"), ax=ax),
         lambda ax: plots.a12_forest(improvements(["a", "b"]), ax=ax),
         lambda ax: plots.timing(clock(["a"]), ax=ax),
     ]

@@ -39,7 +39,7 @@ def test_each_is_drawn_in_a_width_of_the_page(make, tmp_path, optimizers):
         assert svg(each.figure).startswith("<?xml")
         assert each.figure.get_figwidth() in (style.COLUMN, style.PAGE)
         assert each.table.rows
-    assert [each.name for each in figures] == ["runs", "targets-reached"]
+    assert [each.name for each in figures] == ["every-run", "targets-reached"]
 
 
 def test_no_text_is_smaller_than_a_journal_allows(make, tmp_path):

@@ -69,7 +69,7 @@ def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
     linked = {href for href in linked if "/" in href}
     written = {str(path.relative_to(folder)) for kind in ("tables", "figures") for path in (folder / kind).iterdir()}
     assert linked == written
-    assert {"tables/comparison.csv", "tables/comparison.tex", "figures/runs.pdf", "tables/trials.csv"} <= written
+    assert {"tables/comparison.csv", "tables/comparison.tex", "figures/every-run.pdf", "tables/trials.csv"} <= written
 
 
 def test_an_archive_takes_every_file_of_a_report(folder):
@@ -95,7 +95,7 @@ def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monk
         write_report(folder, output=out, n_jobs=jobs)
         contents.append({path.relative_to(out): path.read_bytes() for path in out.rglob("*") if path.is_file()})
     assert contents[0] == contents[1]
-    assert Path("figures", "runs.pdf") in contents[0]
+    assert Path("figures", "every-run.pdf") in contents[0]
 
 
 @pytest.mark.sampled(1)

@@ -101,7 +101,7 @@ def test_a_figure_that_cannot_be_drawn_costs_its_own_section_alone(folder, monke
     patch_plugins(monkeypatch, bad=sections)
     page = text_of(write_report(folder, output=tmp_path / "out", n_jobs=2))
     assert "The report section &#39;bad&#39; failed and is left out" in page
-    assert (tmp_path / "out" / "figures" / "runs.svg").exists()
+    assert (tmp_path / "out" / "figures" / "every-run.svg").exists()
     assert not list((tmp_path / "out" / "figures").glob("wrong*"))
 
 

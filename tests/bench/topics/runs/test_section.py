@@ -88,7 +88,7 @@ class TestTheSection:
         made = section(findings)
         (figure,) = made.items
         table = figure.table
-        assert (figure.name, table.name, len(figure.data)) == ("runs", "comparison", 48)
+        assert (figure.name, table.name, len(figure.data)) == ("every-run", "comparison", 48)
         assert table.frame.index.tolist() == ["p", "q"]
         assert table.bold.loc["p"].to_dict() == {"a": True, "b": False, "c": False}
         assert table.marks.loc["p"].to_dict() == {"a": "", "b": "1.00*", "c": "1.00*"}
