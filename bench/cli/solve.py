@@ -11,7 +11,7 @@ from rich.console import Console
 from bench.cli.console import Parameters, Untrusted, table
 from bench.columns import Row, named
 from bench.errors import BenchError, ProblemError
-from bench.helpers.console import pairs, print_error
+from bench.helpers.console import pairs, print_error, print_line
 from bench.helpers.text import said
 from bench.plugins import loading
 from bench.sandbox.messages import describe_error
@@ -59,6 +59,10 @@ def command(
     stop_at: Annotated[
         float | None, typer.Option(help="End the run once a feasible point has this value, or a lower one.")
     ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option("--output", "-o", help="Folder in which evaluations are noted, to go on after an interruption."),
+    ] = None,
     parallel: Annotated[
         int | None, typer.Option(help="Points of a call of the objective that are evaluated at a time, by processes.")
     ] = None,
@@ -66,6 +70,9 @@ def command(
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
     limits: dict[str, Any] = {"evaluation_timeout": evaluation_timeout, "time": time}
+    if untrusted and output:
+        raise BenchError("with --untrusted no --output is written: evaluations are noted by the code that is run")
+    limits |= {"output": output} if output else {}
     limits |= {"final_target": final_target, "stop_at": stop_at}
     make = _row_apart if untrusted else _row
     row = make(
@@ -103,10 +110,22 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
     chosen.check_budget(spent, optimizer[0])
     if not loading.brings_code(optimizer[0]):
         warm(loaded, chosen, spent)
+    seen: list[tuple[int, Any, float]] = []
+
+    def note(count: int, x: Any, f: float, lowest: float) -> None:
+        if not seen or f <= lowest:
+            seen[:] = [(count, x, f)]
+
     try:
-        found = solve(loaded, chosen, budget=spent, **settings)
+        found = solve(loaded, chosen, budget=spent, on_evaluation=note if "output" in settings else None, **settings)
         return as_row(found, tuple(map(said, loaded.variables))) | {"noisy": loaded.noisy}
     except BenchError:
+        raise
+    except KeyboardInterrupt:
+        for count, x, f in seen:
+            print_line(
+                f"interrupted; the best value is {f!r} of evaluation {count}, at {x.tolist()}; call it again to go on"
+            )
         raise
     except ProblemError as error:
         return {"status": "failed", "problem": True, "error": f"{problem[0]} failed: {describe_error(error.raised)}"}

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import replace
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,9 @@ from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from bench.columns import Row
+from bench.errors import BenchError
 from bench.execution.job import Task
+from bench.execution.journal import Journal
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
 from bench.execution.warming import warm_optimizer, warm_problem
@@ -23,6 +27,8 @@ from bench.objective import OnEvaluation
 from bench.optimizer import Optimizer
 from bench.plugins import loading, objects
 from bench.plugins.objects import OptimizerLike
+from bench.plugins.observing import hash_of
+from bench.plugins.packing import pack
 from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
@@ -50,6 +56,7 @@ def solve(
     stop_at: float | None = None,
     on_evaluation: OnEvaluation | None = None,
     initial: ArrayLike | str | None = None,
+    output: str | PathLike[str] | None = None,
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -79,6 +86,9 @@ def solve(
             infeasible point) and the lowest value so far; it may raise :class:`bench.StopRun`.
         initial: (k, d) points that are known, with which the run begins, or the name of a CSV file of them.
 
+        output: a folder in which the evaluations are noted, so that the same call goes on after an interruption
+            (:mod:`bench.execution.journal`); of a problem without noise.
+
     Raises:
         BenchError: for an unknown name, what is no problem or no optimizer, bounds that are no box, a budget below 1, a
             handling or a limit that cannot be, and for a noisy problem where its points are to be evaluated by other
@@ -103,10 +113,16 @@ def solve(
         None if final_target is None else read_final_target(final_target, "final_target"),
         None if stop_at is None else read_stop_at(stop_at, "stop_at"),
     )
+    journal = None
+    if output is not None and not loaded.noisy:
+        trial = Trial(loaded.name, optimizer if isinstance(optimizer, str) else objects.title(optimizer), 0, seed)
+        key = trial.columns | {"budget": spent, "variables": [*loaded.variables]}
+        Path(output).mkdir(parents=True, exist_ok=True)
+        journal = Journal(Path(output), key, _about(loaded), limit=limits[0], always=True)
     if isinstance(optimizer, str):
         warm(minimized, chosen, spent)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        with evaluated(minimized, parallel, limits[0]) as answering:
+        with evaluated(minimized, parallel, limits[0], journal) as answering:
             found = search(answering, chosen, spent, seed, end_if_stuck, limits[1], good, on_evaluation)
         try:
             metrics = numbers(minimized.describe(found.x.copy()))
@@ -117,6 +133,16 @@ def solve(
         title = optimizer if isinstance(optimizer, str) else objects.title(optimizer)
         warnings.warn(UNASKED.format(title), stacklevel=2)
     return replace(found, metrics=metrics)
+
+
+def _about(problem: Problem) -> dict[str, Any]:
+    """Return what decides the values of a problem of this session, as far as it can be known: its code and files."""
+    words = map(Path, problem.name.replace("'", "").removeprefix("command:").split())
+    about: dict[str, Any] = {str(word): hash_of(str(word)) for word in words if word.is_file()}
+    about["box"] = [problem.lower.tolist(), problem.upper.tolist()]
+    with suppress(BenchError):
+        about["code"] = pack(problem).digest
+    return about
 
 
 def warm(problem: Problem, optimizer: Optimizer, budget: int) -> None:

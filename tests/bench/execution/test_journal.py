@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import FunctionProblem, load_results, run
+from bench import FunctionProblem, load_results, run, solve
+from bench.cli import export
 from bench.errors import PointError
 from bench.execution.journal import Journal, best, journals, read
 from bench.execution.side_by_side import evaluated
@@ -225,3 +226,36 @@ def test_points_that_a_kill_ended_are_evaluated_again(tmp_path):
     with evaluated(problem, journal=journal(tmp_path)) as noted:
         noted.evaluate(np.ones((1, 1)))
     assert read(journal(tmp_path).path)[1] == []
+
+
+def test_a_run_by_solve_goes_on_after_an_interruption(tmp_path):
+    def tired(count, x, f, lowest):
+        if count == 22:
+            raise KeyboardInterrupt
+
+    count, settings = tmp_path / "count", {"budget": 40, "seed": 3}
+
+    def function(x):
+        with count.open("a") as file:
+            file.write("x\n")
+        return float((x**2).sum())
+
+    problem = FunctionProblem(function, [-5] * 2, [5] * 2, vectorized=False)
+    problem.compiles = False
+    whole = solve(problem, "cma-es", **settings)
+    count.unlink()
+    with pytest.raises(KeyboardInterrupt):
+        solve(problem, "cma-es", on_evaluation=tired, output=tmp_path / "out", **settings)
+    assert len(lines(count)) == 24  # whole generations
+    found = solve(problem, "cma-es", output=tmp_path / "out", **settings)
+    assert (found.fun, found.x.tolist(), found.nfev) == (whole.fun, whole.x.tolist(), 40)
+    assert len(lines(count)) == 40
+
+
+def test_evaluations_are_exported_as_a_table(tmp_path):
+    with evaluated(counted([]), journal=journal(tmp_path)) as noted:
+        noted.evaluate(np.array([[1.0], [2.0]]))
+    export.command(tmp_path, None, None, evaluations=True)
+    table = pd.read_csv(tmp_path / "export" / "evaluations.csv")
+    assert table[["evaluation", "x_x", "f"]].to_numpy().tolist() == [[1, 1.0, 1.0], [2, 2.0, 4.0]]
+    assert table["optimizer"].tolist() == ["o", "o"]
