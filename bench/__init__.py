@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from bench.check import Checkup, Verdict, check_optimizer, check_problem
     from bench.comparison import compare
     from bench.errors import BenchError, BudgetExhausted, StopRun
+    from bench.evaluator import Evaluator
     from bench.execution.runner import Outcome, run
     from bench.execution.solve import solve
     from bench.execution.supervisor import WorkerDiedError
@@ -39,6 +40,7 @@ __all__ = [
     "BenchError",
     "BudgetExhausted",
     "Checkup",
+    "Evaluator",
     "FunctionProblem",
     "Grid",
     "Objective",
@@ -69,7 +71,7 @@ __all__ = [
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
     "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "errors", "Checkup": "check",
-    "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
+    "Evaluator": "evaluator", "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
     "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
     "Results": "notebook", "StopRun": "errors", "Study": "study", "Trace": "objective", "Verdict": "check",
     "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",

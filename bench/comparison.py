@@ -50,8 +50,8 @@ def compare(
     Args:
         problems: one or more names, as a study's file has them, problems, or classes of them. A function is one with
             its bounds: ``bench.FunctionProblem(fun, lower, upper)``. A mapping gives each its label.
-        optimizers: likewise names, optimizers, classes of them, functions ``(objective, rng)``, or classes with ``ask``
-            and ``tell``.
+        optimizers: likewise names, optimizers, classes of them, functions ``(objective, rng)``, classes with ``ask``
+            and ``tell``, or classes ``X(budget, dim)`` whose instances are called with the function.
         trials: runs of each optimizer on each problem.
         budget: evaluations that a run may spend.
         seed: from which the seeds of all trials derive.

@@ -14,6 +14,7 @@ import pandas as pd
 
 from bench.analysis.anytime import AT_ONCE
 from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores, spent, traces_of
+from bench.objective import Trace
 from bench.study.targets import MULTIPLES, Found, Targets
 
 LOWEST, HIGHEST = 1e-8, 1e2
@@ -118,11 +119,7 @@ def aocc(
     allowed = budgets(trials, budget).to_numpy()
     area, start, end = np.zeros((3, len(trials)))
     for row, (problem, trace) in enumerate(zip(trials["problem"], traces_of(trials, traces), strict=True)):
-        if len(trace.values):
-            share = 1 - (np.log10(np.clip(trace.values - optima[problem], LOWEST, HIGHEST)) + 8) / 10
-            held = np.diff(trace.evaluations, append=allowed[row] + 1)
-            area[row] = (share * held).sum() / allowed[row]
-            start[row], end[row] = share[0] if trace.evaluations[0] == 1 else 0.0, share[-1]
+        area[row], start[row], end[row] = area_over_curve(trace, optima[problem], allowed[row])
     table = trials[["problem", "optimizer"]].assign(aocc=area, aocc_from_zero=area - (end - start) / allowed)
     if table.empty:
         return pd.DataFrame(columns=["problem", "optimizer", "trials", "aocc", "aocc_from_zero"])
@@ -130,6 +127,15 @@ def aocc(
     groups = table.astype(dict.fromkeys(names, object)).groupby(names, sort=False)
     means = groups.mean()
     return means.assign(trials=groups.size()).reset_index()[[*names, "trials", "aocc", "aocc_from_zero"]]
+
+
+def area_over_curve(trace: Trace, optimum: float, budget: int) -> tuple[float, float, float]:
+    """Return the AOCC of a trial (:func:`aocc`), and the shares of its first and its last evaluation."""
+    if not len(trace.values):
+        return 0.0, 0.0, 0.0
+    share = 1 - (np.log10(np.clip(trace.values - optimum, LOWEST, HIGHEST)) + 8) / 10
+    held = np.diff(trace.evaluations, append=budget + 1)
+    return float((share * held).sum() / budget), float(share[0]) if trace.evaluations[0] == 1 else 0.0, float(share[-1])
 
 
 def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.DataFrame:

@@ -19,7 +19,7 @@ import json
 import socket
 import sys
 from collections import OrderedDict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
@@ -170,40 +170,18 @@ class Job:
         return answer
 
     def _make_apart(self, trial: Trial, ready: _Ready) -> Any:
-        """Have a trial made whose problem, budget and trace are in another process than its optimizer.
+        """Have a trial made by :func:`make_apart`; return the answer, with what both processes have read."""
+        problems, read = self._with_problem(trial.problem), dict[str, Any]()
 
-        Return what the other process answers, with the processor seconds of the optimizer's and the reason to stop that
-        it declared.
-        """
-        problems = self._with_problem(trial.problem)
-        box = self._boxes[trial.problem]
+        def note(answer: dict[str, Any], process: Process) -> None:
+            self._note(answer, trial, process)
+            read["optimizer"] = json.loads(answer["inputs"])["optimizer"]
+
         with problems.process() as server, ready.server.process() as process:
-            server_end, optimizer_end = socket.socketpair()
-            with server_end, optimizer_end:
-                server.start(trial_process.serve, trial, files=[server_end.fileno()])
-                process.start(trial_process.make, trial, box, files=[optimizer_end.fileno()])
-            began = monotonic()
-            answer = process.finish(**self._limits, printed=PRINTED, beside=[server])
-            took = monotonic() - began
-            if isinstance(answer, dict):
-                self._note(answer, trial, process)
-            process.close()  # before the server is asked, as a thread may go on
-            lost = not isinstance(answer, dict) or "error" in answer
-            kept = None
-            with suppress(*FAILURES) if lost else nullcontext():  # it knows alone whether the problem has failed
-                kept = server.finish(seconds=LOADING + BATCHES * took, memory=self._task.memory)
-            if isinstance(kept, dict) and "error" in kept:
-                return kept
-            if lost:  # its problem denies that it has failed
-                return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
-            if isinstance(kept, dict):
+            kept = make_apart(trial, self._boxes[trial.problem], server, process, self._limits, note)
+            if isinstance(kept, dict) and "error" not in kept:
                 self._note(kept, trial, server)
-                ends = zip(PARTS, (kept, answer), strict=True)
-                kept["inputs"] = json.dumps({part: json.loads(each["inputs"])[part] for part, each in ends})
-                kept |= {key: answer.get(key) for key in ("cpu_s", "log", "unasked")}
-                if kept.get("stop") not in ("budget", OUT_OF_TIME, ON_TARGET):
-                    declared = answer.get("stop")
-                    kept["stop"] = "undeclared" if declared in (OUT_OF_TIME, ON_TARGET) else declared
+                kept["inputs"] = json.dumps({"problem": json.loads(kept["inputs"])["problem"]} | read)
             return kept
 
     def _note(self, answer: dict[str, Any], trial: Trial, process: Process) -> None:
@@ -261,6 +239,53 @@ class Job:
         return server
 
 
+def make_apart(
+    trial: Trial,
+    box: Box | str,
+    server: Process,
+    process: Process,
+    limits: dict[str, Any],
+    note: Callable[[dict[str, Any], Process], object] = lambda *_: None,
+) -> Any:
+    """Have a trial made whose problem, budget and trace are in another process than its optimizer.
+
+    Return what the process of the problem answers, with the processor seconds of the optimizer's and the reason to stop
+    that it declared.
+
+    Args:
+        trial: the trial.
+        box: that of its problem.
+        server: the process of the problem.
+        process: that of the optimizer, which is closed.
+        limits: of the trial (:meth:`bench.sandbox.process.Process.finish`).
+        note: called with the optimizer's answer and its process.
+    """
+    server_end, optimizer_end = socket.socketpair()
+    with server_end, optimizer_end:
+        server.start(trial_process.serve, trial, files=[server_end.fileno()])
+        process.start(trial_process.make, trial, box, files=[optimizer_end.fileno()])
+    began = monotonic()
+    answer = process.finish(**limits, printed=PRINTED, beside=[server])
+    took = monotonic() - began
+    if isinstance(answer, dict):
+        note(answer, process)
+    process.close()  # before the server is asked, as a thread may go on
+    lost = not isinstance(answer, dict) or "error" in answer
+    kept = None
+    with suppress(*FAILURES) if lost else nullcontext():  # it knows alone whether the problem has failed
+        kept = server.finish(seconds=LOADING + BATCHES * took, memory=limits["memory"])
+    if isinstance(kept, dict) and "error" in kept:
+        return kept
+    if lost:  # its problem denies that it has failed
+        return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
+    if isinstance(kept, dict):
+        kept |= {key: answer.get(key) for key in ("cpu_s", "log", "unasked")}
+        if kept.get("stop") not in ("budget", OUT_OF_TIME, ON_TARGET):
+            declared = answer.get("stop")
+            kept["stop"] = "undeclared" if declared in (OUT_OF_TIME, ON_TARGET) else declared
+    return kept
+
+
 def named_by(entry: Entry) -> set[str]:
     """Return the files that an entry of a study names, as inputs: no other entry is made from them."""
     name = entry.name
@@ -297,18 +322,23 @@ def without_problems(task: Task) -> tuple[Any, ...]:
 
 
 def root(task: Task, *, without_problems: bool = False) -> ForkServer:
-    """Return the server of a task's processes; of code that nobody trusts, in a sandbox, where BenchError is raised.
+    """Return the server of a task's processes; of code that nobody trusts, in the sandbox of :func:`sandbox_of`."""
+    return ForkServer(task.hash_seed, sandbox=sandbox_of(task, without_problems=without_problems))
+
+
+def sandbox_of(task: Task, *, without_problems: bool = False) -> bubblewrap.Sandbox | None:
+    """Return the sandbox of code that nobody trusts; raises BenchError where there is none.
 
     Processes ``without_problems`` find no problem in the sandbox, and nothing beside the code that they need.
     """
     if not task.untrusted:
-        return ForkServer(task.hash_seed)
+        return None
     optimizers, problems = ([entry.name for entry in every] for every in (task.study.optimizers, task.study.problems))
     if not without_problems:
-        return ForkServer(task.hash_seed, sandbox=sandbox([*optimizers, *problems]))
+        return sandbox([*optimizers, *problems])
     hidden = {*_named(problems)} - {*_named(optimizers)}  # a file may hold both
     hidden |= {Path(task.output)} if task.output else set()
-    return ForkServer(task.hash_seed, sandbox=sandbox_of_optimizers(optimizers, hidden))
+    return sandbox_of_optimizers(optimizers, hidden)
 
 
 def sandbox_of_optimizers(names: Iterable[str], hidden: Iterable[Path] = ()) -> bubblewrap.Sandbox:

@@ -68,8 +68,8 @@ def solve(
 
     Args:
         problem: a problem, the name of one, or a function with bounds (:class:`bench.FunctionProblem`).
-        optimizer: the name of one, an optimizer or a class of them, a function ``(objective, rng)``, or a class with
-            ``ask`` and ``tell``.
+        optimizer: the name of one, an optimizer or a class of them, a function ``(objective, rng)``, a class with
+            ``ask`` and ``tell``, or a class ``X(budget, dim)`` whose instances are called with the function.
         budget: evaluations it may spend, or a multiple of the dimension such as ``"100 * d"``; it may be less than one
             generation.
         bounds: of a function, a pair (lower, upper) for each variable.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import threading
+from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -25,7 +26,6 @@ from bench.sandbox.process import (
     PrintedTooMuchError,
     RemoteError,
     TimeExceededError,
-    TooManyProcessesError,
 )
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
@@ -172,24 +172,11 @@ class Supervisor:
                 row = self._made(trial, job)
             except LostError:
                 lost = "its process or one that it was forked from was ended or stopped"
-            except DiedError as error:
-                row = failed(self._cut(_why_it_ended(error)))
-                lost = f"its process ended with {error}" if error.code in KILLED else ""
-            except TimeExceededError as error:
-                where = f"{job.doing}, after {error}" if job.doing else f"after {error}, the limit of a trial"
-                row = {"status": "timeout", "error": f"stopped {where} (--timeout)"}
-            except MemoryExceededError as error:
-                row = failed(f"{error} (--memory)")
-            except PrintedTooMuchError:
-                row = failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
-            except TooManyProcessesError as error:
-                row = failed(str(error))
-            except RefusedError as error:
-                row = failed(f"its answer is refused: {error}")
-            except RemoteError as error:
-                row = failed(f"{error} {job.doing}".strip())
-            except ValueError as error:  # metrics or variables that are no columns
-                row = failed(f"{PROBLEM_FAILED}{error}")
+            except (*FAILURES, RefusedError, ValueError) as error:
+                row = row_of(error, job.doing, self._cut)
+                lost = (
+                    f"its process ended with {error}" if isinstance(error, DiedError) and error.code in KILLED else ""
+                )
             if not (lost or self._killed):
                 return row
             self.close()  # what killed one process may have killed or stopped others
@@ -233,6 +220,33 @@ class Supervisor:
             "unasked": answer.get("unasked") is True,
             "journal": answer.get("journal"),
         }
+
+
+def row_of(error: Exception, doing: str = "", cut: Callable[[str], str] = str) -> Row:
+    """Return the row of a trial that ended with one of the errors of its process, or with a false answer.
+
+    Args:
+        error: one of :data:`bench.sandbox.process.FAILURES`, a RefusedError, or a ValueError of what is no column.
+        doing: what was done then, beside the trial itself.
+        cut: shortens what a process said at its end.
+    """
+    match error:
+        case DiedError():
+            return failed(cut(_why_it_ended(error)))
+        case TimeExceededError():
+            where = f"{doing}, after {error}" if doing else f"after {error}, the limit of a trial"
+            return {"status": "timeout", "error": f"stopped {where} (--timeout)"}
+        case MemoryExceededError():
+            return failed(f"{error} (--memory)")
+        case PrintedTooMuchError():
+            return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
+        case RefusedError():
+            return failed(f"its answer is refused: {error}")
+        case RemoteError():
+            return failed(f"{error} {doing}".strip())
+        case ValueError():  # metrics or variables that are no columns
+            return failed(f"{PROBLEM_FAILED}{error}")
+    return failed(str(error))
 
 
 def make_one(task: Task, trial: Trial) -> Row:

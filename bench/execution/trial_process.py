@@ -8,8 +8,10 @@ from __future__ import annotations
 import base64
 import contextlib
 import traceback
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
+from importlib import import_module
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -25,13 +27,12 @@ from bench.execution.side_by_side import evaluated, require_possible
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
-from bench.plugins import objects, observing
+from bench.plugins import from_source, objects, observing
 from bench.plugins.inputs import Inputs, named
 from bench.plugins.loading import defining
 from bench.plugins.objects import Objects
 from bench.plugins.observing import Signature, reading
 from bench.problem import Problem
-from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
@@ -53,6 +54,19 @@ def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, 
     _study, _output = study, output
     objects.held.update(held)
     observing.observe(output, known)
+
+
+def hold(held: Objects) -> None:
+    """Take further objects in the place of names of the study."""
+    objects.held.update(held)
+
+
+def import_modules(names: Sequence[str]) -> None:
+    """Import modules that optimizers may need, where they are installed."""
+    for name in names:
+        with contextlib.suppress(Exception):
+            import_module(name)
+    _settle()
 
 
 def check_problems() -> dict[str, Any]:
@@ -253,7 +267,7 @@ def as_answer(result: Result) -> dict[str, Any]:
 
 
 def _failure(error: BaseException) -> str:
-    return printable(f"{describe_error(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
+    return printable(f"{from_source.located(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
 
 
 def _why_void(effects: SideEffects) -> str:

@@ -16,7 +16,7 @@ from bench.families import derive
 from bench.helpers.text import listed, short_hash
 from bench.optimizer import Optimizer, build, is_frozen
 from bench.plugins import observing
-from bench.plugins.functions import asks_and_tells, optimizer_of
+from bench.plugins.functions import is_loose, optimizer_of
 from bench.problem import Problem
 
 
@@ -115,11 +115,12 @@ def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Op
         if not is_frozen(plugin):
             return plugin  # build() refuses it
         return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
-    if inspect.isfunction(plugin) or (isinstance(plugin, type) and asks_and_tells(plugin)):
+    if (inspect.isfunction(plugin) or isinstance(plugin, type)) and is_loose(plugin):
         return optimizer_of(plugin, name, load_optimizer)
     if attribute in vars(module):
         raise BenchError(
-            f"{attribute!r} of {path} is neither an Optimizer subclass nor a function, nor a class with ask and tell"
+            f"{attribute!r} of {path} is neither an Optimizer subclass nor a function, nor a class with ask and tell, "
+            "nor a class X(budget, dim) whose instances are called with the function"
         )
     names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
     raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")

@@ -16,7 +16,7 @@ from bench.helpers.text import free, option
 from bench.numbers import is_finite
 from bench.optimizer import Optimizer, build, defaults, is_frozen, settings
 from bench.plugins import observing, registry
-from bench.plugins.functions import asks_and_tells, optimizer_of
+from bench.plugins.functions import is_loose, optimizer_of
 from bench.plugins.packing import PackedObject, pack, unpack
 from bench.problem import FunctionProblem, Problem, with_own_box
 
@@ -105,6 +105,12 @@ def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str]
     return Named(name, own + name.removeprefix(base) if own in NAMELESS else own, chosen)
 
 
+def packed_optimizer(thing: Any) -> PackedObject:
+    """Return what :func:`as_optimizer` takes, as it travels; raises BenchError for anything else."""
+    made = as_optimizer(thing)
+    return pack(made if isinstance(thing, Optimizer) else thing)
+
+
 def _load(kind: str, name: str) -> Any:
     """Return the object of that name; an instance is a copy of its own.
 
@@ -137,8 +143,9 @@ def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None =
     """Return the optimizer that an object is, or that a class or a function makes.
 
     Args:
-        thing: an optimizer; a class of optimizers; a function ``(objective, rng, …)``; or a class ``(objective, rng,
-            …)`` whose instances ask and tell. What these take further, with defaults, are parameters.
+        thing: an optimizer; a class of optimizers; a function ``(objective, rng, …)``; a class ``(objective, rng, …)``
+            whose instances ask and tell; or a class ``(budget, dim, …)`` whose instances are called with the function.
+            What these take further, with defaults, are parameters.
         name: in messages, and the name that loads it in another process; by default what it is called.
         options: parameters; of an optimizer, other ones than its own.
 
@@ -155,11 +162,11 @@ def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None =
         return build(type(thing), name, settings(thing) | chosen) if chosen else thing
     if isinstance(thing, type) and issubclass(thing, Optimizer):
         return build(thing, name, chosen)
-    if asks_and_tells(thing) or (callable(thing) and not isinstance(thing, (type, Problem))):
+    if is_loose(thing) and not isinstance(thing, Problem):
         return build(optimizer_of(thing, name, load_optimizer), name, chosen)
     raise BenchError(
         f"{name!r} is no optimizer: give a name, a subclass of bench.Optimizer or an instance of one, a function "
-        "(objective, rng), or a class with ask and tell"
+        "(objective, rng), a class with ask and tell, or a class X(budget, dim) with __call__(func)"
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 import bench
 
 NAMES = [
-    "AskTell", "BenchError", "BudgetExhausted", "Checkup", "FunctionProblem", "Grid", "Objective",
+    "AskTell", "BenchError", "BudgetExhausted", "Checkup", "Evaluator", "FunctionProblem", "Grid", "Objective",
     "Optimizer", "Outcome", "Problem", "Result", "Results", "StopRun", "Study", "Trace", "Verdict", "WorkerDiedError",
     "check_optimizer", "check_problem", "compare", "list_optimizers", "list_problems", "load_optimizer",
     "load_problem", "load_results", "parameter", "run",

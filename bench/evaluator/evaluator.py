@@ -1,0 +1,305 @@
+"""The evaluator of optimizers that a language model, or a search over programs, writes."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from threading import Lock
+from typing import Any
+from weakref import finalize
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis.comparison import compare
+from bench.analysis.target_sets import area_over_curve
+from bench.columns import Row
+from bench.errors import BenchError, explained
+from bench.evaluator import found as words
+from bench.evaluator.found import LEAST, Final, Found
+from bench.evaluator.workers import WARMING, Candidate, Workers
+from bench.execution.job import Task
+from bench.execution.warming import warm_problem
+from bench.helpers.text import listing
+from bench.numbers import is_finite, require_whole, seconds
+from bench.objective import Trace
+from bench.plugins import from_source, objects
+from bench.plugins.objects import OptimizerLike, ProblemLike
+from bench.seeds import trial_seed
+from bench.study import Study
+from bench.trial import Trial
+
+BASELINES = ("cma-es", "random-search")
+LABEL = "candidate"
+LONGEST = 1_000_000  # characters of a source
+_NAME = f"{objects.PREFIX}{LABEL}"
+_KEY = f"optimizers {_NAME}"
+_COLUMNS = (
+    "problem",
+    "optimizer",
+    "trial",
+    "seed",
+    "status",
+    "error",
+    "fun",
+    "nfev",
+    "stop",
+    "wall_s",
+    "cpu_s",
+    "aocc",
+)
+
+Source = OptimizerLike | PathLike[str]
+"""A candidate: Python source, a path to a file of it, or an optimizer, a class or a function."""
+
+
+class Evaluator:
+    """Judges optimizers by the same trials on the same problems, in a sandbox and side by side.
+
+    Every candidate has the same seeds. Its trials count in the processes of the problems, which it cannot reach. The
+    processes start with the first candidate and stay, so close it, or use it in a ``with`` block. Threads may share it.
+
+    Example:
+        >>> judge = bench.Evaluator(train="bbob-f*-d5-i1", test="bbob-f*-d5-i[6-8]")
+        >>> judge(source).score
+
+    Args:
+        train: the problems of the score: a name or a pattern, a problem, or several of these.
+        test: the held-out problems of :meth:`final`, likewise.
+        budget: evaluations of a trial, or a multiple of the dimension.
+        trials: of a candidate on each problem of ``train``.
+        timeout: wall seconds that a trial may take, with the loading of the candidate.
+        memory: GB that a trial may hold.
+        n_jobs: trials made at a time; -1 takes every core.
+        seed: from which the seeds of all trials derive.
+        sandbox: whether candidates run in a sandbox of bubblewrap. False has them run in processes of their own, with
+            the limits, but with your files, your network and your environment's variables at hand.
+        baselines: optimizers that candidates are compared with; each is run once.
+
+    Raises:
+        BenchError: without bubblewrap, for problems of ``train`` among those of ``test``, and for what no study takes.
+    """
+
+    def __init__(
+        self,
+        train: ProblemLike | Iterable[ProblemLike],
+        test: ProblemLike | Iterable[ProblemLike] = (),
+        *,
+        budget: int | str = "2000 * d",
+        trials: int = 2,
+        timeout: float | str = 10.0,
+        memory: float = 2.0,
+        n_jobs: int = -1,
+        seed: int = 0,
+        sandbox: bool = True,
+        baselines: Sequence[str] = BASELINES,
+    ) -> None:
+        require_whole("n_jobs", n_jobs, -1)
+        if not is_finite(memory) or memory <= 0:
+            raise BenchError(f"the memory must be a number of GB above 0, not {memory!r}")
+        optimizers = [{"name": _NAME, "label": LABEL}, *dict.fromkeys((*baselines, WARMING))]
+        common = {"name": "evaluator", "trials": trials, "budget": budget, "seed": seed, "optimizers": optimizers}
+        parts = [
+            Study.from_dict(common | {"problems": chosen}, "of the evaluator").problems if chosen else ()
+            for chosen in map(_listed, (train, test))
+        ]
+        self._train, self._test = ([entry.label for entry in part] for part in parts)
+        seen = {(entry.name, repr(entry.options)) for entry in parts[0]}
+        if twice := [entry.label for entry in parts[1] if (entry.name, repr(entry.options)) in seen]:
+            raise BenchError(f"problems of train cannot be held out for the final: {listing(twice, 5)}")
+        self._study = Study.from_dict(common | {"problems": [*_listed(train), *_listed(test)]}, "of the evaluator")
+        self._optima, self._budgets = dict[str, float](), dict[str, int]()
+        self._load()
+        self._assumed = [label for label in [*self._train, *self._test] if label not in self._optima]
+        limits: dict[str, Any] = {"timeout": seconds(timeout, "timeout"), "memory": round(memory * 1e9)}
+        held = objects.among([], [entry.name for part in parts for entry in part])
+        task = Task(self._study, **limits, apart=True, untrusted=sandbox, objects=held)
+        try:
+            self._workers = Workers(task, n_jobs)
+        except BenchError as error:
+            reason = str(error).removeprefix("--untrusted needs ").removeprefix("--untrusted ")
+            raise BenchError(
+                f"candidates are run in a sandbox: {reason}; or say sandbox=False to run them without one"
+            ) from error
+        self._baselines = [*dict.fromkeys(baselines)]
+        self._known = dict[str, pd.DataFrame]()  # trials of the baselines, by the problems
+        self._judged: list[dict[str, Any]] = []
+        self._finals, self._lock = 0, Lock()
+        self._end = finalize(self, self._workers.close)
+
+    def __enter__(self) -> Evaluator:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __reduce__(self) -> Any:
+        """Refuse to be sent to another process."""
+        raise BenchError(
+            "an Evaluator cannot be sent to other processes, as it has processes of its own; call it from threads, as "
+            "by parallel_backend='threading'"
+        )
+
+    def close(self) -> None:
+        """End all processes."""
+        self._end()
+
+    def __call__(self, source: Source) -> Found:
+        """Return what the training problems show of a candidate."""
+        return self.map([source])[0]
+
+    def map(self, sources: Iterable[Source]) -> list[Found]:
+        """Judge candidates side by side; return what is found of each, in their order."""
+        texts, candidates, tasks = list[str](), list[Candidate](), list[tuple[Candidate, Trial]]()
+        for source in sources:
+            text, candidate = _read(source)
+            texts.append(text)
+            candidates.append(candidate)
+            tasks += [(candidate, trial) for trial in self._trials(LABEL, self._train, self._study.trials)]
+        baselines = self._of_baselines("train", self._train, self._study.trials)
+        rows, each = [*self._workers.rows(tasks)], len(self._train) * self._study.trials
+        frames = [self._frame(tasks[i : i + each], rows[i : i + each]) for i in range(0, len(tasks), each)]
+        made = zip(texts, candidates, frames, strict=True)
+        return [self._found(*each, baselines) for each in made]
+
+    def final(self, source: Source, *, trials: int = 10) -> Final:
+        """Compare a candidate with the baselines on the held-out problems, whose first use alone is a test.
+
+        Raises:
+            BenchError: without held-out problems.
+        """
+        if not self._test:
+            raise BenchError("there are no held-out problems: give some as 'test'")
+        require_whole("trials", trials, 2)
+        text, candidate = _read(source)
+        tasks = [(candidate, trial) for trial in self._trials(LABEL, self._test, trials)]
+        baselines = self._of_baselines(f"test {trials}", self._test, trials)
+        frame = pd.concat([self._frame(tasks, self._workers.rows(tasks)), baselines], ignore_index=True)
+        with self._lock:
+            self._finals += 1
+            finals, judged = self._finals - 1, len({each["hash"] for each in self._judged})
+        return Final(compare(frame, LABEL, before=True), frame, judged, finals, _error(text, candidate))
+
+    def log(self, path: str | PathLike[str]) -> None:
+        """Write a JSON line for each candidate judged so far: hash of its source, score, error bar and error."""
+        with explained(f"{path} cannot be written"):
+            Path(path).write_text("".join(f"{json.dumps(each)}\n" for each in self._judged), encoding="utf-8")
+
+    def llamea(self, solution: Any, logger: Any = None) -> Any:  # noqa: ARG002 - LLaMEA gives one
+        """Judge a solution of LLaMEA or BLADE and return it with its scores: ``LLaMEA(judge.llamea, …)``.
+
+        LLaMEA needs ``parallel_backend="threading"`` for it.
+        """
+        found = self(solution.code)
+        solution.set_scores(found.score, found.feedback, RuntimeError(found.error) if found.error else None)
+        return solution
+
+    def evaluate(self, path: str | PathLike[str]) -> dict[str, Any]:
+        """Judge the program of a file, as the ``evaluate`` of OpenEvolve does."""
+        found = self(Path(path))
+        bar = 0.0 if np.isnan(found.error_bar) else found.error_bar
+        texts = {"feedback": found.feedback, "error": found.error}
+        return {"combined_score": found.score, "error_bar": bar, "artifacts": {k: v for k, v in texts.items() if v}}
+
+    def _load(self) -> None:
+        """Load the problems, which are trusted; what they compile is kept in files, which no sandbox can write."""
+        for label in (*self._train, *self._test):
+            problem = self._study.problem(label)
+            self._budgets[label] = self._study.evaluations(problem.dimension)
+            warm_problem(problem, self._budgets[label])
+            if problem.optimum is not None:
+                self._optima[label] = problem.optimum
+
+    def _trials(self, optimizer: str, problems: Sequence[str], trials: int) -> list[Trial]:
+        """Return the trials of an optimizer, all problems first."""
+        seed = self._study.seed
+        return [
+            Trial(problem, optimizer, number, trial_seed(seed, problem, optimizer, number))
+            for number in range(trials)
+            for problem in problems
+        ]
+
+    def _of_baselines(self, key: str, problems: Sequence[str], trials: int) -> pd.DataFrame:
+        """Return the trials of the baselines on these problems, which are made once, and set the optima."""
+        with self._lock:
+            if key not in self._known:
+                tasks = [
+                    (Candidate({}), trial)
+                    for label in self._baselines
+                    for trial in self._trials(label, problems, trials)
+                ]
+                rows = [*self._workers.rows(tasks)]
+                if lost := next((row["error"] for row in rows if row["status"] != "ok"), ""):
+                    raise BenchError(f"a baseline failed: {lost}")
+                for label in set(problems) & {*self._assumed}:
+                    made = zip(tasks, rows, strict=True)
+                    values = [row["fun"] for (_, trial), row in made if trial.problem == label]
+                    if not values:
+                        raise BenchError(f"the optimum of {label} is unknown, and no baseline stands for it")
+                    self._optima.setdefault(label, min(values))
+                self._known[key] = self._frame(tasks, rows)
+            return self._known[key]
+
+    def _frame(self, tasks: Sequence[tuple[Candidate, Trial]], rows: Iterable[Row]) -> pd.DataFrame:
+        """Return trials as a tidy frame with the AOCC of each."""
+        made = []
+        for (_, trial), row in zip(tasks, rows, strict=True):
+            area = 0.0
+            if row["status"] == "ok":
+                optimum, budget = self._optima[trial.problem], self._budgets[trial.problem]
+                area = area_over_curve(Trace.unpacked(row["trace"]), optimum, budget)[0]
+            made.append({"error": "", **trial.columns, **row, "aocc": area})
+        return pd.DataFrame(made).reindex(columns=[*_COLUMNS])
+
+    def _found(self, text: str, candidate: Candidate, frame: pd.DataFrame, baselines: pd.DataFrame) -> Found:
+        """Return what the trials of a candidate show, and keep it in the record."""
+        every = pd.concat([frame, baselines], ignore_index=True)
+        by_problem = every.pivot_table("aocc", "problem", "optimizer", sort=False)
+        error, score, bar, notes = _error(text, candidate), 0.0, 0.0, tuple[str, ...]()
+        if error:
+            feedback = words.shortened(f"Score 0, as it failed: {error}")
+        else:
+            score = max(float(frame["aocc"].mean()), LEAST)
+            groups = frame.groupby("problem", sort=False)["aocc"]
+            bar = float(np.sqrt((groups.var() / groups.size()).sum(skipna=False)) / groups.ngroups)
+            used = frame["nfev"] / frame["problem"].map(self._budgets)
+            feedback = words.feedback(score, bar, by_problem, float(used.mean()))
+            notes = words.notes(frame, self._optima, self._assumed)
+        with self._lock:
+            kept = {
+                "hash": candidate.held[_KEY].digest,
+                "score": score,
+                "error_bar": None if np.isnan(bar) else bar,
+                "error": error,
+            }
+            self._judged.append(kept)
+        return Found(score, bar, error, feedback, frame, by_problem, notes)
+
+
+def _listed(problems: ProblemLike | Iterable[ProblemLike]) -> list[Any]:
+    return [problems] if isinstance(problems, str) or objects.is_plugin(problems) else [*problems]  # type: ignore[misc]
+
+
+def _read(source: Source) -> tuple[str, Candidate]:
+    """Return a candidate's source, "" of an object, and the candidate as its processes take it; it is not run here."""
+    if isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source and source.endswith(".py")):
+        with explained(f"the candidate {source} cannot be read", (OSError, ValueError)):
+            source = Path(source).read_text(encoding="utf-8")
+    if isinstance(source, str):
+        if len(source) > LONGEST:
+            raise BenchError(f"a candidate may have {LONGEST:,} characters, not {len(source):,}")
+        return source, Candidate({_KEY: from_source.packed(source)})
+    return "", Candidate({_KEY: objects.packed_optimizer(source)})
+
+
+def _error(text: str, candidate: Candidate) -> str:
+    """Return why a candidate failed, with the text of the line that is at fault."""
+    error = candidate.error.removesuffix(" (--timeout)").removesuffix(" (--memory)")
+    lines = text.splitlines()
+    found = re.match(r"line (\d{1,7}): ", error)
+    if found and 0 < int(found[1]) <= len(lines):
+        error += f" ({lines[int(found[1]) - 1].strip()[:100]})"
+    return error
