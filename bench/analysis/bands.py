@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm, t
 
-from bench.analysis.anytime import Counts, at_level
+from bench.analysis.anytime import Counts
 from bench.analysis.cells import labels
 from bench.typing import Floats
 
@@ -74,17 +74,6 @@ def curve_bands(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] 
         ends = {"low": np.clip(low, 0, 1), "high": np.clip(high, 0, 1)}
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": curve.fraction} | ends))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["optimizer", unit, "fraction"])
-
-
-def profile_bands(
-    hits: pd.DataFrame, tau: float, grid: Counts, dimensions: Mapping[str, int] | None = None
-) -> pd.DataFrame:
-    """Return :func:`bench.analysis.data_profiles` with the columns low and high, the bands of :func:`curve_bands`.
-
-    A run reaches one target or does not, so the curve is that of a runtime distribution with a single target.
-    """
-    groups = None if dimensions is None else {label: size + 1 for label, size in dimensions.items()}
-    return curve_bands(at_level(hits, tau), grid, groups).rename(columns={"per_dimension": "groups"})
 
 
 def leads(

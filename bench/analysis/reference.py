@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from bench.analysis.anytime import Counts
 from bench.study.targets import RUN_LENGTHS
 
 HARDEST = 1e-8
@@ -37,25 +36,6 @@ def reference_times(reference: pd.DataFrame, functions: Mapping[str, str], level
             at = np.searchsorted(precisions, asked[rows] * (1 + 1e-9), side="right") - 1  # the easiest that is as hard
             ert[rows] = np.where(at >= 0, times[np.maximum(at, 0)], np.inf)
     return levels.assign(ert=np.where(asked < HARDEST * (1 - 1e-9), np.nan, ert))
-
-
-def reference_shares(times: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
-    """Return the share of the targets of each problem whose ERT by a reference is within a time, as of restart_shares.
-
-    Columns: problem, evaluations (or ``per_dimension`` with ``dimensions``, the d of each problem) and fraction. The
-    ERT takes the place of a running time, as cocopp draws its reference.
-
-    Args:
-        times: those of :func:`reference_times`.
-        grid: increasing numbers of evaluations, or of evaluations / d.
-        dimensions: the d of each problem.
-    """
-    unit, tables = "evaluations" if dimensions is None else "per_dimension", []
-    for problem, rows in times.groupby("problem", sort=False):
-        ert = np.sort(rows["ert"].to_numpy(dtype=float)) / (1 if dimensions is None else dimensions[str(problem)])
-        share = np.searchsorted(ert, np.asarray(grid, dtype=float), side="right") / len(ert)
-        tables.append(pd.DataFrame({"problem": problem, unit: grid, "fraction": share}))
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["problem", unit, "fraction"])
 
 
 def runlength_targets(

@@ -13,7 +13,7 @@ is the ERT. The draws begin with every trial equally often, so that nothing is r
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import ceil
 from typing import Any, NamedTuple
 
@@ -22,7 +22,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import betaincinv, stdtrit
 
-from bench.analysis.anytime import Counts, expected_running_time
+from bench.analysis.anytime import expected_running_time
 from bench.analysis.cells import labels
 from bench.analysis.comparison import inference
 from bench.analysis.direction import ALPHA, effects, least_p
@@ -30,7 +30,6 @@ from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
-DRAWN = 100  # simulated restarts a target of an ECDF
 SEED = 1
 _AT_ONCE = 2_000_000  # simulated restarts that are held in memory
 
@@ -150,41 +149,6 @@ def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
     paces = pace.to_numpy()[index.get_indexer(trial_of_hit)] if len(hits) else np.empty(0)
     times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * paces, np.inf)
     return hits.assign(evaluations=times, **{name: hits[name] * paces for name in ("spent", "budget") if name in hits})
-
-
-def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
-    """Return the share of simulated restarts over all targets that end within a time, of each cell.
-
-    Columns: problem, optimizer, evaluations (or ``per_dimension`` with ``dimensions``, the d of each problem) and
-    fraction. The mean over problems is COCO's runtime distribution (:func:`mean_shares`), which goes beyond the budget.
-    A target that no trial reached is never reached.
-    """
-    unit = "evaluations" if dimensions is None else "per_dimension"
-    shares_of = []
-    for batch in _batches(hits, DRAWN):
-        drawn = simulated_restarts(batch, DRAWN)
-        if dimensions is not None:
-            drawn /= np.array([dimensions[problem] for problem, _ in batch.cells], dtype=float).reshape(-1, 1, 1)
-        flat = drawn.reshape(len(drawn), -1)
-        place = np.searchsorted(grid, flat, side="left") + (len(grid) + 1) * np.arange(len(flat))[:, np.newaxis]
-        counts = np.bincount(place.ravel(), minlength=len(flat) * (len(grid) + 1)).reshape(len(flat), -1)
-        shares = counts[:, :-1].cumsum(axis=1) / flat.shape[1]
-        shares_of += list(zip(batch.cells, shares, strict=True))
-    tables = [
-        pd.DataFrame({"problem": problem, "optimizer": optimizer, unit: grid, "fraction": share})
-        for (problem, optimizer), share in shares_of
-    ]
-    return _in_order(tables, hits, ["problem", "optimizer", unit, "fraction"])
-
-
-def mean_shares(shares: pd.DataFrame, optimizers: list[str]) -> pd.DataFrame:
-    """Return the mean of :func:`restart_shares` over problems: optimizer, unit and fraction; missing without trials."""
-    unit = next(name for name in ("per_dimension", "evaluations") if name in shares)
-    grid = np.unique(shares[unit].to_numpy(dtype=float))
-    wide = shares.groupby(["optimizer", unit], observed=True)["fraction"].mean().unstack().reindex(optimizers)
-    fraction = wide.reindex(columns=grid).to_numpy(dtype=float).ravel()
-    along = {"optimizer": np.repeat(optimizers, len(grid)), unit: np.tile(grid, len(optimizers))}
-    return pd.DataFrame(along | {"fraction": fraction})
 
 
 def simulated_restarts(batch: Batch, samples: int, rng: np.random.Generator | None = None) -> Floats:

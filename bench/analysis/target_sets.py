@@ -12,7 +12,6 @@ from statistics import median
 import numpy as np
 import pandas as pd
 
-from bench.analysis.anytime import AT_ONCE
 from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores, spent, traces_of
 from bench.objective import Trace
 from bench.study.targets import MULTIPLES, Found, Targets
@@ -136,49 +135,3 @@ def area_over_curve(trace: Trace, optimum: float, budget: int) -> tuple[float, f
     share = 1 - (np.log10(np.clip(trace.values - optimum, LOWEST, HIGHEST)) + 8) / 10
     held = np.diff(trace.evaluations, append=budget + 1)
     return float((share * held).sum() / budget), float(share[0]) if trace.evaluations[0] == 1 else 0.0, float(share[-1])
-
-
-def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.DataFrame:
-    """Return the area under the runtime ECDF over log evaluations of each cell: problem, optimizer and area.
-
-    The area of a trial is the mean over the targets of 1 - log T / log B, where T is the time to the target; it is 0
-    where that is not reached. 1 is best: every target with the first evaluation.
-    """
-    columns = ["problem", "optimizer", "area"]
-    if hits.empty:
-        return pd.DataFrame(columns=columns)
-    times = hits["evaluations"].to_numpy(dtype=float)
-    (problem, problems), (optimizer, optimizers) = (pd.factorize(hits[name]) for name in ("problem", "optimizer"))
-    budgets_of = [budget if isinstance(budget, int) else budget[label] for label in problems]
-    allowed = np.log(np.maximum(np.array(budgets_of, dtype=float), 2.0))
-    sums, counts = np.zeros((2, len(problems) * len(optimizers)))
-    for start in range(0, len(times), AT_ONCE):
-        part = slice(start, start + AT_ONCE)
-        cell = problem[part].astype(np.intp) * len(optimizers) + optimizer[part]
-        with np.errstate(invalid="ignore"):
-            area = np.clip(1 - np.log(times[part]) / allowed[problem[part]], 0.0, 1.0)
-        np.add.at(sums, cell, np.where(np.isfinite(times[part]), area, 0.0))
-        np.add.at(counts, cell, 1)
-    at = np.flatnonzero(counts)
-    names = [np.array(labels, dtype=object) for labels in (problems, optimizers)]
-    names = [names[0][at // len(optimizers)], names[1][at % len(optimizers)]]
-    return pd.DataFrame({"problem": names[0], "optimizer": names[1], "area": sums[at] / counts[at]})
-
-
-def compare_sets(areas: Mapping[str, pd.DataFrame], optimizers: list[str]) -> pd.DataFrame:
-    """Return the mean area and the rank of each optimizer under each set: set, problems, optimizer, area and rank.
-
-    ``areas`` are those of :func:`target_areas` by the name of a set. Only problems on which every optimizer has trials
-    count, and equal areas share their mean rank.
-    """
-    tables = []
-    for name, table in areas.items():
-        wide = table.pivot(index="problem", columns="optimizer", values="area").reindex(columns=optimizers).dropna()
-        area = wide.mean()
-        numbers = {
-            "area": area.to_numpy(dtype=float),
-            "rank": area.round(12).rank(ascending=False).to_numpy(dtype=float),
-        }
-        tables.append(pd.DataFrame({"set": name, "problems": len(wide), "optimizer": optimizers} | numbers))
-    columns = ["set", "problems", "optimizer", "area", "rank"]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)

@@ -13,7 +13,6 @@ from bench import analysis
 from bench.analysis.cells import budgets as budgets_of
 from bench.analysis.cells import near_best as near_best_of
 from bench.analysis.cells import traces_of
-from bench.analysis.compare import table as table_of
 from bench.analysis.instances import SOLVED
 from bench.analysis.reference import reference_times, runlength_targets
 from bench.analysis.running_time import in_seconds
@@ -222,15 +221,6 @@ class Anytime:
             if self.target_set.by_best:
                 table = table.assign(precision=best["precision"].reindex(keys).to_numpy())
         return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.target_set.unit})
-
-    @cached_property
-    def ert_at_level(self) -> pd.DataFrame:
-        """The ERT to the target of the tables, problems by optimizers, missing where it was not reached; or no row."""
-        times, chosen = self.running_times, self.target_set
-        if times.empty:
-            return pd.DataFrame()
-        at_level = times[np.isclose(times[chosen.unit].astype(float), chosen.level, rtol=1e-9, atol=0)]
-        return table_of(at_level, "ert").astype(float).replace(np.inf, np.nan)
 
     @cached_property
     def best_times(self) -> pd.DataFrame:

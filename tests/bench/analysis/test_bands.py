@@ -3,10 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import binomtest
 
-from bench.analysis.anytime import data_profiles, ecdf
-from bench.analysis.bands import UNSEEN, curve_bands, curve_of, leads, profile_bands, spells
+from bench.analysis.anytime import ecdf
+from bench.analysis.bands import UNSEEN, curve_bands, curve_of, leads, spells
 
 GRID = np.geomspace(1, 100, 20)
 
@@ -86,20 +85,3 @@ def test_evaluations_a_dimension_are_those_of_each_problem(rng):
     halved = curve_bands(table.assign(evaluations=table["evaluations"] * 2), GRID, {"p": 2})
     np.testing.assert_allclose(halved["low"], curve_bands(table, GRID)["low"])
     assert "per_dimension" in halved
-
-
-@pytest.mark.parametrize("dimensions", [None, {"p": 3}])
-def test_a_data_profile_with_its_band_is_the_data_profile(rng, dimensions):
-    table = hits(a=rng.uniform(1, 90, (6, 3)), b=rng.uniform(30, 200, (9, 3)))
-    table = table.assign(tau=np.tile([1.0, 0.1, 0.01], 15))
-    bands, profile = (each(table, 0.1, GRID, dimensions) for each in (profile_bands, data_profiles))
-    pd.testing.assert_frame_equal(bands[[*profile]], profile)
-    assert ((bands["low"] <= bands["fraction"]) & (bands["fraction"] <= bands["high"])).all()
-
-
-def test_the_band_of_a_share_of_runs_holds_wilson_s_interval(rng):
-    """At one budget 6 of 12 runs have reached the target: the band at all budgets together is no narrower."""
-    table = hits(a=np.where(np.arange(12)[:, np.newaxis] < 6, 2.0, np.inf)).assign(tau=1.0)
-    last = profile_bands(table, 1.0, GRID).iloc[-1]
-    low, high = binomtest(6, 12).proportion_ci(method="wilson")
-    assert (last["low"] <= low, last["high"] >= high) == (True, True)

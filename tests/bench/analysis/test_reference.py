@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis.reference import reference_shares, reference_times, runlength_targets
+from bench.analysis.reference import reference_times, runlength_targets
 
 KNOWN = pd.DataFrame({"problem": "f-d2", "precision": [1e2, 1.0, 1e-1, 1e-8], "ert": [1.0, 20.0, 30.0, 40.0]})
 
@@ -31,14 +31,6 @@ def test_harder_precisions_and_other_functions_are_unknown():
     found = reference_times(KNOWN, {"other": "g-d2"}, levels([1.0], "other"))
     assert found["ert"].isna().tolist() == [True]
     assert list(reference_times(KNOWN, {}, levels([]))) == ["problem", "precision", "ert"]
-
-
-def test_the_share_of_targets_counts_those_whose_time_is_within_the_grid():
-    times = pd.DataFrame({"problem": "p", "tau": [3.0, 2.0, 1.0, 0.5], "ert": [4.0, 20.0, np.inf, np.nan]})
-    shares = reference_shares(times, np.array([1.0, 2.0, 10.0, 1e9]), {"p": 2})
-    assert shares["fraction"].tolist() == [0.0, 0.25, 0.5, 0.5]
-    assert reference_shares(times, np.array([4.0]))["evaluations"].tolist() == [4.0]
-    assert list(reference_shares(times[:0], np.array([4.0]))) == ["problem", "evaluations", "fraction"]
 
 
 def run_lengths(known=KNOWN, dimension=2):

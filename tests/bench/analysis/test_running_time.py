@@ -8,12 +8,10 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from bench.analysis.anytime import ecdf, expected_running_time
+from bench.analysis.anytime import expected_running_time
 from bench.analysis.running_time import (
     Batch,
     in_seconds,
-    mean_shares,
-    restart_shares,
     running_times,
     separably_fastest,
     simulated_restarts,
@@ -127,7 +125,6 @@ class TestRunningTimes:
 
     def test_nothing_at_all(self):
         assert running_times(MIXED[:0]).empty
-        assert restart_shares(MIXED[:0], np.array([1.0])).empty
 
 
 class TestSeconds:
@@ -147,25 +144,6 @@ class TestSeconds:
     def test_without_recorded_times_they_are_missing(self):
         times = in_seconds(hits_of({("p", "a"): [10, 20, INF]}), self.frame.assign(wall_s=None))
         assert running_times(times)["ert"].isna().all()
-
-
-class TestShares:
-    def test_where_every_trial_succeeds_it_is_the_ecdf(self):
-        hits, grid = hits_of({("q", "a"): [3, 5, 4, 8], ("q", "b"): [1, 9]}), np.array([1.0, 4, 5, 8, 20])
-        shares = mean_shares(restart_shares(hits, grid), ["b", "a", "c"])
-        assert shares["fraction"].tolist()[:10] == [0.5, 0.5, 0.5, 0.5, 1, 0, 0.5, 0.75, 1, 1]
-        assert shares["fraction"].isna().sum() == 5
-        own = shares[shares["optimizer"] == "a"]["fraction"].tolist()
-        assert own == ecdf(hits[hits["optimizer"] == "a"], grid)["fraction"].tolist()
-
-    def test_restarts_go_beyond_the_budget_and_never_without_a_success(self):
-        shares = restart_shares(hits_of({("p", "a"): [10, INF], ("p", "b"): [INF, INF]}), np.array([10.0, 110, 1e9]))
-        assert shares["fraction"].tolist() == [0.5, pytest.approx(0.75, abs=0.1), 1, 0, 0, 0]
-
-    def test_problems_count_alike_and_the_unit_may_be_evaluations_per_dimension(self):
-        hits = hits_of({("p", "a"): [10] * 5, ("q", "a"): [INF]})
-        shares = restart_shares(hits, np.array([4.9, 5.0]), {"p": 2, "q": 3})
-        assert mean_shares(shares, ["a"])["fraction"].tolist() == [0.0, 0.5]
 
 
 COCOPP = """

@@ -4,11 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis.anytime import hitting_times
 from bench.analysis.target_sets import (
     aocc,
-    compare_sets,
-    target_areas,
     target_table,
     targets,
     tolerance_times,
@@ -160,19 +157,3 @@ class TestAOCC:
 
     def test_only_where_an_optimum_is_known(self):
         assert aocc(FRAME, TRACES, {}, 10).empty
-
-
-class TestAreas:
-    def test_by_hand(self):
-        hits = hitting_times(FRAME, TRACES, target_table([10.0, 1.0], FRAME, TRACES, {"p": 4.0}), 10)
-        area = target_areas(hits, 10)["area"].tolist()
-        assert area == pytest.approx([(1 + (1 - np.log10(5)) + (1 - np.log10(2)) + (1 - np.log10(8))) / 6])
-
-    def test_the_order_under_each_set(self):
-        easy = pd.DataFrame({"problem": list("ppqq"), "optimizer": list("abab"), "area": [0.9, 0.5, 0.7, 0.5]})
-        hard = pd.DataFrame({"problem": list("ppq"), "optimizer": list("aba"), "area": [0.1, 0.1, 0.7]})
-        ranks = compare_sets({"easy": easy, "hard": hard}, ["b", "a"])
-        assert ranks["rank"].tolist() == [2, 1, 1.5, 1.5]
-        assert ranks["problems"].tolist() == [2, 2, 1, 1]
-        assert compare_sets({}, ["a"]).empty
-        assert target_areas(pd.DataFrame(columns=["problem", "optimizer", "evaluations"]), 10).empty
