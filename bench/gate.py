@@ -204,7 +204,15 @@ def _worded(
         )
     if test.outcome == "undecided":
         most = f"{test.needed:,}" if test.needed < 100_000 else "more than 100,000"
-        notes.append(f"If the versions are equal, about {most} trials a problem would pass with a chance of 80%.")
+        notes.append(
+            f"If the versions are equal, about {most} trials a problem would pass with a chance of 80%; plan them with "
+            "a new seed, as another look at more trials of this one errs more often."
+        )
+    notes += [
+        f"{name} was extended from {least:,} to {most:,} trials: after an undecided look, a false alarm has a chance "
+        f"above {test.alpha:g}. Plan all trials at once, with a new seed."
+        for name, least, most in _extended(findings.results)
+    ]
     if 0 < alike < trials:
         notes.append(f"{alike:,} of {count(trials, 'trial')} are identical, as their seeds are.")
     if missing:
@@ -228,6 +236,16 @@ def _worded(
     if len(ordered) > SHOWN:
         notes.append(f"The table shows {SHOWN} of {len(ordered):,} problems, those with the largest lower ends first.")
     return Gate(test, _sentence(test, identical), tuple(notes), tuple(rows))
+
+
+def _extended(results: StoredResults) -> list[tuple[str, int, int]]:
+    """Return the folders whose trials were extended, with the fewest and the most that runs of one seed asked for."""
+    found = []
+    for name, history in zip(results.names, results.histories, strict=True):
+        asked = [int(each["trials"]) for each in history if each["seed"] == history[-1]["seed"]]
+        if asked and min(asked) < max(asked):
+            found.append((name, min(asked), max(asked)))
+    return found
 
 
 def _sentence(test: Noninferiority, identical: bool) -> str:

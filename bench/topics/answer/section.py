@@ -20,7 +20,8 @@ def section(findings: Findings) -> Section:
     if nothing := nothing_to_compare(findings):
         return Section(TITLE, (nothing,))
     known = findings.of(facts)
-    clear = (known.wins if not known.is_subject else bool(known.of("better"))) and not known.unlike
+    shown = bool(known.of("better")) if known.is_subject else known.wins
+    clear = shown and not known.unlike and not findings.of(changes).made
     card = Card("", (headline(findings),), "claim" if clear else "open", lines=lines(findings))
     return Section(TITLE, items=(chance_figure(known), rank_map(findings)), cards=(card,))
 

@@ -39,7 +39,11 @@ def section(findings: Findings) -> Section | None:
         *(_conditions(findings) if compared else ()),
         *(Line("not compared", text) for text in skipped),
         *(Line(str(row.check), f"{row.finding}".partition(". ")[0]) for row in troubles.itertuples()),
-        *([Line("problems", words.not_loaded(list(reasons), next(iter(reasons.values()))))] if reasons else []),
+        *(
+            [Line("problems", words.not_loaded(list(reasons), next(iter(reasons.values())).partition(";")[0]))]
+            if reasons
+            else []
+        ),
         *(Line("failures", text) for text in handled(findings.trials.whole)),
         *([Line("passed", words.passed(list(passed)))] if len(passed) else []),
         *(_claims(findings) if compared else ()),

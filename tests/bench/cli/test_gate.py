@@ -8,6 +8,7 @@ import yaml
 
 from bench import Study, Trace
 from bench.cli.gate import CODES
+from bench.storage.folder import Folder
 from bench.study import Entry
 from tests.bench.reports import ended, store
 
@@ -85,6 +86,19 @@ def test_too_few_trials_are_undecided(bench_here, folders):
     assert "trials a problem would pass with a chance of 80%" in done.stdout
     assert "4 to 12 trials" in done.stdout
     assert bench_here("gate", "old", "other", "--allow-undecided", cwd=folders).returncode == 0
+
+
+def test_another_look_after_more_trials_is_said_with_the_way_out(bench_here, folders, tmp_path):
+    for name, seed in (("old", 1), ("new", 2)):
+        write(tmp_path, name, seed=seed)
+    with Folder(tmp_path / "new").store.writer() as writer:
+        writer.history({"seed": 2, "trials": 4})
+        writer.history({"seed": 2, "trials": 12})
+    said = " ".join(bench_here("gate", "old", "new", cwd=tmp_path).stdout.split())
+    assert (
+        "new was extended from 4 to 12 trials: after an undecided look, a false alarm has a chance above 0.05" in said
+    )
+    assert "was extended" not in bench_here("gate", "old", "other", cwd=folders).stdout
 
 
 def test_an_optimizer_is_chosen_by_its_label(bench_here, folders):

@@ -5,7 +5,9 @@ from difflib import unified_diff
 from pathlib import Path
 
 from bench.report import Table
+from bench.topics.answer import section as answer
 from bench.topics.page import chapters
+from bench.topics.trust import section as trust
 from bench.topics.write import lead
 
 PAGES = Path(__file__).parent / "pages"
@@ -37,19 +39,25 @@ def page_text(findings):
     return text
 
 
+def answer_text(findings):
+    """Return the lines of the first two sections."""
+    made = (answer.section(findings), trust.section(findings))
+    lines = [line for section in made for line in (section_lines(section) if section else ())]
+    return "\n".join(lines) + "\n"
+
+
 def section_lines(section, level="##"):
     notes = [name for name in ("folded", "on_demand") if getattr(section, name)]
     lines = ["", f"{level} {section.title}{' [' * bool(notes)}{', '.join(notes)}{']' * bool(notes)}", ""]
     lines += [f"lost: {section.lost}"] if section.lost else []
     lines += [f"warning: {each}" for each in section.warnings]
     for card in section.cards:
-        lines += ["", f"[{card.tone}{', folded' * card.folded}] {card.title}".rstrip(), *card.text]
+        lines += ["", f"[{card.tone}] {card.title}".rstrip(), *card.text]
         lines += [f"  {each.label}: {each.text}{f' -> {each.part}' * bool(each.part)}" for each in card.lines]
     lines += section.text
     for item in section.items:
         lines += table_lines(item) if isinstance(item, Table) else ["", f"Figure {item.name}: {item.caption}"]
     lines += ["", "Figures apart: " + ", ".join(figure.name for figure in section.apart)] if section.apart else []
-    lines += ["", "Works: " + ", ".join(re.findall(r"@\w+\{(\w+)", section.code))] if section.code else []
     problems = [each for each in section.sections if each.problem]
     for each in section.sections:
         if each not in problems[PROBLEMS:]:

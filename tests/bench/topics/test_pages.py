@@ -1,26 +1,25 @@
-"""Whole pages of small studies, compared with committed ones; ``pytest --update`` writes those meant to change.
+"""A whole page and the answers of small studies, compared with committed ones; ``pytest --update`` writes them anew.
 
 The pages hold the sentences; tests beside the topics hold numbers, bad input and what no page shows.
 """
 
 from importlib.util import find_spec
-from itertools import product
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench import Results, Study, Trace, load_problem
+from bench import Results, Study, load_problem
 from bench.storage.folder import Folder
-from bench.study import Entry
-from bench.study.budget import Budget
 from bench.topics.findings import Findings
 from bench.topics.findings import anytime as findings_module
 from tests.bench.reports import finished, store
-from tests.bench.topics.methods.records import NEWER, RECORD
-from tests.bench.topics.page_text import compare, page_text
+from tests.bench.topics import page_text as texts
+from tests.bench.topics.methods.records import RECORD
+from tests.bench.topics.page_text import answer_text, page_text
 
 STUDIES = {}
+WHOLE = "clear-winner"  # of which the whole page is compared, and of the others the first two sections
 
 
 def page(build):
@@ -40,16 +39,6 @@ def too_few_trials(make, folder):
 
 
 @page
-def two_optimizers(make, folder):
-    return Findings(Results(make(folder, optimizers=("a", "b"), trials=3)))
-
-
-@page
-def one_optimizer(make, folder):
-    return Findings(Results(make(folder, problems=("p",), optimizers=("a",), trials=1)))
-
-
-@page
 def failed_and_missing(make, folder):
     """One cell and one trial failed, a cell and a trial are missing, a problem's code raised; a waited and clamps."""
     waited = {"wall_s": 2.0, "cpu_s": 1.0, "nfev": 60, "stop": "undeclared", "outside_box": 60}
@@ -66,27 +55,6 @@ def failed_and_missing(make, folder):
         "checks.json", {label: [dict(zip(names, each, strict=True)) for each in own] for label, own in noted.items()}
     )
     return Findings(Results(folder))
-
-
-@page
-def swept_and_extended(make, folder):
-    """A sweep over two parameters, beside two other optimizers; trials were added to complete ones."""
-    swept = {f"o[n={n},h={h}]": {"n": n, "h": h} for n, h in product((1, 2), ("x", "y"))}
-    make(folder, ("p", "q", "r", "s", "t", "u", "v"), ("b", "a", *swept), options=swept)
-    results = Results(folder)
-    results.environments[:] = [RECORD | {"trials": 4, "extends": None}, RECORD | {"trials": 8, "extends": 4}]
-    return Findings(results)
-
-
-@page
-def selected(make, folder):
-    return Findings(Results(make(folder)).select(optimizers=["a", "c"], problems="q"))
-
-
-@page
-def many_optimizers(make, folder):
-    labels = tuple(f"o{number:02d}" for number in range(12, 0, -1))
-    return Findings(Results(make(folder, ("p", "q", "r"), labels, trials=5)))
 
 
 def ends_at(levels, nfev=100):
@@ -135,22 +103,6 @@ def subject(make, folder):
 
 
 @page
-def instances_and_constraints(make, folder):
-    """Pooled instances beside a problem with constraints and a single function."""
-    pooled = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2], "instances": "1-3"}
-    problems = [pooled, {"name": "engineering-spring"}, {"name": "classical-sphere-d5-i1"}]
-    optimizers = [{"name": "gwo", "agents": 10}, {"name": "random-search"}]
-    study = Study.from_dict(
-        {"name": "made", "trials": 5, "budget": 100, "problems": problems, "optimizers": optimizers}
-    )
-    row_of = ends_at({"gwo": 0.0, "random-search": 1.0})
-    none = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
-    lost = ("engineering-spring", "random-search", 0)
-    store(folder, study, lambda each: row_of(each) | (none if each.key == lost else {}))
-    return Findings(Results(folder))
-
-
-@page
 def beside_the_best_of_2009(make, folder):
     """Two functions of BBOB beside the best times, with gwo as the reference of the competition's table."""
     suite = {"suite": "bbob", "functions": [1, 8], "dimensions": [2, 5], "instances": "1-2"}
@@ -162,29 +114,6 @@ def beside_the_best_of_2009(make, folder):
     return Findings(Results(folder), beside_best=True, asked_subject="gwo")
 
 
-@page
-def two_folders(make, folder):
-    """A run and imported trials of half its budget, from machines that differ."""
-
-    def written(name, optimizers, budget):
-        study = Study(name, tuple(Entry("any", each) for each in "pq"), optimizers, trials=6, budget=budget)
-        rng, first = np.random.default_rng(0), 5 if name == "here" else 6
-
-        def row_of(trial):
-            spent = budget.number
-            ends = first + 2 * (trial.optimizer in "bd") + 0.1 * rng.standard_normal()
-            trace = Trace(np.array([1, 10, spent]), np.array([ends + 9, ends + 1, ends]))
-            return finished(ends, rng) | {"nfev": spent, "trace": trace}
-
-        imported = {"imported": "theirs.csv", "format": "table", "left_out": ["notes.txt: no table"]}
-        record = RECORD if name == "here" else NEWER | imported
-        return store(folder / name, study, row_of, record=record)
-
-    here = written("here", tuple(Entry("any", each) for each in "ab"), Budget.read(100))
-    there = written("there", tuple(Entry(f"imported:{each}", each) for each in "cd"), Budget.read(50))
-    return Findings(Results(here, there))
-
-
 BEST = pd.DataFrame(
     {
         "problem": ["bbob-f08-d2"] * 3 + ["bbob-f08-d5", "bbob-f01-d2"],
@@ -194,19 +123,19 @@ BEST = pd.DataFrame(
 )
 
 
-@pytest.mark.sampled(9)
 @pytest.mark.parametrize("name", STUDIES)
-def test_the_page_is_the_committed_one(name, make, tmp_path, monkeypatch, committed):
+def test_the_texts_are_the_committed_ones(name, make, tmp_path, monkeypatch, committed):
     if "2009" in name and not find_spec("cocoex"):
         pytest.skip("the optima of bbob are computed by coco-experiment")
     monkeypatch.setattr(findings_module, "best2009", lambda names: BEST)  # in place of an archive of 2009
     findings = STUDIES[name](make, tmp_path / "made")
-    committed(name, page_text(findings))
+    committed(name, page_text(findings) if name == WHOLE else answer_text(findings))
 
 
-def test_a_change_is_shown_in_few_lines(make, tmp_path):
-    text = page_text(one_optimizer(make, tmp_path / "made"))
+def test_a_change_is_shown_in_few_lines(tmp_path, monkeypatch):
+    monkeypatch.setattr(texts, "PAGES", tmp_path)
+    texts.compare("made", "one\ntwo\n", update=True)
     with pytest.raises(AssertionError) as failed:
-        compare("one-optimizer", text.replace("is the only optimizer", "is alone"), update=False)
-    assert "+There is nothing to compare: a is alone." in f"{failed.value}".splitlines()
+        texts.compare("made", "one\n2\n", update=False)
+    assert "+2" in f"{failed.value}".splitlines()
     assert len(f"{failed.value}".splitlines()) < 12
