@@ -4,11 +4,10 @@ It knows no statistic and no study; :mod:`bench.topics` makes the sections of a 
 """
 
 from bench.report.parts import Card, Figure, File, Line, Part, Section, Table
-from bench.report.prose import speaker
 from bench.report.standalone import write_page
 from bench.report.wording import count, leaders, listing, seconds
 
 __all__ = [
-    "Card", "Figure", "File", "Line", "Part", "Section", "Table", "count", "leaders", "listing", "seconds", "speaker",
+    "Card", "Figure", "File", "Line", "Part", "Section", "Table", "count", "leaders", "listing", "seconds",
     "write_page",
 ]  # fmt: skip

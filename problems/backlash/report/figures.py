@@ -113,7 +113,7 @@ def quartiles(found: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 def boxes(ax: Axes, data: pd.DataFrame, **look: object) -> None:
     """Draw box plots of ``value`` at each ``place``; whiskers that end at the quartiles have no points beyond them."""
-    thin = {"linewidth": 0.6, "linecolor": style.DARK, "legend": False, "native_scale": True}
+    thin = {"linewidth": 0.6, "showcaps": False, "linecolor": style.DARK, "legend": False, "native_scale": True}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "vert: bool")  # seaborn 0.13 uses this option, which matplotlib deprecates
         seaborn.boxplot(data, x="place", y="value", ax=ax, showfliers=look.get("whis") != 0, **thin, **look)

@@ -12,6 +12,7 @@ from bench.formats.archive.contents import report_files
 from bench.report import Figure, Section, Table
 from bench.topics import page as page_of
 from bench.topics import write_report
+from tests.bench.report.size import size
 
 PARTS = [
     "Answer", "Can you trust it?", "Every run", "Over the budget", "Cost", "Methods, environment, files",
@@ -60,6 +61,15 @@ def test_the_page_stands_alone(usual):
     assert usual.tags.count("svg") == usual.tags.count("figure") > 1
     assert usual.tags.count("caption") == usual.tags.count("table")
     assert set(usual.values("scope")) == {"col", "row"}
+
+
+def test_a_report_is_no_longer_than_somebody_reads(folder):
+    """The thesis's page has at most 2,500 words opened, 9,000 in all, 2 MB and 60 files; this is a smaller study."""
+    found = size(folder)
+    assert found["opened"] <= 2500
+    assert found["words"] <= 9000
+    assert found["bytes"] <= 2e6
+    assert found["files"] <= 60
 
 
 def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
