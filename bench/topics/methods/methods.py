@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.analysis import ALPHA
 from bench.analysis.cells import scores, stopped_early
 from bench.analysis.integrity import undeclared
 from bench.errors import BenchError
@@ -19,7 +20,9 @@ from bench.report.latex import prose
 from bench.report.wording import count, listing, options
 from bench.study import Study
 from bench.study.descriptions import Description
-from bench.topics.findings import Final, Findings, Trials
+from bench.topics.answer.facts import facts
+from bench.topics.answer.section import nothing_to_compare
+from bench.topics.findings import Findings, Trials
 from bench.topics.findings.replication import each_problem
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
@@ -47,7 +50,7 @@ def methods(findings: Findings) -> Methods:
     study, trials, anytime = findings.study, findings.trials, findings.anytime
     works, works_of, warnings = bibliography(study, findings.descriptions)
     pieces = [*compared(study, trials, works_of), findings.selection, parameters(study), *runs(trials)]
-    pieces += [scored(study, trials), *(tested(findings.final, findings.subject) if len(study.optimizers) > 1 else [])]
+    pieces += [scored(study, trials), *tested(findings)]
     if len(anytime.targets):
         pieces += ["We report expected running times", ("hansen2021",), f" (targets: {anytime.target_set.short})."]
     pieces += machine(findings.results.environments)
@@ -129,24 +132,21 @@ def scored(study: Study, trials: Trials) -> str:
     return f"{said}{handled}."
 
 
-def tested(final: Final, subject: str) -> list[Piece]:
-    """Return the sentences on the comparison of optimizers, on each problem and over all."""
-    pairs = f"{final.subject} with each other optimizer" if final.subject else "every pair of optimizers"
-    late = f"No run named {subject} before the first trial. " * (subject != final.subject)
+def tested(findings: Findings) -> list[Piece]:
+    """Return the sentences on the comparison of optimizers, over all problems and on each; none without rivals."""
+    if nothing_to_compare(findings):
+        return []
+    known = findings.of(facts)
     chance = ", the chance that a trial of one ends lower than one of the other, ties half"
-    said: list[Piece] = [f"{late}We compare {pairs} by A12", ("vargha2000",), chance]
-    if not final.levels.problems:
-        said.append("; no test on a problem is made, as none could be significant.")
-    else:
-        said += ["; on each problem we test A12 = 0.5 for unequal spreads", ("delong1988", "schuurhuis2025")]
-        said += [
-            ", by Holm's method",
-            ("holm1979",),
-            f" over {count(final.tests, 'test')} at {final.levels.problems:g}.",
-        ]
-    if len(final.medians) > 1 and final.levels.across:
-        said.append(f"Over all problems we test the mean of A12 likewise, at {final.levels.across:g}.")
-    return said
+    pieces: list[Piece] = [f"We compare {known.chosen} with each other optimizer by A12", ("vargha2000",), f"{chance}."]
+    if not known.tested:
+        return [*pieces, "With these trials nothing is tested."]
+    level = f"{float(known.rivals['level'].iloc[0]):.2g}"
+    each = f"at {level} each" if known.is_subject else f"each at {level}; a winner is named where all tests reject"
+    pieces += ["We test that its mean over the problems is 0.5, for unequal spreads", ("delong1988", "schuurhuis2025")]
+    pairs = "these pairs" if findings.final.subject else "all pairs"
+    pieces += [f", {each}.", f"On each problem we test {pairs} likewise, by Holm's method", ("holm1979",)]
+    return [*pieces, f" within the problem at {ALPHA:g}."]
 
 
 def machine(environments: Sequence[Mapping[str, Any]]) -> list[Piece]:
