@@ -63,7 +63,7 @@ def main(kills: int, seed: int) -> int:
         for name in ("whole", "interrupted"):
             for file in (count, Path(f"{count}.ended")):
                 file.unlink(missing_ok=True)
-            made = under_way = 0
+            made = under_way = lost = 0
             while name == "interrupted" and made < kills:
                 before, wanted = lines(count), draw.randrange(1, 2 * 4 * TRIALS * BUDGET // (2 * kills))
                 process, pause = start(study, folder / name), draw.random()
@@ -73,10 +73,11 @@ def main(kills: int, seed: int) -> int:
                 sleep(pause * 0.3)
                 if process.poll() is not None:  # the run has ended before this kill
                     break
-                under_way += lines(count) - lines(Path(f"{count}.ended"))
+                under_way += lines(count) - lines(Path(f"{count}.ended")) - lost
                 os.kill(process.pid, signal.SIGKILL)
                 process.wait()
-                sleep(1)  # the evaluations under way end, and are lost
+                sleep(1)  # the evaluations under way end, or were killed, too
+                lost = lines(count) - lines(Path(f"{count}.ended"))
                 made += 1
                 print(f"kill {made}: {lines(count)} evaluations", flush=True)
             start(study, folder / name).wait()
