@@ -88,7 +88,9 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
 
 
 def summary(folder: Folder) -> Group:
-    """Return a table of finished and failed trials by optimizer, and a line for a run that is under way."""
+    """Return a table of finished and failed trials by optimizer, and lines for a run that is under way."""
+    from bench.execution.journal import under_way_lines
+
     study, cells = folder.study(), folder.store.cells()
     planned = len(study.problems) * study.trials
     rows = []
@@ -106,7 +108,7 @@ def summary(folder: Folder) -> Group:
     if running := folder.running():
         left = planned * len(study.optimizers) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
-        lines += map(Text, _within(folder, study.parallel))
+        lines += map(Text, under_way_lines(folder.path, study.parallel))
     return Group(*lines)
 
 
@@ -149,22 +151,6 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
     elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()
     remaining = f", about {duration(elapsed / finished * left)} for the {left} left" if left else ""
     return f"{text}; {count(finished, 'trial')} made, {finished / max(elapsed, 1):.3g} a second{remaining}"
-
-
-def _within(folder: Folder, parallel: int) -> Iterator[str]:
-    """Yield a line for each trial under way whose evaluations are noted in a journal."""
-    from bench.execution.journal import best, journals
-    from bench.storage.under_way import left
-
-    under_way = {tuple(trial) for trial in (left(folder.path) or {"trials": []})["trials"]}
-    for head, records in journals(folder.path):
-        if (head.get("problem"), head.get("optimizer"), str(head.get("trial"))) in under_way:
-            missing = head["budget"] - len(records)
-            seconds = sum(each["s"] for each in records) / len(records) * missing / parallel if records else 0.0
-            yield (
-                f"  {head['optimizer']} on {head['problem']}, trial {head['trial']}: {len(records):,} of "
-                f"{head['budget']:,} evaluations, best {best(records):.6g}, about {duration(seconds)} left"
-            )
 
 
 def _failures(folder: Folder) -> list[str]:

@@ -22,11 +22,13 @@ from typing import Any
 import numpy as np
 
 from bench.errors import PointError
+from bench.helpers.console import duration
 from bench.helpers.text import short_hash
 from bench.objective import as_values
 from bench.plugins.inputs import Inputs, Present
 from bench.problem import Problem
 from bench.sandbox.messages import describe_error
+from bench.storage.under_way import left
 from bench.trial import Trial
 from bench.typing import Floats
 
@@ -229,3 +231,22 @@ def journals(folder: Path) -> Iterator[tuple[dict[str, Any], list[dict[str, Any]
 def best(records: list[dict[str, Any]]) -> float:
     """Return the lowest value of a feasible point, +inf without any."""
     return min((each["f"] for each in records if all(excess <= 0 for excess in each["g"])), default=inf)
+
+
+def under_way(folder: Path) -> Iterator[tuple[dict[str, Any], list[dict[str, Any]]]]:
+    """Yield the journals of the trials under way in a folder, each with its evaluations."""
+    begun = [tuple(trial) for trial in (left(folder) or {"trials": []})["trials"]]
+    for head, records in journals(folder) if begun else ():
+        if records and (head.get("problem"), head.get("optimizer"), str(head.get("trial"))) in begun:
+            yield head, records
+
+
+def under_way_lines(folder: Path, parallel: int) -> Iterator[str]:
+    """Yield a line for each trial under way: its evaluations, its best value and the time left."""
+    for head, records in under_way(folder):
+        missing = head["budget"] - len(records)
+        seconds = sum(each["s"] for each in records) / len(records) * missing / parallel
+        yield (
+            f"  {head['optimizer']} on {head['problem']}, trial {head['trial']}: {len(records):,} of "
+            f"{head['budget']:,} evaluations, best {best(records):.6g}, about {duration(seconds)} left"
+        )

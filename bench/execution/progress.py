@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from rich.console import Console
-from rich.progress import TaskID, TextColumn, TimeRemainingColumn
+from rich.progress import ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
+from rich.text import Text
 
+from bench.execution.journal import best, under_way
 from bench.execution.plan import EXPENSIVE, Plan
 from bench.families import function_of
 from bench.helpers.console import bars, duration, print_line
@@ -21,12 +24,31 @@ SHOWN = 20  # failures of an optimizer that are printed as they happen
 PAUSE = 15.0  # seconds between lines where there is no terminal
 
 
+class Within(ProgressColumn):
+    """Displays how many evaluations the trials under way have made, and their best value, where they are slow."""
+
+    max_refresh = 2.0  # seconds
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.folder: Path | None = None
+
+    def render(self, task: Task) -> Text:
+        """Return a text for the first bar, that of all trials."""
+        found = [*under_way(self.folder)] if self.folder is not None and task.id == 0 else []
+        if not found:
+            return Text("")
+        made, lowest = sum(len(records) for _, records in found), min(best(records) for _, records in found)
+        return Text(f"{count(made, 'evaluation')} of trials under way, best {lowest:.6g}")
+
+
 class Display:
     """Displays the trials done, in total and per optimizer, and the time left."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self._progress = bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn())
+        self.within = Within()
+        self._progress = bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn(), self.within)
         self._bars: dict[str, TaskID] = {}  # by optimizer; "" for all, which is the first
         self._failures: Counter[str] = Counter()  # by optimizer
         self._present = 0  # trials that earlier runs made

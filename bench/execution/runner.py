@@ -153,6 +153,7 @@ def run(
         plan = _plan(study, folder, part, selection, [*(found.sentence for found in reused), beside], verify)
         display = held.enter_context(displayed(progress))
         if display is not None:
+            display.within.folder = folder.path
             display.plan(plan)
         if on_plan is not None:
             on_plan(plan)

@@ -10,13 +10,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from rich.progress import Progress
 
 from bench import FunctionProblem, load_results, run, solve
 from bench.cli import export
 from bench.errors import PointError
-from bench.execution.journal import Journal, best, journals, read
+from bench.execution.journal import Journal, best, journals, read, under_way_lines
+from bench.execution.progress import Within
 from bench.execution.side_by_side import evaluated
 from bench.scoring import scored
+from bench.storage.under_way import noting
+from bench.trial import Trial
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 KEY = {"problem": "p", "optimizer": "o", "trial": 0, "seed": 1, "budget": 9, "variables": ["x"]}
@@ -259,3 +263,17 @@ def test_evaluations_are_exported_as_a_table(tmp_path):
     table = pd.read_csv(tmp_path / "export" / "evaluations.csv")
     assert table[["evaluation", "x_x", "f"]].to_numpy().tolist() == [[1, 1.0, 1.0], [2, 2.0, 4.0]]
     assert table["optimizer"].tolist() == ["o", "o"]
+
+
+def test_status_and_progress_count_the_evaluations_of_a_trial_under_way(tmp_path):
+    with evaluated(counted([]), journal=journal(tmp_path)) as noted, noting(tmp_path, {}) as beside:
+        noted.evaluate(np.array([[1.5], [2.0]]))
+        assert [*under_way_lines(tmp_path, 1)] == []
+        beside.begin(0, Trial("p", "o", 0, 1))
+        (line,) = under_way_lines(tmp_path, 1)
+        column = Within()
+        column.folder = tmp_path
+        assert "o on p, trial 0: 2 of 9 evaluations, best 2.25, about" in line
+        with Progress(column) as progress:
+            progress.add_task("all")
+            assert str(column.render(progress.tasks[0])) == "2 evaluations of trials under way, best 2.25"
