@@ -34,6 +34,26 @@ class CellFacts(NamedTuple):
     lowest: float
     counts: bool
     source: str = ""
+    optimum: bool = False
+    """Whether the optimum of its problem is known."""
+
+
+def facts_of(table: PaperTable, cell: PaperCell) -> CellFacts:
+    """Return the facts on a cell, those of its problem included; raises BenchError where that cannot be loaded."""
+    problem = load_problem(table, cell)
+    optimum = problem.optimum
+    lowest = table.lowest if table.errors or optimum is None else max(optimum, table.lowest)
+    return CellFacts(lowest, table.settings.get("counts") is True, problem.optimum_source, optimum is not None)
+
+
+def contradiction(table: PaperTable, cell: PaperCell) -> str:
+    """Return the first way in which the numbers of a cell exclude each other, "" where they do not."""
+    try:
+        facts = facts_of(table, cell)
+    except BenchError:
+        facts = CellFacts(table.lowest, table.settings.get("counts") is True)
+    found = (text for kind, check in CHECKS.items() if kind != "below the optimum" for text in check(cell, facts))
+    return next(found, "")
 
 
 def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
@@ -42,15 +62,12 @@ def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
     unknown: dict[str, str] = {}
     known = 0
     for cell in table.cells:
-        lowest, source = table.lowest, ""
         try:
-            problem = load_problem(table, cell)
-            optimum, source = problem.optimum, problem.optimum_source
-            known += optimum is not None
-            lowest = lowest if table.errors or optimum is None else max(optimum, lowest)
+            facts = facts_of(table, cell)
+            known += facts.optimum
         except BenchError as error:
             unknown.setdefault(str(error), cell.where)
-        facts = CellFacts(lowest, table.settings.get("counts") is True, source)
+            facts = CellFacts(table.lowest, table.settings.get("counts") is True)
         found = [Remark(cell.where, kind, text) for kind, check in CHECKS.items() for text in check(cell, facts)]
         below += any(remark.kind == "below the optimum" for remark in found)
         remarks += found

@@ -6,8 +6,9 @@ claims of a difference rare without an assumption on the distribution (``validat
 - the means are compared by Student's t with the larger of the two SDs: with the pooled one, or by Welch's test, the
   sample without an outlier claims too much;
 - no test of n and m runs has a p below that of two samples that do not overlap, 2 / C(n + m, n);
-- all else is counted: how many of our trials lie on one side of a best, median or worst, and how many of theirs can
-  lie on one side of our quartiles, by Markov's and Cantelli's inequalities. Whatever the distribution, these counts
+- all else is counted: how many of our trials lie on one side of a best, median or worst, or of all that the printed
+  SD allows (Samuelson's inequality), and how many of theirs can lie on one side of our quartiles, by Markov's and
+  Cantelli's inequalities. Whatever the distribution, these counts
   have one exact law, the negative hypergeometric (precedence tests; Balakrishnan and Ng 2006).
 
 The p of a cell is Bonferroni's over its tests, that of a table Holm's over its cells. A cell that does not differ is
@@ -32,6 +33,7 @@ from scipy import stats
 
 from bench.analysis import ALPHA, holm
 from bench.helpers.text import count, listed
+from bench.reproduce.criticism import contradiction
 from bench.reproduce.table import NEAR, PaperCell, PaperTable, Printed
 from bench.typing import Floats
 
@@ -96,7 +98,10 @@ def judge(table: PaperTable, samples: Mapping[PaperCell, Floats], reasons: Mappi
     found = []
     for cell in table.cells:
         if cell in samples:
-            found.append(_judged(cell, samples[cell], table.lowest, zero))
+            each = _judged(cell, samples[cell], table.lowest, zero)
+            if not each.reason and (contradicted := contradiction(table, cell)):
+                each = Judgement(cell, samples[cell], reason=f"it contradicts itself: {contradicted}")
+            found.append(each)
         else:
             found.append(Judgement(cell, np.empty(0), reason=reasons.get(cell, "there are no trials of it")))
     judged = [place for place, each in enumerate(found) if not each.reason]
@@ -139,13 +144,15 @@ def compare(numbers: Mapping[str, Printed], runs: int, values: Floats, lowest: f
         p, near = compare_means(mean, sd, runs, least, values)
         tests |= {} if sd is None else {"mean": p}
         tests["mean and SD" if sd else "mean"] = compare_counts(mean, sd, runs, least, values)
+        if sd and not {"best", "worst"} <= numbers.keys():  # which bound the range more closely
+            tests["spread"] = compare_range(mean, sd, runs, values)
     for name, low, high in (("best", 1, 1), ("median", (runs + 1) // 2, runs // 2 + 1), ("worst", runs, runs)):
         if name in numbers:
             tests[name] = compare_order(numbers[name], runs, low, high, values)
-    all_p = np.array(list(tests.values()))
-    by = np.array(list(tests))[np.argmin(all_p, axis=0)]
     least = 2 / math.comb(runs + values.shape[-1], runs)  # the smallest p that so many values can have
-    return CellOutcome(np.minimum(1.0, len(tests) * np.maximum(all_p.min(axis=0), least)), near, by)
+    all_p = np.maximum(np.array(list(tests.values())), least)
+    by = np.array(list(tests))[np.argmin(all_p, axis=0)]
+    return CellOutcome(np.minimum(1.0, len(tests) * all_p.min(axis=0)), near, by)
 
 
 def compare_means(
@@ -221,6 +228,24 @@ def compare_counts(mean: Printed, sd: Printed | None, runs: int, lowest: Floats 
     return np.asarray(np.minimum(1.0, 2 * np.minimum(*p)))
 
 
+def compare_range(mean: Printed, sd: Printed, runs: int, values: Floats) -> Floats:
+    """Return the two-sided p that our values beyond the range of theirs are of one distribution, whatever it is.
+
+    No value of n is farther than SD √(n - 1) from their mean where the SD has n in it, and (n - 1) / √n where it has
+    n - 1 (Samuelson 1968, J. Am. Stat. Assoc. 63); the first is the larger, and paper and code may have either.
+
+    Args:
+        mean: as printed.
+        sd: as printed.
+        runs: behind them, at least two.
+        values: (..., n) ours.
+    """
+    reach = sd.high * math.sqrt(runs - 1)
+    low, high = (np.asarray(end)[..., np.newaxis] for end in (mean.low - reach, mean.high + reach))
+    beyond = np.maximum((values < low).sum(axis=-1), (values > high).sum(axis=-1))
+    return np.asarray(np.minimum(1.0, 2 * _before(values.shape[-1], runs, 1)[beyond]))
+
+
 def _share(distance: Floats, sd: Printed | None) -> Floats:
     """Return the largest share of values farther than a distance beyond their mean (Cantelli's inequality)."""
     if sd is None:
@@ -266,7 +291,7 @@ def shown(judgements: Sequence[Judgement]) -> list[tuple[str, ...]]:
                     where,
                     printed or "no mean",
                     own,
-                    "" if math.isnan(each.shift) else f"{each.shift:+.2g}",
+                    "" if math.isnan(each.shift) else _few(each.shift, "+"),
                     f"{each.p_table:.2g}",
                     each.verdict,
                 )
@@ -325,9 +350,14 @@ def _named(judgements: Sequence[Judgement]) -> str:
     return "; ".join(names) + (f"; and {count(rest, 'function')} more" if rest > 0 else "")
 
 
+def _few(shift: float, sign: str = "") -> str:
+    """Return a shift in SDs as text; above a hundred its size says how small the SD is and nothing of the means."""
+    return f"{shift:{sign}.2g}" if abs(shift) <= 100 else "over 100" if shift > 0 else "under -100"
+
+
 def _far(each: Judgement) -> str:
     shift = each.shift
     if not each.by.startswith("mean"):
         return f"{each.cell.optimizer} by its {each.by}"
-    size = "" if math.isinf(shift) or "sd" not in each.cell.numbers else f"{abs(shift):.2g} SD "
+    size = "" if math.isinf(shift) or "sd" not in each.cell.numbers else f"{_few(abs(shift))} SD "
     return f"{each.cell.optimizer} {size}{'higher' if shift > 0 else 'lower'}"

@@ -95,4 +95,5 @@ def test_the_trials_of_a_folder_are_judged_beside_the_table(called, results, tmp
     assert "1 is open: no test shows a difference, and the interval is wider\n" in printed
     written = pd.read_csv(folder / "reproduction.csv")
     assert written["verdict"].tolist() == ["open", "not judged"]
-    assert json.loads((folder / "reproduction.json").read_text(encoding="utf-8"))["sentence"] in printed
+    sentence = json.loads((folder / "reproduction.json").read_text(encoding="utf-8"))["sentence"]
+    assert sentence.replace("; ", "\n") in printed

@@ -13,6 +13,7 @@ from bench.reproduce.verdict import (
     compare_counts,
     compare_means,
     compare_order,
+    compare_range,
     frame,
     judge,
     sentences,
@@ -59,7 +60,7 @@ def test_the_test_of_means_is_student_s_with_the_larger_sd():
 
 def test_no_p_is_below_that_of_samples_that_do_not_overlap():
     found = compare({"mean": number(1e6), "sd": number(1e-3)}, 3, np.zeros(3))
-    assert found.p == pytest.approx(2 * 2 / 20)  # of two tests
+    assert found.p == pytest.approx(3 * 2 / 20)  # of three tests
     assert compare({"worst": number(0.0)}, 51, np.ones(51)).p > 0
 
 
@@ -184,7 +185,7 @@ def test_no_more_than_one_in_twenty_tables_has_a_false_difference():
 
 
 def test_a_difference_in_another_number_than_the_mean_is_named():
-    printed = cell(mean=10.0, sd=1.0, median=10.0, best=10.0)
+    printed = cell(mean=10.0, sd=1.0, median=10.0, best=9.8)
     assert sentences(judged((printed, normal(10)))) == [
         "1 of 1 cell differs, tested at 5% over the table: f1 (GWO by its best)"
     ]
@@ -197,3 +198,32 @@ def test_a_cell_without_a_mean_shows_no_shift():
 
 def test_the_share_of_failures_that_a_sample_need_not_show():
     assert (1 - unseen(30)) ** 30 == pytest.approx(0.05)
+
+
+def test_a_cell_whose_numbers_exclude_each_other_is_not_judged():
+    (impossible,) = judged((cell(mean=0.31, sd=1.9, best=0.07, runs=20), normal(0.5, 0.1)))
+    assert impossible.verdict == "not judged"
+    assert impossible.reason.startswith("it contradicts itself: an SD of 1.9 with the mean 0.31")
+    assert verdicts((cell(mean=1.0, sd=9.0), normal(1.0)), values="error") == ["not judged"]
+    assert verdicts((cell(mean=1.0, sd=9.0), normal(1.0))) == ["alike"]  # values may be below 0
+    (known,) = judged((cell("cec2022-f04-d10", mean=801.0, sd=9.0), normal(801.0)))  # its optimum is 800
+    assert "it contradicts itself" in known.reason
+
+
+def test_a_spread_of_another_order_is_a_difference():
+    printed = cell(mean=number(0.816579, 1e-6), sd=number(0.000126, 1e-6))
+    (found,) = judged((printed, normal(0.738, 0.318)), values="error")
+    assert (found.verdict, found.by) == ("differs", "spread")
+    assert sentences([found])[0].endswith("f1 (GWO by its spread)")
+
+
+@pytest.mark.parametrize("ddof", [0, 1])
+def test_no_sample_reaches_beyond_the_range_of_its_own_sd(ddof):
+    values = np.array([0.0] * 29 + [1.0])
+    assert compare_range(number(values.mean()), number(values.std(ddof=ddof)), 30, values) == 1.0
+
+
+def test_a_shift_of_many_sds_is_no_number():
+    found = judged((cell(mean=2.1e-20, sd=3.9e-20), normal(0.01, 0.0001)), (cell("2", mean=9.0, sd=0.01), normal(1.0)))
+    assert [row[3] for row in shown(found)] == ["over 100", "under -100"]
+    assert "GWO over 100 SD higher" in sentences(found)[0]
