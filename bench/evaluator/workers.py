@@ -139,7 +139,6 @@ class _Worker:
             confirmed = self._server.call(trial_process.confirm, trial.problem, seconds=LOADING)
             answer = answer | confirmed
         if reason := answers.error(answer):
-            self._let_go()
             return failed(reason.partition("\n")[0])
         return answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
 

@@ -1,11 +1,14 @@
-"""Optimizers that are functions, or that ask and tell."""
+"""Optimizers that are functions, that ask and tell, or that take budget and dim."""
 
+import inspect
+import random
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from bench import AskTell, BenchError, FunctionProblem, solve
+from bench import AskTell, BenchError, FunctionProblem, compare, load_optimizer, solve
+from bench.optimizer import settings
 
 
 @pytest.fixture
@@ -128,3 +131,49 @@ def nothing():
 
 def needs(objective, rng, n):
     """Take one without a default."""
+
+
+class Called:
+    """The shape of LLaMEA and BLADE; draws from the global random states."""
+
+    def __init__(self, budget=10000, dim=10, scale=1.0):
+        self.budget, self.dim, self.scale = budget, dim, scale
+
+    def __call__(self, func):
+        f, x = np.inf, None
+        for _ in range(self.budget):
+            point = np.random.uniform(func.bounds.lb, func.bounds.ub) * self.scale * random.random()  # noqa: NPY002
+            if (value := func(point)) < f:
+                f, x = value, point
+        return f, x
+
+
+def test_a_class_of_budget_and_dim_is_an_optimizer_that_its_seed_repeats(sphere):
+    state = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    one, again, other = (solve(sphere, Called, budget=20, seed=seed) for seed in (1, 1, 2))
+    assert one.nfev == 20
+    assert one.fun == again.fun != other.fun
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == state  # noqa: NPY002
+
+
+def test_its_further_arguments_are_parameters_and_studies_take_it_from_files(sphere, tmp_path):
+    file = tmp_path / "called.py"
+    file.write_text("import random\nimport numpy as np\n\n" + inspect.getsource(Called))
+    loaded = load_optimizer(f"{file}:Called", scale=0.5)
+    assert settings(loaded) == {"scale": 0.5}
+    frame = compare(sphere, {"object": Called, "file": f"{file}:Called"}, trials=2, budget=20, n_jobs=1).frame
+    assert frame["status"].tolist() == ["ok"] * 4
+
+
+def test_each_call_after_the_end_of_the_budget_is_refused_and_not_evaluated(sphere):
+    class Greedy(Called):
+        def __call__(self, func):
+            for _ in range(100):
+                try:
+                    func(func.bounds.lb)
+                except BaseException as error:
+                    caught.append(type(error).__name__)
+
+    caught = []
+    assert solve(sphere, Greedy, budget=20).nfev == 20
+    assert caught == ["BudgetExhausted"] * 80
