@@ -116,21 +116,7 @@
     frames.observe(frame.firstElementChild);
   }
 
-  // Contents: open or close all sections at once.
-
-  const contents = document.querySelector("nav details");
-  const parts = [...document.querySelectorAll("details.part")];
-  if (contents && parts.length) {
-    const button = make("button", { type: "button", className: "all" }, "Open all sections");
-    button.addEventListener("click", () => {
-      const open = parts.some((part) => !part.open);
-      for (const part of parts) part.open = open;
-      button.textContent = open ? "Close all sections" : "Open all sections";
-    });
-    contents.after(button);
-  }
-
-  // A specification is drawn below the picture of its figure as soon as there is room: once its section is open.
+  // A specification is drawn below the picture of its figure as soon as there is room for it.
 
   const options = { ast: true, actions: false, defaultStyle: false, renderer: "svg", tooltip: false };
   const unseen = new ResizeObserver((changes) => {

@@ -23,7 +23,7 @@ def reached_figure(findings: Findings) -> Figure:
     found, table, shown = findings.of(compared), findings.of(curves), findings.display.shown
     pens = {label: findings.display.pens[label] for label in shown}
     others = rivals(findings) if found.banded and len(findings.trials.optimizers) > 1 else []
-    left = max(0.5, style.text_width(style.names(others).values(), style.SMALL) + 0.12)
+    left = max(0.62, style.text_width(style.names(others).values(), style.SMALL) + 0.12)
     above = style.legend_height([str(entry.get_label()) for entry in style.handles(pens)]) + 0.1
     strip = ROW * len(others) + 0.06
     height = 2.3
