@@ -224,6 +224,8 @@ class Evaluator:
 
     def _of_baselines(self, key: str, problems: Sequence[str], trials: int) -> pd.DataFrame:
         """Return the trials of the baselines on these problems, which are made once, and set the optima."""
+        if not self._end.alive:
+            raise BenchError("the evaluator is closed: make another one")
         with self._lock:
             if key not in self._known:
                 tasks = [

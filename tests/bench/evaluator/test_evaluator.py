@@ -199,6 +199,28 @@ def test_clients_are_given_what_they_take(judge, tmp_path):
     assert last["score"] == scores[0][0]
 
 
+def test_a_closed_one_says_so():
+    with Evaluator(TRAIN[0], budget=20, sandbox=False) as closed:
+        pass
+    with pytest.raises(BenchError, match="the evaluator is closed"):
+        closed(FUNCTION)
+
+
+@pytest.mark.parametrize(
+    "deed",
+    [
+        "import gc\n    [setattr(t, 'fun', -1e9) for t in gc.get_objects() if type(t).__name__ == 'Objective']",
+        "import sys\n    f = sys._getframe(1).f_locals['objective']\n    f._compute = lambda x: x[:, 0] * 0 - 1e9",
+        "objective._nfev = 0\n    objective._limit = objective._budget = 10**6\n    objective.fun = -1e9",
+        "objective(objective.upper * float('nan'))\n    objective(objective.upper + 1)",
+    ],
+    ids=["gc", "frames", "attributes", "nan"],
+)
+def test_no_deed_of_a_candidate_raises_its_score(judge, deed):
+    middle = "def f(objective, rng):\n    objective((objective.lower + objective.upper) / 2.1)\n"
+    assert judge(f"{middle}    {deed}\n").score <= judge(middle).score
+
+
 def test_it_is_not_sent_to_other_processes(judge):
     with pytest.raises(BenchError, match="parallel_backend='threading'"):
         pickle.dumps(judge)
