@@ -9,6 +9,7 @@ from bench.errors import BenchError
 from bench.plugins import registry
 
 FOUND = {
+    "cec2022-f07-d10": {"variables"},  # x1 and x4 change no value
     "star-discrepancy-sobol-200-d2-i1": {"instances"},  # ioh's Sobol' points of instances 1 and 2 are the same
 }
 """What is known and stated where the family is described."""

@@ -6,8 +6,10 @@ from time import perf_counter
 
 import numpy as np
 
+from bench.check.conformance.problem_probes import improved
 from bench.check.conformance.problem_subject import (
     ProblemSubject,
+    feasible_values,
     observed,
     rounded,
     sample,
@@ -182,31 +184,40 @@ def check_optimum(subject: ProblemSubject) -> str:
     if problem.optimum is None:
         return "claims no optimum"
     x = np.vstack([sample(problem, SAMPLED, subject.seed), special(problem, subject.seed)])
-    lowest = float(_feasible_values(problem, x).min())
+    values = feasible_values(problem, x)
+    lowest = float(values.min())
     if lowest < _least(problem.optimum):
         raise ViolationError(f"a random point has {lowest!r}, below the optimum of {problem.optimum!r}", _OPTIMUM)
     if problem.optimum_point is None:
+        _expect_lowest(problem, x[values.argmin()], "the best random point", subject.seed)
         return f"none of {len(x)} points is below {problem.optimum:.10g}; where that is reached is not claimed"
     best = np.asarray(problem.optimum_point, dtype=np.float64)
     if best.shape != problem.lower.shape or not ((best >= problem.lower) & (best <= problem.upper)).all():
         raise ViolationError(f"its optimum_point {best.tolist()} is no point of the box", _OPTIMUM)
-    value = float(_feasible_values(problem, best[None])[0])
+    value = float(feasible_values(problem, best[None])[0])
     if not abs(value - problem.optimum) <= problem.optimum - _least(problem.optimum):
         raise ViolationError(f"its optimum_point has {value!r}, not the optimum of {problem.optimum!r}", _OPTIMUM)
+    for start, what in ((best, "its optimum_point"), (x[values.argmin()], "the best random point")):
+        _expect_lowest(problem, start, what, subject.seed)
     return f"{problem.optimum:.10g} is reached at the claimed point, and none of {len(x)} points is below"
 
 
 _OPTIMUM = "give the lowest feasible value that is known, and in optimum_point where it is, or None"
 
 
+def _expect_lowest(problem: Problem, start: Floats, what: str, seed: int) -> None:
+    """Raise ViolationError where a short search from a point gets below the claimed optimum."""
+    found, value = improved(problem, start, seed)
+    if problem.optimum is not None and value < _least(problem.optimum):
+        raise ViolationError(
+            f"a search from {what} finds {value!r} at {found.tolist()}, below the optimum of {problem.optimum!r}",
+            _OPTIMUM,
+        )
+
+
 def _least(optimum: float) -> float:
     """Return the lowest value that is no news beside a claimed optimum."""
     return optimum - TOLERANCE * max(1.0, abs(optimum))
-
-
-def _feasible_values(problem: Problem, x: Floats) -> Floats:
-    """Return the (n,) true values of the (n, d) points, +inf where a constraint is violated."""
-    return np.where((violations_of(problem, x) <= 0).all(axis=1), true_values(problem, x), np.inf)
 
 
 def check_instances(subject: ProblemSubject) -> str:
@@ -268,7 +279,7 @@ def check_search(subject: ProblemSubject) -> str:
             continue
         handled = scored(problem, constraints.DEFAULT)
         found = safe_run(handled, optimizer, budget=budget, seed=subject.seed, name=name)
-        value = float(_feasible_values(problem, found.x[None])[0])
+        value = float(feasible_values(problem, found.x[None])[0])
         if value < _least(problem.optimum):
             raise ViolationError(
                 f"{name} finds {value!r} at {found.x.tolist()}, below the optimum of {problem.optimum!r}", _OPTIMUM

@@ -71,6 +71,11 @@ def true_values(problem: Problem, x: Floats) -> Floats:
     return as_values(problem, problem.noiseless(x.copy()), len(x))
 
 
+def feasible_values(problem: Problem, x: Floats) -> Floats:
+    """Return the (n,) true values of the (n, d) points, +inf where a constraint is violated."""
+    return np.where((violations_of(problem, x) <= 0).all(axis=1), true_values(problem, x), np.inf)
+
+
 def observed(problem: Problem, x: Floats, seed: int) -> Floats:
     """Return the (n,) values of a noisy problem as a trial with this seed would see them."""
     rng = np.random.default_rng(seed)

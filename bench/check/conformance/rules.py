@@ -12,7 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from bench.check.conformance import apartness, invariances, isolation, parameters, problem_rules, robustness
+from bench.check.conformance import (
+    apartness,
+    invariances,
+    isolation,
+    parameters,
+    problem_probes,
+    problem_rules,
+    robustness,
+)
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import START_SECONDS, AnySubject
 from bench.check.verdict import Verdict
@@ -81,6 +89,9 @@ PROBLEM_RULES = (
     Rule("declaration", problem_rules.check_declaration, "set the attributes of a Problem where it is made", ()),
     Rule("values", problem_rules.check_values, _ANY_POINT, ("declaration",)),
     Rule("batches", problem_rules.check_batches, _ANY_POINT, ("declaration", "values")),
+    Rule("calls", problem_probes.check_calls, _ANY_POINT, _PURE),
+    Rule("resolution", problem_probes.check_resolution, _ANY_POINT, _PURE),
+    Rule("variables", problem_probes.check_variables, _ANY_POINT, _PURE),
     Rule("noise", problem_rules.check_noise, "take evaluate(x, rng), and return true values from noiseless(x)", _PURE),
     Rule("repair", problem_rules.check_box_repair, "let repair take any point, also outside the box", ("declaration",)),
     Rule("optimum", problem_rules.check_optimum, _ANY_POINT, ("declaration", "values")),

@@ -195,3 +195,98 @@ class Hanging(Sound):
     def values(self, x):
         while True:
             pass
+
+
+# --- found by many calls, or by small steps ---
+
+
+class Coarse(Sound):
+    """Returns values that were float32."""
+
+    def values(self, x):
+        return super().values(x).astype(np.float32).astype(np.float64)
+
+
+class CoarsePoints(Sound):
+    def values(self, x):
+        return super().values(x.astype(np.float32).astype(np.float64))
+
+
+class CoarseInside(Sound):
+    def values(self, x):
+        return ((x - HOME).astype(np.float32).astype(np.float64) ** 2).sum(axis=1)
+
+
+class RoundedPoints(Sound):
+    """Takes points to six digits, as a cache of them does."""
+
+    def values(self, x):
+        return super().values(np.round(x, 6))
+
+
+class Idle(Sound):
+    """Leaves out its last variable."""
+
+    optimum_point = None
+
+    def values(self, x):
+        return super().values(x[:, [0, 1, 1]])
+
+    optimum = None
+
+
+class Chunked(Sound):
+    """Wrong in a batch of 37."""
+
+    def values(self, x):
+        return super().values(x) + (len(x) == 37) * 1e-3
+
+
+class Wide(Sound):
+    def values(self, x):
+        return super().values(x) + (len(x) > 200) * 1e-12
+
+
+class Padded(Sound):
+    """Loses the last row of an odd batch above eight."""
+
+    def values(self, x):
+        values = super().values(x)
+        if len(x) % 2 and len(x) > 8:
+            values[-1] = values[-2]
+        return values
+
+
+class Tiring(Sound):
+    optimum = optimum_point = None
+
+    def __init__(self):
+        self.calls = 0
+
+    def values(self, x):
+        self.calls += 1
+        return super().values(x) + (self.calls > 1000) * 1e-9
+
+
+class Drifting(Sound):
+    """Gains a rounding error every hundred calls."""
+
+    def __init__(self):
+        self.calls = 0
+
+    def values(self, x):
+        self.calls += 1
+        return super().values(x) + (self.calls // 100) * 1e-12
+
+
+class Local(Sound):
+    """Claims a point beside the optimum."""
+
+    optimum_point = HOME + 0.01
+    optimum = float(((HOME + 0.01 - HOME) ** 2).sum())
+
+
+class Unsearched(Sound):
+    """Claims a value that no random point has."""
+
+    optimum, optimum_point = 1e-4, None

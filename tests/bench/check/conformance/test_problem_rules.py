@@ -21,7 +21,7 @@ def verdicts(problem, rules=HERE):
 
 def test_every_rule_of_a_problem_has_a_name_of_its_own_and_stands_after_those_that_it_needs():
     names = [rule.name for rule in PROBLEM_RULES]
-    assert len(set(names)) == len(names) == 14
+    assert len(set(names)) == len(names) == 17
     for number, rule in enumerate(PROBLEM_RULES):
         assert set(rule.needs) <= set(names[:number])
         assert find_rule(rule.name, "problem") is rule
@@ -49,6 +49,18 @@ FAULTS = [
     (faulty.Loose, "batches", "violations differ alone", "no statistic of the batch"),
     (faulty.Mute, "noise", "it declares noise and returns the true values", "noisy = False"),
     (faulty.Own, "noise", "the same generator gives other values", "draw the noise from rng alone"),
+    (faulty.Coarse, "resolution", "as where numbers pass through float32", "float64 throughout"),
+    (faulty.CoarsePoints, "resolution", "as where numbers pass through float32", "float64 throughout"),
+    (faulty.CoarseInside, "resolution", "as where numbers pass through float32", "float64 throughout"),
+    (faulty.RoundedPoints, "resolution", "one of 1e-10 0%", "no rounding of points"),
+    (faulty.Idle, "variables", "no value or violation of 32 points changes with c", "leave it out"),
+    (faulty.Chunked, "calls", "in a batch of 37 a point has another value", "however many"),
+    (faulty.Wide, "calls", "a point has another value than in one of 256", "however many"),
+    (faulty.Padded, "calls", "a point has another value than in one of 256", "however many"),
+    (faulty.Tiring, "calls", "after 1,000 calls a point has another value", "were before"),
+    (faulty.Drifting, "calls", "a point has another value", "were before"),
+    (faulty.Local, "optimum", "a search from its optimum_point finds", "the lowest feasible value"),
+    (faulty.Unsearched, "optimum", "a search from the best random point finds", "the lowest feasible value"),
     (faulty.Outside, "repair", "repaired points lie outside the box", "clip to the box"),
     (faulty.Restless, "repair", "points move when repaired again", "leave a point"),
     (faulty.Unrepaired, "repair", "although it declares repairs = True", "repairs = False"),

@@ -1,0 +1,106 @@
+"""The rules of a problem that take many calls: its resolution, its variables, its batches, and a search for less."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+import numpy as np
+
+from bench.check.conformance.problem_subject import ProblemSubject, feasible_values, rounded, sample, true_values
+from bench.check.conformance.recording import ViolationError
+from bench.helpers.text import count, listed
+from bench.objective import integer_flags, repaired
+from bench.problem import Problem
+from bench.scoring.problem import violations_of
+from bench.typing import Floats
+
+SECONDS = 1.5
+"""A slow problem gets fewer calls of a kind than :data:`CALLS` and :data:`LARGEST` say."""
+
+CALLS, LARGEST = 5_000, 256
+FINE, COARSE = 1e-10, 1e-4
+"""Steps, as shares of the box: one between the resolutions of float64 and float32, and one above both."""
+
+GENERATIONS = 40
+
+
+def check_resolution(subject: ProblemSubject) -> str:
+    """Values resolve steps that float32 does not."""
+    problem = subject.fresh()
+    x = sample(problem, 64, subject.seed)
+    width = np.where(integer_flags(problem), 0.0, problem.upper - problem.lower)
+    side = np.where(x > (problem.lower + problem.upper) / 2, -1, 1)
+    values = true_values(problem, x)
+    fine, coarse = (float(np.mean(true_values(problem, x + step * width * side) != values)) for step in (FINE, COARSE))
+    if fine < 0.2 and coarse > 0.8:
+        raise ViolationError(
+            f"a step of {COARSE:g} of the box changes {coarse:.0%} of the values, one of {FINE:g} {fine:.0%}: as where "
+            "numbers pass through float32",
+            "compute in float64 throughout: no float32 array, and no rounding of points or values",
+        )
+    return f"a step of {FINE:g} of the box changes {fine:.0%} of the values"
+
+
+def check_variables(subject: ProblemSubject) -> str:
+    """Every variable changes a value or a violation at some point."""
+    problem = subject.fresh()
+    x, others = sample(problem, 32, subject.seed), sample(problem, 32, subject.seed + 1)
+    if problem.optimum_point is not None:
+        x[:8] = problem.optimum_point
+    before = _answers(problem, x)
+    if len(np.unique(before, axis=0)) < len(x) / 2:
+        return "not judged: most points have equal values"
+    idle = []
+    for place, name in enumerate(problem.variables):
+        changed = x.copy()
+        changed[:, place] = others[:, place]
+        if np.array_equal(_answers(problem, changed), before, equal_nan=True):
+            idle.append(str(name))
+    if idle:
+        raise ViolationError(
+            f"no value or violation of {len(x)} points changes with {listed(idle)}",
+            "use every variable, or leave it out",
+        )
+    return f"each of {count(len(problem.variables), 'variable')} changes a value or a violation"
+
+
+def _answers(problem: Problem, x: Floats) -> Floats:
+    return np.column_stack([true_values(problem, x), violations_of(problem, x)])
+
+
+def check_calls(subject: ProblemSubject) -> str:
+    """A point has the same bits in a batch of any size, and after thousands of calls."""
+    problem, rng = subject.fresh(), np.random.default_rng(subject.seed)
+    x = sample(problem, LARGEST, subject.seed)
+    first = true_values(problem, x)
+    remedy = "compute a value from the point alone, however many are asked for and were before"
+    sizes, calls, until = 0, 0, monotonic() + SECONDS
+    for size in rng.permutation(LARGEST) + 1:
+        values = true_values(problem, x[:size])
+        if not np.array_equal(values, first[:size], equal_nan=True):
+            raise ViolationError(f"in a batch of {size} a point has another value than in one of {LARGEST}", remedy)
+        sizes += 1
+        if monotonic() > until:
+            break
+    until = monotonic() + SECONDS
+    while calls < CALLS and monotonic() < until:
+        value = true_values(problem, x[:1])
+        calls += 1
+        if not np.array_equal(value, first[:1], equal_nan=True):
+            raise ViolationError(f"after {count(sizes + calls, 'call')} a point has another value than before", remedy)
+    return f"a point has the same bits in batches of {count(sizes, 'size')} and in {count(calls, 'call')} on end"
+
+
+def improved(problem: Problem, start: Floats, seed: int) -> tuple[Floats, float]:
+    """Search from a point in steps of all lengths; return the best (d,) point found and its value."""
+    rng, flags, width = np.random.default_rng(seed), integer_flags(problem), problem.upper - problem.lower
+    best, value = start, float(feasible_values(problem, start[None])[0])
+    for _ in range(GENERATIONS):
+        lengths = 10.0 ** rng.uniform(-5, -0.5, (32, 1))
+        moved = rng.random((32, len(start))) < np.where(np.arange(32) % 2, 1.0, 2 / len(start))[:, None]
+        steps = lengths * width * rng.standard_normal((32, len(start))) * moved
+        x = rounded(repaired(problem, np.clip(best + steps, problem.lower, problem.upper)), flags)
+        values = feasible_values(problem, x)
+        if values.min() < value:
+            best, value = x[values.argmin()], float(values.min())
+    return best, value
