@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from bench.errors import BenchError
 from bench.formats import IMPORTABLE, described
 from bench.helpers.console import print_line
 from bench.helpers.text import count
@@ -20,7 +21,7 @@ def command(
         str,
         typer.Argument(
             metavar="FOLDER|FILE|coco:NAME",
-            help=f"A folder, a tar or zip archive, or a CSV file. {described(IMPORTABLE)}. Or a published data set of "
+            help=f"A folder, a tar or zip archive, or a table. {described(IMPORTABLE)}. Or a published data set of "
             "COCO's archive, such as coco:bbob/DIRECT ('bench list archives'), or a table of a paper (see 'bench "
             "reproduce').",
         ),
@@ -41,11 +42,19 @@ def command(
     partial: Annotated[
         bool, typer.Option("--partial", help="Leave out the files that cannot be read, and list them.")
     ] = False,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="What a column of a table is, such as optimizer=Algo, problem=, run=, value= or evaluations=."
+        ),
+    ] = None,
+    maximise: Annotated[bool, typer.Option("--maximise", help="Higher values of the table are better.")] = False,
 ) -> None:
-    """Import results of COCO, of IOHprofiler or a table (CSV) as a study's folder.
+    """Import results of COCO, of IOHprofiler or tables of any tool as a study's folder.
 
     COCO and IOHprofiler write folders with an index (.info, or .json of IOHprofiler) and logs (.dat, .tdat). A table
-    has the columns problem, optimizer, trial, evaluations and value. Data sets of COCO's archive are checked against
+    (csv, tsv, xlsx, parquet, jsonl) has a row a run, or a column an optimizer or a problem; the command prints what it
+    took for what, and --column and --maximise mend it. Data sets of COCO's archive are checked against
     its list of hashes and kept. The folder is read like any other: 'bench report MINE IMPORTED' compares both. Imported
     trials cannot be repeated. A file that is damaged, or of maximisation, ends the import; --partial imports the
     others, and reports list what is missing.
@@ -66,13 +75,18 @@ def command(
         return
     from bench.formats.importing import import_results
 
+    if wrong := [each for each in column or () if "=" not in each]:
+        raise BenchError(f"--column {wrong[0]!r} needs what it is and its name, such as optimizer=Algo")
+    columns = {each.partition("=")[0]: each.partition("=")[2] for each in column or ()}
     name = None
     if source.startswith(COCO):
         from bench.formats.coco.published import fetch, find
 
         name = find(source.removeprefix(COCO), files).name
         path = fetch(name, files)
-    imported = import_results(path, output, name=name, licence=licence, partial=partial)
+    imported = import_results(
+        path, output, name=name, licence=licence, partial=partial, columns=columns, maximise=maximise
+    )
     for note in imported.notes:
         print_line(f"note: {note}", "yellow")
     for sentence in imported.left_out:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -27,6 +27,9 @@ from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.entries import LONGEST_LABEL
+
+TABLE = "table"
+"""The format of results that are in none of the others."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,8 @@ def import_results(
     name: str | None = None,
     licence: str | None = None,
     partial: bool = False,
+    columns: Mapping[str, str] | None = None,
+    maximise: bool = False,
 ) -> Imported:
     """Import a folder, a tar or zip archive, or a CSV file into a new study's folder, whole or not at all.
 
@@ -61,6 +66,9 @@ def import_results(
         licence: under which the results were published, where it is known.
         partial: whether to leave out the indices and logs that cannot be read, which the result, ``environment.json``
             and reports list.
+        columns: of a table of another tool, the names of columns by what they are
+            (:data:`bench.results.foreign.SYNONYMS`).
+        maximise: whether higher values of such a table are better.
 
     Raises:
         BenchError: where the source is of no format or of several, is damaged or cut short, holds results of several
@@ -75,6 +83,9 @@ def import_results(
             for kind, reader in readers.items()
             if (files := [file for file in contents.files if reader.is_index(contents, file)])
         }
+        tables = indices.pop(TABLE, [])  # other formats have such files, too
+        if tables and (not indices or (set(indices) == {"csv"} and (columns or maximise))):
+            indices = {TABLE: tables}
         if len(indices) != 1:
             raise BenchError(
                 f"{source} holds results of {' and of '.join(indices)}; import one of them at a time"
@@ -83,7 +94,7 @@ def import_results(
                 f"{', nor '.join(reader.index for reader in readers.values())}"
             )
         ((kind, files),) = indices.items()
-        reading = Reading(partial)
+        reading = Reading(partial, columns=columns or {}, maximise=maximise)
         runs = _numbered(readers[kind].runs(contents, files, reading))
         if not runs:
             raise BenchError("; ".join([f"{source} holds no run that can be read", *reading.left_out[:1]]))
@@ -124,7 +135,9 @@ def _study_of(name: str, runs: Iterable[ImportedRun]) -> Study:
     budget = Budget.read(max(spent.values()))
     if len(spent) > 1 and None not in spent:
         budget = Budget.read({str(size): most for size, most in sorted(spent.items(), key=lambda item: item[0] or 0)})
-    clean = re.sub(r"[^A-Za-z0-9._-]+", "-", re.sub(r"\.(tgz|tar(\.\w+)?|zip|csv)$", "", name)).strip("._-")[:100]
+    clean = re.sub(
+        r"[^A-Za-z0-9._-]+", "-", re.sub(r"\.(tgz|tar(\.\w+)?|zip|csv|tsv|txt|xlsx|parquet|jsonl?)$", "", name)
+    ).strip("._-")[:100]
     return Study(
         clean or "imported",
         tuple(Entry(label if naming.is_offered(label) else f"{IMPORTED}:{label}", label) for label in problems),

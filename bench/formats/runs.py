@@ -33,11 +33,15 @@ class Reading:
         partial: whether the parts that cannot be read are left out; else the first one ends the import.
         left_out: a sentence on each part that was left out, which names its file.
         notes: further sentences for the user.
+        columns: the names of columns of a table by what they are, as the user gave them.
+        maximise: whether higher values of a table are better.
     """
 
     partial: bool = False
     left_out: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    maximise: bool = False
 
     def each(self, parts: Iterable[Part], read: Callable[[Part], Iterable[Found]]) -> Iterator[Found]:
         """Yield the content of each part that can be read whole; raises BenchError unless parts may be left out."""

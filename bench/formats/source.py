@@ -55,7 +55,7 @@ def opened(path: Path) -> Iterator[Source]:
             yield _folder(path.resolve().name or str(path), path, "")
         elif not path.is_file():
             raise BenchError(f"{path} is neither a folder nor a file; give the results to import")
-        elif members := members_of(path):
+        elif path.suffix.lower() != ".xlsx" and (members := members_of(path)):
             with tempfile.TemporaryDirectory(prefix="bench-import-") as temporary:
                 extract(path, members, Path(temporary))
                 yield _folder(path.name, Path(temporary), sha256_of(path))

@@ -16,7 +16,7 @@ from typing import Any, Self
 
 import pandas as pd
 
-from bench.columns import FEATURES, PRECISION
+from bench.columns import FEATURES, FRAME, PRECISION
 from bench.errors import BenchError
 from bench.families import dimension_in
 from bench.numbers import is_whole
@@ -26,6 +26,7 @@ from bench.plugins.inputs import Inputs, conflicts, is_data, shown
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
 from bench.results.compared import Compared
+from bench.results.foreign import Table, recognised
 from bench.results.sources import StudyFolder, by_label, sources
 from bench.results.tidy import Tidy
 from bench.results.union import differences, united
@@ -366,7 +367,7 @@ class StoredResults:
             return ProblemFacts(reason=describe_error(error))
 
 
-def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
+def load_results(path: AnyPath | pd.DataFrame, *others: AnyPath) -> pd.DataFrame:
     """Return the tidy frame of a study's folder, one row a trial, in the study's order; or all rows of several folders.
 
     Its columns are those of :data:`bench.columns.FRAME`, such as ``problem``, ``optimizer``, ``status``, ``fun`` and
@@ -376,14 +377,30 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     stays. A failed trial's metrics are missing values, and so is what imported results do not say. Damaged trials are
     left out, with a warning that names them.
 
+    A frame with the results of another tool, in any shape that ``bench import`` knows, gives the same columns, and a
+    warning says what was taken for what.
+
     Raises:
-        BenchError: when a folder holds no study or no trials, or the folders cannot be compared
-            (:class:`StoredResults`).
+        BenchError: when a frame cannot be recognised, a folder holds no study or no trials, or the folders cannot be
+            compared (:class:`StoredResults`).
     """
+    if isinstance(path, pd.DataFrame):
+        return _of_frame(path)
     results = StoredResults(path, *others)
     for sentence in results.damage:
         warnings.warn(sentence, stacklevel=2)
     return results.frame
+
+
+def _of_frame(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the tidy frame of another tool's results, one row a run."""
+    cells = table if isinstance(table.index, pd.RangeIndex) else table.reset_index()
+    found = recognised([Table(cells, where="the frame")])
+    warnings.warn("; ".join(found.said), stacklevel=3)
+    rows = found.rows.rename(columns={"run": "trial", "value": "fun", "evaluations": "nfev"})
+    runs = rows.groupby(["problem", "optimizer", "trial"], sort=False)
+    last = runs.last().assign(fun=runs["fun"].min(), study="frame", status="ok").reset_index()
+    return last.reindex(columns=[column.name for column in FRAME])
 
 
 def _require_one_data(folders: Sequence[Folder]) -> None:

@@ -36,6 +36,7 @@ from bench.study.values import Checked, Value
 from bench.trial import Trial
 
 LONGEST_NAME, LONGEST_TITLE = 100, 1000
+UNKNOWN_BUDGET = "an unknown budget"
 """Characters of the name and of the title of a study."""
 
 TRIALS = 30
@@ -171,8 +172,9 @@ class Study:
 
     @property
     def budget_words(self) -> str:
-        """The budget of a trial in words, such as ``"10,000 d evaluations"``."""
-        return self.budget.words
+        """The budget of a trial in words, such as ``"10,000 d evaluations"``; imported results may not say it."""
+        known = self.budget != Budget.read(1) or len(self.imported) < len(self.optimizers)
+        return self.budget.words if known else UNKNOWN_BUDGET
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
         """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""

@@ -18,6 +18,7 @@ from bench.report.wording import count
 from bench.report.write import MANIFEST, Draft
 from bench.results.results import StoredResults
 from bench.study.selection import Dimensions, Patterns
+from bench.study.study import UNKNOWN_BUDGET
 from bench.study.targets import Targets
 from bench.topics.answer.file import answer_file
 from bench.topics.findings import Findings
@@ -110,9 +111,11 @@ def lead(findings: Findings) -> str:
     """Return the sentence below the title of the page: what was run how often, and what was selected of it."""
     study = findings.study
     trials = each_problem(findings.trials.replications)
+    budget = f", {'at most ' * bool(study.imported)}{study.budget_words} a trial"
+    budget = "" if study.budget_words == UNKNOWN_BUDGET else budget
     text = (
         f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on {count(len(study.problems), 'problem')}, "
-        f"{trials}, {'at most ' * bool(study.imported)}{study.budget_words} a trial."
+        f"{trials}{budget}."
     )
     return f"{text} {findings.selection}".rstrip()
 

@@ -20,6 +20,7 @@ from bench.report.latex import prose
 from bench.report.wording import count, listing, options
 from bench.study import Study
 from bench.study.descriptions import Description
+from bench.study.study import UNKNOWN_BUDGET
 from bench.topics.answer.facts import facts
 from bench.topics.answer.section import nothing_to_compare
 from bench.topics.findings import Findings, Trials
@@ -102,7 +103,8 @@ def runs(trials: Trials) -> list[str]:
     budget = each if len(set(budgets.values())) > 1 else study.budget_words
     made = each_problem(trials.replications, "independent trial").removesuffix(" each")
     made += " on each problem" * (len(trials.replications) == 1)
-    said = [f"Of each optimizer we have {made}, each with a budget of {budget}."]
+    spent = "of unknown length" if study.budget_words == UNKNOWN_BUDGET else f"each with a budget of {budget}"
+    said = [f"Of each optimizer we have {made}, {spent}."]
     if len(study.imported) < len(study.optimizers):
         said.append(f"The seed of the study is {study.seed}.")
     if trials.common:
