@@ -81,11 +81,11 @@ def import_results(
         indices = {
             kind: files
             for kind, reader in readers.items()
-            if (files := [file for file in contents.files if reader.is_index(contents, file)])
+            if kind != TABLE and (files := [file for file in contents.files if reader.is_index(contents, file)])
         }
-        tables = indices.pop(TABLE, [])  # other formats have such files, too
-        if tables and (not indices or (set(indices) == {"csv"} and (columns or maximise))):
-            indices = {TABLE: tables}
+        if not indices or (set(indices) == {"csv"} and (columns or maximise)):  # other formats have such files, too
+            tables = [file for file in contents.files if readers[TABLE].is_index(contents, file)]
+            indices = {TABLE: tables} if tables else {}
         if len(indices) != 1:
             raise BenchError(
                 f"{source} holds results of {' and of '.join(indices)}; import one of them at a time"

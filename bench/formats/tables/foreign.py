@@ -22,9 +22,12 @@ from bench.results.foreign import Table, are_problems, recognised
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".parquet", ".jsonl", ".json")
 
 
-def is_index(_: Source, file: PurePosixPath) -> bool:
+def is_index(source: Source, file: PurePosixPath) -> bool:
     """Return whether a file may be a table."""
-    return file.suffix.lower() in ENDINGS and not file.name.lower().startswith(("readme", "requirements", "licen"))
+    kind = file.suffix.lower()
+    if kind in (".txt", ".dat"):  # others are notes
+        return source.text(file).rstrip()[-1:].isdigit()
+    return kind in ENDINGS
 
 
 def runs(source: Source, files: Sequence[PurePosixPath], reading: Reading) -> Iterator[ImportedRun]:
