@@ -7,8 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from bench.analysis import pairwise_tests
-from bench.analysis.across import across_problems
+from bench.analysis import compare
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAD, TEXT = (ROOT / "paper" / "paper.md").read_text(encoding="utf-8").split("---\n", 2)[1:]
@@ -40,8 +39,8 @@ def test_its_shares_of_runs_that_found_the_best_fit_are_those_of_the_results():
 
 
 def in_the_thesis():
-    pairs = across_problems(pairwise_tests(pd.read_csv(ROOT / "results" / "thesis" / "trials.csv")))
-    return pairs.set_index(["first", "second"]).loc[("cma-es", "gwo")]
+    table = compare(pd.read_csv(ROOT / "results" / "thesis" / "trials.csv"), "cma-es", before=False)
+    return table.rename(columns={"chance": "probability"}).set_index("rival").loc["gwo"]
 
 
 def under_equal_conditions():

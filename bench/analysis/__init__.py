@@ -1,8 +1,8 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
-Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`standings`,
-:func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`across_problems`, :func:`medians`,
-:func:`mean_ranks`. How many trials are enough: :func:`detectable_a12`,
+Problem by problem, at the end of the budget: :func:`summarise`, :func:`chances`, :func:`pairwise_tests`,
+:func:`within_problems`, :func:`comparison_matrix`, :func:`regret`. Over these problems: :func:`order`,
+:func:`compare`, :func:`wins_all`, :func:`medians`. How many trials are enough: :func:`detectable_a12`,
 :func:`trials_to_separate`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`target_table`,
 :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`,
 :func:`aocc`. And :func:`coverage`, :func:`timing`, :func:`feasibility`, :func:`integrity`.
@@ -17,15 +17,14 @@ optimizer, trial); ``optima`` the best known objective values, by problem, of th
 Example:
     >>> results = bench.Results("results/runs/thesis")
     >>> frame = in_study_order(results.frame, results.study)
-    >>> pairs = pairwise_tests(frame)
-    >>> ranking(summarise(frame), pairs)
+    >>> ranked = order(chances(frame))
+    >>> compare(frame, ranked["optimizer"].iloc[0], before=False)
     >>> hits = hitting_times(frame, results.traces, targets(results.traces), results.study.budget.number)
     >>> expected_running_time(hits)
 """
 
 from inspect import isfunction
 
-from bench.analysis.across import across_problems
 from bench.analysis.anytime import (
     convergence,
     data_profiles,
@@ -36,16 +35,16 @@ from bench.analysis.anytime import (
     success_rates,
 )
 from bench.analysis.cells import Budgets, Traces, coverage, in_study_order, labels, regret, scores, summarise, timing
-from bench.analysis.compare import comparison_matrix, medians, ranking, table
+from bench.analysis.compare import comparison_matrix, medians, table
+from bench.analysis.comparison import chances, compare, order, wins_all, within_problems
 from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
-from bench.analysis.error_rates import Levels, detectable_a12, trials_to_separate
 from bench.analysis.feasibility import feasibility
 from bench.analysis.input import guarded
 from bench.analysis.instances import Pooled, pool_instances
 from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import effect_size, holm, pairwise_tests
-from bench.analysis.standings import mean_ranks, standings
+from bench.analysis.power import detectable_a12, trials_to_separate
 from bench.analysis.target_sets import aocc, target_table, targets
 from bench.study.targets import PRECISIONS, RUN_LENGTHS
 
@@ -54,12 +53,12 @@ __all__ = [
     "PRECISIONS",
     "RUN_LENGTHS",
     "Budgets",
-    "Levels",
     "Pooled",
     "Traces",
     "a12",
-    "across_problems",
     "aocc",
+    "chances",
+    "compare",
     "comparison_matrix",
     "convergence",
     "coverage",
@@ -75,14 +74,12 @@ __all__ = [
     "in_study_order",
     "integrity",
     "labels",
-    "mean_ranks",
     "medians",
+    "order",
     "pairwise_tests",
     "pool_instances",
-    "ranking",
     "regret",
     "scores",
-    "standings",
     "success_rates",
     "summarise",
     "table",
@@ -91,6 +88,8 @@ __all__ = [
     "timing",
     "trials_to_separate",
     "u_scores",
+    "wins_all",
+    "within_problems",
 ]
 
 for _name in __all__:

@@ -136,12 +136,6 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
     }
 
 
-def complete_problems(frame: pd.DataFrame) -> list[str]:
-    """Return the problems on which every optimizer has a trial."""
-    by_cell, optimizers = cells(frame), labels(frame, "optimizer")
-    return [label for label in labels(frame, "problem") if all(len(by_cell[label, name]) for name in optimizers)]
-
-
 def reference_values(
     lowest: Mapping[str, float], optima: Mapping[str, float] | None = None
 ) -> dict[str, ReferenceValue]:

@@ -154,22 +154,6 @@ def stratified(strata: Sequence[Effects]) -> Effects:
     return Effects(every.a12.mean(axis=0), every.ratio.mean(axis=0) / number, smaller)
 
 
-def mean_of(estimates: Effects) -> Effects:
-    """Return the mean of independent estimates over the first axis, that of problems; missing where there is none.
-
-    All pairs of trials on all problems are won with a chance of at most the mean to the power of all of them, since the
-    geometric mean is never above the arithmetic one: so their smaller samples add up.
-    """
-    number = max(len(estimates.a12), 1)
-    inside = estimates.inside.sum(axis=0) / number
-    sizes = np.broadcast_to(np.asarray(estimates.smaller, dtype=np.float64), estimates.a12.shape)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        smaller = len(sizes) * sizes.min(axis=0, initial=np.inf)
-        chance = estimates.a12.sum(axis=0) / np.where(len(estimates.a12), number, np.nan)
-        ratio = estimates.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
-    return Effects(chance, ratio, smaller)
-
-
 def p_values(estimates: Effects) -> Floats:
     """Return the two-sided p-values of A12 = 0.5, (g,), never below :func:`least_p`."""
     size = np.abs(standardised(estimates.a12[np.newaxis], estimates.ratio[np.newaxis]))

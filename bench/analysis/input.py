@@ -15,7 +15,6 @@ from bench.errors import BenchError
 
 KINDS: dict[str, tuple[type, str]] = {
     "pd.DataFrame": (pd.DataFrame, "a frame, such as results.frame"),
-    "pd.Series[float]": (pd.Series, "a series of a number for each optimizer, such as mean_ranks(...)"),
     "Floats": (np.ndarray, "an array of numbers, such as pairs['p'].to_numpy()"),
     "Traces": (Mapping, "traces, such as results.traces"),
 }

@@ -102,6 +102,13 @@ def of_subject(pairs: pd.DataFrame, subject: str) -> Flags:
     return ((pairs["first"] == subject) | (pairs["second"] == subject)).to_numpy(dtype=bool)
 
 
+def seen_from(pairs: pd.DataFrame, optimizer: str) -> pd.DataFrame:
+    """Return the pairs of an optimizer, with A12 as the chance that it ends lower than the ``second`` one."""
+    turned = pairs[pairs["second"] == optimizer].rename(columns={"first": "second", "second": "first"})
+    turned = turned.assign(a12=1 - turned["a12"])
+    return pd.concat([pairs[pairs["first"] == optimizer], turned])
+
+
 def holm(p: Floats) -> Floats:
     """Return the p-values, (k,), adjusted for k hypotheses (Holm 1979, Scandinavian Journal of Statistics 6)."""
     order = np.argsort(p)

@@ -24,15 +24,14 @@ def a12_forest(
 
     Args:
         pairs: the rivals of :func:`bench.analysis.comparison.compare`, with the intervals of the tests that fill the
-            points; or pairs of :func:`bench.analysis.across_problems` or :func:`bench.analysis.pairwise_tests`, whose
-            joint intervals are drawn.
+            points; or pairs of :func:`bench.analysis.pairwise_tests`, whose joint intervals are drawn.
         problem: the label of the problem to draw, where ``pairs`` has several.
         names: of the rows; by default the rivals, or "A vs B".
     """
     rows = pairs if problem is None else style.rows_of(pairs, problem)
     ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)
     against = "outcome" in rows
-    number = "chance" if against else "probability" if "probability" in rows else "a12"
+    number = "chance" if against else "a12"
     ends = ["low", "high"] if against else ["joint_low", "joint_high"]
     chance, low, high = rows[[number, *ends]].to_numpy(dtype=float).T
     at = np.arange(len(rows))

@@ -132,7 +132,7 @@ def test_without_an_output_the_folder_is_kept_for_the_session_and_by_saving_it(t
 
 def test_results_show_the_verdict_and_draw_themselves(results):
     page, text = results._repr_html_(), str(results)
-    for label in ("Halving", "draw", "mean rank"):
+    for label in ("Halving", "draw", "chance"):
         assert label in page
         assert label in text
     assert text.splitlines()[0] in page

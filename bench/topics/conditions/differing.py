@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench.analysis.cells import budgets, scores
 from bench.analysis.instances import SOLVED
-from bench.analysis.stages import unused_budget
+from bench.analysis.unused_budget import unused_budget
 from bench.topics.conditions import conditions
 from bench.topics.findings import Findings
 

@@ -1,4 +1,4 @@
-"""The statistics over the evaluations: ranks, targets and the time to reach them."""
+"""The statistics over the evaluations: targets and the time to reach them."""
 
 from __future__ import annotations
 
@@ -12,13 +12,10 @@ import pandas as pd
 from bench import analysis
 from bench.analysis.cells import budgets as budgets_of
 from bench.analysis.cells import near_best as near_best_of
-from bench.analysis.cells import traces_of
 from bench.analysis.instances import SOLVED
 from bench.analysis.reference import reference_times, runlength_targets
 from bench.analysis.running_time import in_seconds
 from bench.analysis.running_time import running_times as running_times_of
-from bench.analysis.stages import SHARES, stage_ranks
-from bench.analysis.stages import earlier_leads as earlier_leads_of
 from bench.analysis.target_sets import tolerance_times
 from bench.errors import BenchError
 from bench.families import function_of
@@ -56,29 +53,6 @@ class Anytime:
     trials: Trials
     asked: Targets | None = None  # other than the study's own
     beside_best: bool = False  # whether the best of 2009 stands beside the optimizers
-
-    @cached_property
-    def stages(self) -> pd.DataFrame:
-        """The rank of each cell after some shares of the budget."""
-        return stage_ranks(self.trials.frame, self.trials.traces, self._spent, self._shares)
-
-    def earlier_leads(self, leader: str, level: float) -> pd.DataFrame:
-        """Return the optimizers that are shown to be lower than the leader after smaller shares of the budget."""
-        return earlier_leads_of(self.trials.frame, self.trials.traces, self._spent, leader, level, self._shares)
-
-    @property
-    def _spent(self) -> dict[str, int]:
-        return self.trials.common or self.trials.budgets
-
-    @cached_property
-    def _shares(self) -> list[float]:
-        """The shares of the budget at which all values are known: imported traces may begin late."""
-        frame = self.trials.frame
-        frame = frame[frame["optimizer"].isin(self.trials.study.imported) & (frame["status"] == "ok")]
-        traces = traces_of(frame, self.trials.traces)
-        first = np.array([trace.evaluations[0] if len(trace.values) else 0 for trace in traces], dtype=np.float64)
-        begin = max(first / frame["problem"].astype(object).map(self._spent).to_numpy(np.float64), default=0.0)
-        return [share for share in SHARES if share >= min(begin, 1.0)]
 
     @cached_property
     def target_set(self) -> Targets:

@@ -14,7 +14,7 @@ FIRST, NEAR = "1", "≈"
 
 def ranks_on(final: Final, panels: Mapping[str, Sequence[str]]) -> pd.DataFrame:
     """Return the mean rank of each optimizer on the problems of each panel, panels by optimizers."""
-    ranks = table(final.standings, "rank")
+    ranks = table(final.chances, "rank")
     return pd.DataFrame({title: ranks.reindex(list(problems)).mean() for title, problems in panels.items()}).T
 
 

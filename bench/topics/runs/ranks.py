@@ -35,7 +35,7 @@ def rank_map(findings: Findings) -> Table:
         marks=near.map(lambda beside: NEAR if beside else ""),
         shades=(ranks - 1) / max(every - 1, 1),
         note=" ".join(notes),
-        data=findings.final.standings,
+        data=findings.final.chances,
     )
     heads, rows = style.names(shown, HEAD), style.names(ranks.index, CLASS)
     if by_class and len(ranks) <= COLUMNS:

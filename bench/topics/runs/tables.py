@@ -6,7 +6,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.compare import table
-from bench.analysis.subject import seen_from
+from bench.analysis.pairwise import seen_from
 from bench.report.parts import File, Table
 from bench.report.wording import row_texts
 from bench.topics.findings import CROWD, Findings
@@ -27,7 +27,7 @@ def comparison(findings: Findings) -> Table:
         )
         if pd.notna(a12)
     }
-    ranks = table(final.standings, "rank").reindex(index=medians.index)
+    ranks = table(final.chances, "rank").reindex(index=medians.index)
     first = ranks.eq(ranks.min(axis=1), axis=0).mul(ranks.min(axis=1) < ranks.max(axis=1), axis=0)
     texts = [row_texts(row) for row in medians.to_numpy(dtype=float)]
     return Table(
@@ -52,7 +52,7 @@ def cells_of(findings: Findings) -> pd.DataFrame:
     final = findings.final
     pairs = seen_from(final.on_problems.astype({"first": object, "second": object}), findings.leader)
     tests = pairs[["problem", "second", *TESTS, "lower"]].rename(columns={"second": "optimizer"})
-    cells = final.summary.merge(final.standings[["problem", "optimizer", "rank"]], on=["problem", "optimizer"])
+    cells = final.summary.merge(final.chances[["problem", "optimizer", "chance", "rank"]], on=["problem", "optimizer"])
     above = analysis.regret(final.measured_summary, findings.trials.unbeaten, ("median",))
     above = above[["problem", "optimizer", "median"]].rename(columns={"median": "median_above_optimum"})
     for more in (above, tests):
@@ -72,7 +72,7 @@ def files(findings: Findings) -> tuple[File, ...]:
             f"The tests of {final.pairs_words} on every problem, of at most the {CROWD} first optimizers.",
             findings.display.written_pairs,
         ),
-        File("tables/ranking.csv", "The order of the optimizers over all problems.", final.ranking),
+        File("tables/ranking.csv", "The order of the optimizers over all problems.", final.order),
     ]
     feasible = analysis.feasibility(findings.trials.frame, findings.trials.traces, findings.trials.constrained)
     if len(feasible):

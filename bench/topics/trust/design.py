@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from math import comb, isnan, nan
+from math import comb, isnan
 
 from bench import analysis
-from bench.analysis.error_rates import POWER, detectable_across, power_at
-from bench.analysis.error_rates import levels as levels_of
+from bench.analysis.direction import ALPHA, least_p
+from bench.analysis.power import POWER, detectable_across, power_at
 from bench.families import function_of
 from bench.report.wording import count
 from bench.study import Study
@@ -22,35 +22,36 @@ MOST = 500  # trials a cell; a difference that needs more is practically not fou
 
 @dataclass(frozen=True)
 class Design:
-    """How many problems are tested, how many pairs on each, and with which power."""
+    """How many problems are tested, how many pairs on each, at which level of each test over all, with which power."""
 
     problems: int
     pairs: int
+    across: float
     power: float
 
     def shown(self, trials: int) -> tuple[float, float]:
         """Return the smallest A12 that the test on a problem finds, and that over all; NaN where none can be found."""
-        single, across = self._levels(trials)
         return (
-            analysis.detectable_a12(trials, single, self.power) if single else nan,
-            detectable_across(trials, self.problems, across, self.power) if across else nan,
+            analysis.detectable_a12(trials, self.single, self.power),
+            detectable_across(trials, self.problems, self.across, self.power),
         )
 
     def shows_on_a_problem(self, gap: float, trials: int) -> bool:
         """Return whether the test on a problem finds an A12 with so many trials."""
-        level = self._levels(trials)[0]
-        return level > 0 and power_at(gap, trials, level) >= self.power
+        return self._can_reject(trials, self.single) and power_at(gap, trials, self.single) >= self.power
 
     def shows_over_all(self, gap: float, trials: int) -> bool:
         """Return the same of the test over all problems, on each of which A12 is the same."""
-        level = self._levels(trials)[1]
-        return level > 0 and power_at(gap, trials, level, self.problems) >= self.power
+        can = self._can_reject(trials * self.problems, self.across)
+        return can and power_at(gap, trials, self.across, self.problems) >= self.power
 
-    def _levels(self, trials: int) -> tuple[float, float]:
-        """Return the level of the first of all tests on problems, and of those over all."""
-        tests = self.pairs * self.problems
-        levels = levels_of([trials] * self.problems, self.pairs, tests)
-        return levels.problems / tests, levels.across / self.pairs
+    @property
+    def single(self) -> float:
+        """The level of the first of the tests on a problem, by Holm's method."""
+        return ALPHA / self.pairs
+
+    def _can_reject(self, trials: int, level: float) -> bool:
+        return bool(least_p(trials) <= level)
 
 
 def foreseen(study: Study, gap: float = GAP, power: float = POWER) -> list[str]:
@@ -61,7 +62,8 @@ def foreseen(study: Study, gap: float = GAP, power: float = POWER) -> list[str]:
     of_function = Counter(function_of(entry.label) for entry in study.problems)
     k, instances = len(study.optimizers), min(of_function.values())
     trials = study.trials * instances
-    design = Design(len(of_function), k - 1 if study.subject else comb(k, 2), power)
+    pairs = k - 1 if study.subject else comb(k, 2)
+    design = Design(len(of_function), pairs, ALPHA / pairs if study.subject else ALPHA, power)
     words = (
         f"{count(k, 'optimizer')}, {count(design.problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
     )

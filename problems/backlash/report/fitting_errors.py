@@ -92,7 +92,7 @@ def table_7_2(
     """
     summary = summarise(part(frame, rows, columns.values()))
     swarms = summary[summary["optimizer"] != columns.get(EXTRA)]
-    matrix = comparison_matrix(swarms, pairs, statistic="mean", by="value")
+    matrix = comparison_matrix(swarms, pairs, statistic="mean")
     named = {label: name for name, label in columns.items()}
     means, bold, italic = (
         _by_dataset(part, named, rows)

@@ -1,11 +1,11 @@
-"""The comparison matrix, and the ranking, by hand and as properties."""
+"""The comparison matrix and tables, by hand."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench.analysis.cells import summarise
-from bench.analysis.compare import comparison_matrix, medians, ranking, table
+from bench.analysis.compare import comparison_matrix, medians, table
 from bench.analysis.pairwise import pairwise_tests
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
@@ -39,12 +39,7 @@ class TestMatrix:
     def test_mean_and_median_may_crown_different_optimizers(self, matrix_of):
         cells = {("p", "a"): [1, 1, 1, 1, 99.0], ("p", "b"): [2, 3, 4, 5, 6.0]}
         for statistic, best in (("median", [True, False]), ("mean", [False, True])):
-            assert row_of(matrix_of(cells, statistic=statistic, by="value"), "best") == best
-
-    def test_the_best_one_is_that_with_the_highest_chance_whatever_its_median(self, matrix_of):
-        cells = {("p", "a"): [1, 1, 1, 9, 9, 9, 9.0], ("p", "b"): [8.0] * 7, ("p", "c"): [7, 7, 7, 10, 10, 10, 10.0]}
-        assert row_of(matrix_of(cells, by="value"), "best") == [False, True, False]
-        assert row_of(matrix_of(cells), "best") == [True, False, False]
+            assert row_of(matrix_of(cells, statistic=statistic), "best") == best
 
     def test_alike_compares_with_the_best_one_only(self, matrix_of):
         matrix = matrix_of({("p", "a"): FAR, ("p", "b"): LOW, ("p", "c"): [v + 0.1 for v in FAR]})
@@ -52,7 +47,7 @@ class TestMatrix:
 
     def test_a_cell_with_a_failure_has_no_mean_and_no_mark(self, matrix_of):
         cells = {("p", "a"): [1, 2, None], ("p", "b"): [3, 4, 5.0], ("p", "c"): [6, 7, 8.0]}
-        matrix = matrix_of(cells, statistic="mean", by="value")
+        matrix = matrix_of(cells, statistic="mean")
         assert np.isnan(row_of(matrix, "value")[0])
         assert row_of(matrix, "best") == [False, True, False]
         assert row_of(matrix, "alike") == [False, False, True]
@@ -70,15 +65,13 @@ class TestMatrix:
         cells = {("p", "a"): [1.0] * 10, ("p", "b"): [1 + 1e-13] * 10} | {("p", each): FAR for each in "cde"}
         matrix = matrix_of(cells)
         assert row_of(matrix, "best") == [True, True, False, False, False]
-        assert row_of(matrix_of(cells, by="value"), "best") == [True, True, False, False, False]
         assert not matrix["alike"].any()
         assert row_of(matrix, "value")[1] == 1 + 1e-13
 
     @pytest.mark.parametrize(("sharing", "others"), [(2, 0), (2, 1), (2, 2), (3, 0), (31, 4)])
     def test_nobody_is_first_where_half_of_the_optimizers_share_the_first_place(self, matrix_of, sharing, others):
         cells = {("p", f"{i}"): [1.0] * 10 for i in range(sharing)} | {("p", f"x{i}"): FAR for i in range(others)}
-        for by in ("standing", "value"):
-            assert not matrix_of(cells, by=by)["best"].any()
+        assert not matrix_of(cells)["best"].any()
 
     def test_every_cell_has_a_row_also_without_trials(self, frame_of):
         frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("q", "a"): FAR})
@@ -117,44 +110,3 @@ class TestTables:
     def test_no_complete_problem(self, frame_of):
         wide = medians(summarise(frame_of({("q", "b"): [1.0], ("p", "a"): [3.0]})))
         assert wide.shape == (0, 2)
-
-
-class TestRanking:
-    def rank(self, frame):
-        return ranking(summarise(frame), pairwise_tests(frame))
-
-    def test_counts_first_places_and_separable_ones(self, frame_of):
-        frame = frame_of(
-            {
-                ("p", "a"): LOW, ("p", "b"): FAR,
-                ("q", "a"): LOW, ("q", "b"): NEAR,
-                ("r", "a"): FAR, ("r", "b"): NEAR,
-                ("s", "a"): FAR,
-            }
-        )  # fmt: skip
-        assert self.rank(frame).to_dict("list") == {
-            "optimizer": ["a", "b"], "problems": [3, 3], "first": [2, 1], "separable": [1, 1], "worse": [1, 1],
-            "mean_rank": pytest.approx([4 / 3, 5 / 3]),
-        }  # fmt: skip
-
-    def test_ties_of_half_of_the_optimizers_and_failures_count_for_none(self, frame_of):
-        cells = {("p", "a"): [1, 1.0], ("p", "b"): [1, 1.0], ("q", "a"): [None, None], ("q", "b"): [None, None]}
-        table = self.rank(frame_of(cells))
-        assert table["first"].tolist() == [0, 0]
-        assert table["separable"].tolist() == [0, 0]
-        assert table["mean_rank"].tolist() == [1.5, 1.5]
-
-    def test_optimizers_that_differ_by_rounding_rank_alike(self, frame_of):
-        cells = {("p", "a"): [1.0] * 10, ("p", "b"): [1 + 1e-13] * 10} | {("p", each): FAR for each in "cde"}
-        table = self.rank(frame_of(cells))
-        assert table["first"].tolist() == [1, 1, 0, 0, 0]  # a tie of fewer than half counts for each
-        assert table["mean_rank"].tolist() == [1.5, 1.5, 4.0, 4.0, 4.0]
-
-    def test_one_optimizer_is_separable_from_nobody(self, frame_of):
-        table = self.rank(frame_of({("p", "a"): [1.0, 2.0]}))
-        assert table[["problems", "first", "separable"]].to_numpy().tolist() == [[1, 0, 0]]
-
-    def test_no_problem_with_every_optimizer(self, frame_of):
-        table = self.rank(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}))
-        assert table[["problems", "first", "separable"]].to_numpy().tolist() == [[0, 0, 0]] * 2
-        assert table["mean_rank"].isna().all()

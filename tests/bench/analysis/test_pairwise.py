@@ -13,7 +13,15 @@ from bench.analysis import pairwise
 from bench.analysis.cells import cells
 from bench.analysis.direction import effects, intervals, p_values
 from bench.analysis.kolmogorov_smirnov import ks_tests
-from bench.analysis.pairwise import COLUMNS, compare_all, effect_size, holm, pairwise_tests, percentile_interval
+from bench.analysis.pairwise import (
+    COLUMNS,
+    compare_all,
+    effect_size,
+    holm,
+    pairwise_tests,
+    percentile_interval,
+    seen_from,
+)
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
@@ -224,3 +232,31 @@ class TestProperties:
             pairs = pairwise_tests(frame_of({("p", name): rng.normal(size=15) for name in "abcde"}))
             held += bool(((pairs["joint_low"] <= 0.5) & (pairs["joint_high"] >= 0.5)).all())
         assert held / studies >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / studies)
+
+
+@pytest.fixture
+def subjects(frame_of):
+    """Return trials of one that is far lower than the two others."""
+    rng = np.random.default_rng(1)
+    shifts = {"a": 0.0, "b": 3.0, "c": 3.0}
+    return frame_of({(p, name): rng.normal(shift, 1, 12) for p in "pqrs" for name, shift in shifts.items()})
+
+
+def test_only_pairs_of_the_subject_are_hypotheses(subjects):
+    every, own = pairwise_tests(subjects), pairwise_tests(subjects, subject="b")
+    with_b = own[own["p_holm"].notna()]
+    assert set(zip(with_b["first"], with_b["second"], strict=True)) == {("a", "b"), ("b", "c")}
+    assert with_b["p_holm"].to_numpy() == pytest.approx(holm(with_b["p"].to_numpy()))
+    assert own["p"].tolist() == every["p"].tolist()
+    others = own[own["p_holm"].isna()]
+    assert not others[["significant", "testable"]].to_numpy().any()
+    assert set(others["lower"]) == {""}
+
+
+def test_pairs_are_seen_from_either_side(subjects):
+    pairs = pairwise_tests(subjects)
+    keys = ["problem", "first", "second"]
+    a12 = pairs.set_index(keys)["a12"]
+    turned = seen_from(pairs.astype(dict.fromkeys(keys, object)), "c").set_index(keys)["a12"]
+    assert len(turned) == 8
+    assert turned["p", "c", "a"] == 1 - a12["p", "a", "c"]

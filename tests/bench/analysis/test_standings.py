@@ -1,4 +1,4 @@
-"""The standing of optimizers on a problem: by hand, in odd cases, and on the problem that its medians mislead about."""
+"""The standing of optimizers on a problem: by hand, in odd cases, and on problems that medians mislead about."""
 
 from pathlib import Path
 
@@ -8,32 +8,24 @@ import pytest
 
 from bench.analysis.cells import summarise
 from bench.analysis.compare import comparison_matrix, table
+from bench.analysis.comparison import chances
 from bench.analysis.pairwise import pairwise_tests
-from bench.analysis.standings import COLUMNS, disagreements, mean_ranks, standings
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 THESIS = Path(__file__).parents[3] / "results" / "thesis" / "trials.csv"
-LOW = [float(i) for i in range(1, 11)]  # complete separation of ten trials is significant beside 25 tests
+LOW = [float(i) for i in range(1, 11)]
 NEAR, FAR = [i + 0.05 for i in LOW], [i + 20 for i in LOW]
 
 
 @pytest.fixture
 def standing_of(frame_of):
-    def build(cells):
-        frame = frame_of(cells)
-        return standings(summarise(frame), pairwise_tests(frame)).set_index("optimizer")
-
-    return build
+    return lambda cells: chances(frame_of(cells)).set_index("optimizer")
 
 
 def test_by_hand(standing_of):
     found = standing_of({("p", "a"): NEAR, ("p", "b"): FAR, ("p", "c"): LOW})
-    assert [found.index.name, *found.columns] == ["optimizer", *(name for name in COLUMNS if name != "optimizer")]
     assert found["rank"].to_dict() == {"c": 1.0, "a": 2.0, "b": 3.0}
     assert found.at["b", "chance"] == 0.0
-    assert found["lower"].to_dict() == {"c": 1, "a": 1, "b": 0}  # no test separates a from c
-    assert found["higher"].to_dict() == {"c": 0, "a": 0, "b": 2}
-    assert not found["separable"].any()
 
 
 def test_ties_share_a_rank_and_failures_lose(standing_of):
@@ -42,47 +34,32 @@ def test_ties_share_a_rank_and_failures_lose(standing_of):
 
 
 def test_a_cycle_is_a_tie(standing_of):
-    dice = {("p", "a"): [2, 4, 9.0], ("p", "b"): [1, 6, 8.0], ("p", "c"): [3, 5, 7.0]}  # each beats another, 5 to 4
+    dice = {("p", "a"): [2, 4, 9.0], ("p", "b"): [1, 6, 8.0], ("p", "c"): [3, 5, 7.0]}  # each ends lower, 5 to 4
     found = standing_of(dice)
     assert found["rank"].tolist() == [2.0] * 3
     found = standing_of(dice | {("p", "c"): [3, 5, 70.0]})
     assert found["rank"].idxmax() == "c"
 
 
-def test_one_trial_ranks_but_separates_nobody(standing_of):
-    found = standing_of({("p", "a"): [2.0], ("p", "b"): [1.0]})
-    assert found["rank"].to_dict() == {"a": 2.0, "b": 1.0}
-    assert not found["separable"].any()
+def test_one_trial_ranks(standing_of):
+    assert standing_of({("p", "a"): [2.0], ("p", "b"): [1.0]})["rank"].to_dict() == {"a": 2.0, "b": 1.0}
 
 
 def test_one_optimizer_and_a_cell_without_trials(frame_of):
-    frame = frame_of({("p", "a"): LOW, ("q", "a"): LOW, ("q", "b"): FAR})
-    found = standings(summarise(frame), pairwise_tests(frame))
+    found = chances(frame_of({("p", "a"): LOW, ("q", "a"): LOW, ("q", "b"): FAR}))
     on_p = found[found["problem"] == "p"].set_index("optimizer")
     assert on_p.at["a", "rank"] == 1.0
     assert np.isnan(on_p.at["b", "rank"])
-    assert not on_p["separable"].any()
-    assert mean_ranks(found).to_dict() == {"a": 1.0, "b": 2.0}  # on q, where both have trials
-
-
-def test_no_trials_at_all(frame_of):
-    frame = frame_of({})
-    assert standings(summarise(frame), pairwise_tests(frame)).empty
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_properties(random_frame, seed):
-    frame = random_frame(seed)
-    summary, pairs = summarise(frame), pairwise_tests(frame)
-    found = standings(summary, pairs)
-    for problem, own in found.groupby("problem"):
+    found = chances(random_frame(seed))
+    for _, own in found.groupby("problem"):
         k = len(own)
         assert own["rank"].sum() == pytest.approx(k * (k + 1) / 2)
         assert own["chance"].mean() == pytest.approx(0.5)
-        assert own["lower"].sum() == own["higher"].sum()
         assert own["chance"].round(9).rank(ascending=False).tolist() == own["rank"].tolist()
-        own_pairs = pairs[pairs["problem"] == problem]
-        assert own["lower"].sum() == (own_pairs["significant"] & (own_pairs["lower"] != "")).sum()
 
 
 def test_the_lowest_median_of_two_basins_may_lose_by_trials(frame_of):
@@ -90,14 +67,14 @@ def test_the_lowest_median_of_two_basins_may_lose_by_trials(frame_of):
     rng = np.random.default_rng(1)
     cma_es = np.append(rng.normal(5.0, 0.1, 14), rng.normal(13.0, 0.1, 16))  # the second basin holds one trial more
     frame = frame_of({("p", "cma-es"): cma_es, ("p", "alo"): rng.normal(12.5, 1.0, 30), ("p", "goa"): [20.0] * 30})
-    summary, pairs = summarise(frame), pairwise_tests(frame)
+    pairs = pairwise_tests(frame)
     alo = np.sort(frame.loc[frame["optimizer"] == "alo", "fun"].to_numpy(dtype=float))
     assert alo[14] < np.median(cma_es)
     pair = pairs.iloc[0]
     assert (pair["first"], pair["second"]) == ("cma-es", "alo")
     assert pair["a12"] > 0.5
-    assert table(comparison_matrix(summary, pairs, by="value"), "best").loc["p"].idxmax() == "alo"
-    assert table(comparison_matrix(summary, pairs), "best").loc["p"].idxmax() == "cma-es"
+    assert table(comparison_matrix(summarise(frame), pairs), "best").loc["p"].idxmax() == "alo"
+    assert table(chances(frame), "rank").loc["p"].idxmin() == "cma-es"
 
 
 @pytest.mark.parametrize("problem", ["signature-10", "signature-11"])
@@ -105,15 +82,5 @@ def test_the_lowest_median_may_belong_to_another(problem):
     """On two datasets the median of GWO is the lowest, though trials of CMA-ES mostly end lower."""
     trials = pd.read_csv(THESIS)
     frame = trials[trials["problem"] == problem]
-    summary, pairs = summarise(frame), pairwise_tests(frame)
-    by_value = table(comparison_matrix(summary, pairs, by="value"), "best").loc[problem]
-    by_standing = table(comparison_matrix(summary, pairs), "best").loc[problem]
-    assert (by_value.idxmax(), by_standing.idxmax()) == ("gwo", "cma-es")
-    odd = disagreements(summary, standings(summary, pairs)).iloc[0]
-    assert (odd["standing"], odd["median"]) == (["cma-es"], ["gwo"])
-
-
-def test_nobody_disagrees_where_one_is_best_by_all(frame_of):
-    frame = frame_of({("p", "a"): LOW, ("p", "b"): FAR, ("q", "a"): LOW, ("q", "b"): [*LOW[:6], *[None] * 4]})
-    summary = summarise(frame)
-    assert disagreements(summary, standings(summary, pairwise_tests(frame))).empty
+    by_value = table(comparison_matrix(summarise(frame), pairwise_tests(frame)), "best").loc[problem]
+    assert (by_value.idxmax(), table(chances(frame), "rank").loc[problem].idxmin()) == ("gwo", "cma-es")

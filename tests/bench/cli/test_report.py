@@ -54,7 +54,7 @@ def test_two_folders_make_one_report(bench_here, folders, tmp_path):
     assert done.returncode == 0, done.stderr
     page = tmp_path / "results" / "comparisons" / "old-new" / "report.html"
     assert f"report: {page.relative_to(tmp_path)}" in done.stdout
-    assert "mean rank" in done.stdout
+    assert "chance" in done.stdout
     with (page.parent / "tables" / "comparison.csv").open() as file:
         cells = {(row["problem"], row["optimizer"]) for row in csv.DictReader(file)}
     labels = ["scatter (old)", "early (old)", "scatter (new)", "early (new)"]

@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 
 from bench import Study, solve
-from bench.analysis import pairwise_tests
-from bench.analysis.across import across_problems
+from bench.analysis import compare
 from bench.plugins.loading import load_optimizer, load_problem
 
 RESULTS = Path(__file__).resolve().parents[3] / "results"
@@ -67,8 +66,8 @@ def test_the_readme_prints_the_table(trials, compared):
 def test_the_page_on_fair_comparisons_prints_the_chances(compared):
     text = (RESULTS.parent / "docs" / "explanation" / "fair-comparison.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (GWO|ALO|DA|GOA) ((?:\| \.\d\d \[\.\d\d, \.\d\d\] )+)\|$", text, re.MULTILINE)
-    thesis = across_problems(pairwise_tests(pd.read_csv(RESULTS / "thesis" / "trials.csv")))
-    thesis = thesis[thesis["first"] == "cma-es"].set_index("second")
+    thesis = compare(pd.read_csv(RESULTS / "thesis" / "trials.csv"), "cma-es", before=False)
+    thesis = thesis.rename(columns={"chance": "probability"}).set_index("rival")
     assert len(rows) == 4
     for name, cells in rows:
         own = (thesis.loc[name.lower()], *(compared.loc[f"{name.lower()} {agents}"] for agents in (300, 30)))

@@ -38,7 +38,7 @@ def test_regret_targets_and_running_times_take_the_optimum_that_an_optimizer_can
 def test_ranks_medians_and_tests_compare_the_values_themselves(findings):
     assert findings.trials.frame is findings.trials.whole
     assert findings.final.summary["median"].tolist() == [5.0, 6.0]
-    assert findings.final.standings.set_index("optimizer")["rank"].to_dict() == {"a": 1.0, "b": 2.0}
+    assert findings.final.chances.set_index("optimizer")["rank"].to_dict() == {"a": 1.0, "b": 2.0}
 
 
 def test_without_another_optimum_nothing_changes(findings):

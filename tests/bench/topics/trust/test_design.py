@@ -9,7 +9,7 @@ from scipy.stats import norm
 from bench import Study
 from bench.analysis import detectable_a12
 from bench.analysis.direction import effects, p_values
-from bench.analysis.error_rates import detectable_across, levels
+from bench.analysis.power import detectable_across
 from bench.topics.trust.design import foreseen
 
 STUDY = {
@@ -30,11 +30,10 @@ def planned(**changes):
     return foreseen(Study.from_dict(STUDY | changes))
 
 
-def test_it_is_what_the_first_of_all_tests_finds():
+def test_it_is_what_the_first_test_of_a_problem_and_each_over_all_find():
     design, shown, _ = planned()
     assert design == "The design: 3 optimizers, 2 problems, 15 trials of each on a problem."
-    level = levels([15, 15], 3, 6)
-    expected = detectable_a12(15, level.problems / 6), detectable_across(15, 2, level.across / 3)
+    expected = detectable_a12(15, 0.05 / 3), detectable_across(15, 2, 0.05)
     assert numbers(shown) == [pytest.approx(a12, abs=0.005) for a12 in expected]
 
 
@@ -64,7 +63,7 @@ def test_too_few_trials_find_nothing_on_a_problem():
 
 
 def test_the_foreseen_power_is_that_of_new_draws_within_three_hundredths():
-    level, rng = levels([15, 15], 3, 6).problems / 6, np.random.default_rng(7)
+    level, rng = 0.05 / 3, np.random.default_rng(7)
     this, other = rng.standard_normal((2, 10_000, 15))
     drawn = effects(this, other + np.sqrt(2) * norm.ppf(detectable_a12(15, level, 0.8)))
     assert np.mean(p_values(drawn) <= level) == pytest.approx(0.8, abs=0.03)

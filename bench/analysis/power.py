@@ -1,79 +1,21 @@
-"""The smallest difference that the tests of a study would find, from its design alone, and the levels of its tests."""
+"""The smallest difference that the tests of a study would find, from its design alone."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import norm
 
 from bench.analysis.comparison import inference, over_problems
-from bench.analysis.direction import ALPHA, Effects, effects, least_p
+from bench.analysis.direction import Effects, effects, least_p
 from bench.typing import Flags
 
 DRAWS, FEW = 20_000, 1_000  # of a simulated power, and those that find about where it is reached
 VALUES = 8_000_000  # of them in memory
 POWER = 0.8
 STEPS = 9  # of a bisection with few draws: A12 to 0.001
-
-ON_PROBLEMS = 0.01  # of the level of all claims of a page
-COURSE = 0.005
-
-
-class Levels(NamedTuple):
-    """The levels of the tests, which the design of a study gives.
-
-    Attributes:
-        problems: of the tests on single problems; 0 where none can be significant.
-        across: of the tests over all problems, and of the winner; likewise.
-        course: of the statement on who leads at smaller budgets.
-    """
-
-    problems: float
-    across: float
-    course: float = 0.0
-
-
-def levels(sizes: Sequence[int], pairs: int, tests: int, alpha: float = ALPHA) -> Levels:
-    """Divide ``alpha`` between the tests on problems, those over all problems and the course, by the design alone.
-
-    So all claims of a page together err with ``alpha`` at most. Where no test on a problem could be significant, and
-    where there is one problem, on which both kinds of tests are the same, the tests over all problems have the level
-    of both.
-
-    Args:
-        sizes: the trials of the smaller cell of each pair, by problem.
-        pairs: of optimizers.
-        tests: pairs times problems.
-        alpha: the level of all claims.
-    """
-    course = alpha * COURSE / ALPHA
-    on_problems, both = alpha * ON_PROBLEMS / ALPHA, alpha - course
-    if min(sizes, default=0) < 2 or not _can_reject(len(sizes) * min(sizes), pairs, both):
-        # Problems with few trials take from the bound of all: those with many may still be tested.
-        return Levels(both if _can_reject(max(sizes, default=0), tests, both) else 0.0, 0.0, course)
-    if len(sizes) == 1:
-        return Levels(both, both, course)
-    if not _can_reject(max(sizes), tests, on_problems):
-        return Levels(0.0, both, course)
-    return Levels(on_problems, both - on_problems, course)
-
-
-def enough_trials(problems: int, pairs: int, tests: int) -> tuple[int, float]:
-    """Return the trials a cell from which on a test on a problem can be significant, and the level that it then has.
-
-    Arguments are those of :func:`levels`, for the same number of trials on each of the ``problems``.
-    """
-    found = ((n, levels([n] * max(problems, 1), pairs, tests).problems) for n in itertools.count(1))
-    return next((n, level) for n, level in found if level)
-
-
-def _can_reject(trials: int, tests: int, level: float) -> bool:
-    """Return whether complete separation of this number of trials is significant beside this number of tests."""
-    return bool(least_p(trials) * max(tests, 1) <= level)
 
 
 @lru_cache
