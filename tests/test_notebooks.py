@@ -59,7 +59,7 @@ def test_two_cells_go_from_a_function_to_a_verdict(shown):
     assert "bench.compare(" in code[1].source
     first = code[1].outputs[-1]["data"]["text/html"]
     page, pictures = shown["from-a-function"]
-    for part in ("cma-es ends lowest on", "mean rank", "Results of study comparison"):
+    for part in ("cma-es ends lowest on", "chance", "Results of study comparison"):
         assert part in first
         assert part in page
     assert pictures == 1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.analysis import pairwise_tests, standings, summarise
+from bench.analysis import chances, pairwise_tests
 from bench.analysis.direction import a12
 from bench.analysis.noninferiority import noninferiority
 from bench.analysis.strata import strata
@@ -45,7 +45,7 @@ def test_a12_is_the_mean_of_that_within_instances(apart):
     assert row["lower"] == "a"
     assert pairwise_tests(apart.drop(columns="instance"))["lower"].tolist() == [""]  # across instances, it is hidden
     assert row["n_first"] == 16
-    assert standings(summarise(apart), pairwise_tests(apart))["rank"].tolist() == [1, 2]
+    assert chances(apart)["rank"].tolist() == [1, 2]
 
 
 def test_the_gate_compares_within_instances(apart):

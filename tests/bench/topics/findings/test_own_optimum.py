@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench import Results
+from bench.analysis import success_rates
 from bench.objective import Trace
 from bench.results.results import ProblemFacts
 from bench.topics.findings import Findings
@@ -29,7 +30,8 @@ def test_regret_targets_and_running_times_take_the_optimum_that_an_optimizer_can
     assert findings.trials.shifts == {("p", "b"): 1.0}
     assert findings.trials.measured.groupby("optimizer", observed=True)["fun"].max().to_dict() == {"a": 5.0, "b": 5.0}
     assert findings.trials.unbeaten == {"p": 5.0}
-    last = findings.anytime.success[findings.anytime.success["tau"] == 1e-3].set_index("optimizer")
+    rates = success_rates(findings.anytime.hits)
+    last = rates[rates["tau"] == 1e-3].set_index("optimizer")
     assert last["rate"].to_dict() == {"a": 1.0, "b": 1.0}
     assert np.isfinite(findings.anytime.running_times["ert"].to_numpy(dtype=float)).all()
     assert findings.final.measured_summary["best"].tolist() == [5.0, 5.0]
@@ -47,5 +49,6 @@ def test_without_another_optimum_nothing_changes(findings):
     assert findings.trials.measured is findings.trials.frame
     assert findings.trials.measured_traces is findings.trials.traces
     assert findings.final.measured_summary is findings.final.summary
-    last = findings.anytime.success[findings.anytime.success["tau"] == 1e-3].set_index("optimizer")
+    rates = success_rates(findings.anytime.hits)
+    last = rates[rates["tau"] == 1e-3].set_index("optimizer")
     assert last["rate"].to_dict() == {"a": 1.0, "b": 0.0}
