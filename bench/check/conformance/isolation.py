@@ -38,6 +38,12 @@ def check_repetition(subject: Subject) -> str:
     if all(other.course() == run.course() for other in others):
         return "deterministic: the seed repeats the run, and so does every other seed"
     if not any(recorded.drew for recorded in (run, *others)):
+        if run.generators:
+            raise ViolationError(
+                "it draws nothing from rng and makes a generator of its own, so that its moves from equal starts are "
+                "equal for every seed",
+                "draw from rng, or make the generator from a number drawn from rng",
+            )
         return "a seed repeats its run, other seeds give others; nothing is drawn from rng"
     return "a seed repeats its run, other seeds give others"
 

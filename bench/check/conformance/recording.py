@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from time import monotonic
 from typing import Any
+from unittest import mock
 from zlib import crc32
 
 import numpy as np
@@ -43,6 +44,7 @@ class RecordedRun:
         outside_box: points outside the box or not finite.
         reached: attributes of the objective that it read or set although the contract does not offer them.
         drew: whether it drew from its generator.
+        generators: how many of its own it made with numpy's ``default_rng``.
         touched: the global random states that it left changed.
     """
 
@@ -52,6 +54,7 @@ class RecordedRun:
     outside_box: int = 0
     reached: set[str] = field(default_factory=set)
     drew: bool = False
+    generators: int = 0
     touched: tuple[str, ...] = ()
 
     def course(self) -> list[int]:
@@ -133,10 +136,13 @@ class ObservedOptimizer(Optimizer):
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Run the optimizer on a stand-in for the objective."""
         lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
+        made = mock.Mock(wraps=np.random.default_rng)
         try:
-            self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._progress), rng)  # type: ignore[arg-type]
+            with mock.patch("numpy.random.default_rng", made):
+                self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._progress), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
+            self._run.generators = made.call_count
             self._run.drew = _state(rng) != before
             if not (np.array_equal(lower, objective.lower) and np.array_equal(upper, objective.upper)):
                 self._run.reached.add("the values of lower and upper")

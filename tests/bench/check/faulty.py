@@ -273,6 +273,14 @@ class Foreign(Walker):
 
 
 @dataclass(frozen=True)
+class Fixed(Walker):
+    """Moves by a generator of its own with a seed of its own, from the starts of the trial."""
+
+    def minimize(self, objective, rng):
+        super().minimize(objective, np.random.default_rng(7))
+
+
+@dataclass(frozen=True)
 class Cached(Walker):
     """Keeps the first start in its class."""
 

@@ -8,6 +8,7 @@ from tests.bench.check.conformance.examine import expect_broken, failures, verdi
 
 FAULTS = [
     (faulty.Clocked, "repetition", "two runs of one seed differ (from evaluation 5 on)", "draw from rng alone"),
+    (faulty.Fixed, "repetition", "its moves from equal starts are equal for every seed", "draw from rng"),
     (faulty.Counting, "repetition", "two runs of one seed differ", "kept in the module"),
     (faulty.Remembering, "no state", "a second run of one instance differs from that of a new one", "local variables"),
     (faulty.Adapting, "no state", "changes its 'step' from 0.1 to 0.2", "local variables"),
