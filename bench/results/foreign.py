@@ -220,7 +220,9 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
     iterations = [each for each in wide if _ITERATIONS.fullmatch(_plain(each))]
     first = next((each for each in heads if each not in figures and each not in roles.values()), None)
     spread = ""
-    short = _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and len(wide) > 1
+    if "value" not in roles and len(wide) == 1 and {"problem", "optimizer"} <= {*roles}:
+        roles["value"] = wide[0]
+    short = _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and wide
     if short:
         wide.append(roles.pop("value"))  # an optimizer may be called GD
     if "value" in roles:

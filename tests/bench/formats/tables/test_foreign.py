@@ -114,6 +114,7 @@ SHAPES = {
             ".", ","
         )
     },
+    "a value of an unknown name": {"r.csv": long("Function,Algorithm,Run,f_min")},
     "TSV": {"r.tsv": long("func\talgo\ttrial\tfun", "{problem}\t{optimizer}\t{run}\t{value}")},
     "EvoloPy": {
         "experiment.csv": long(
