@@ -35,6 +35,11 @@ class RecordingProblem(FunctionProblem):
         """All points so far, (n, d), in the order of their evaluation."""
         return np.concatenate(self._batches)
 
+    @property
+    def first_batch(self) -> int:
+        """The number of points that were evaluated first, together."""
+        return len(self._batches[1]) if len(self._batches) > 1 else 0
+
     def share(self, x: Floats) -> Floats:
         """Return points as shares of the box, 0 at the lower and 1 at the upper bounds."""
         return np.asarray((x - self.lower) / (self.upper - self.lower))

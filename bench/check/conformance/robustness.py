@@ -40,6 +40,13 @@ def check_budget(subject: Subject) -> str:
     agents = subject.fresh().minimum_budget
     budgets = sorted({1, max(1, agents - 1), agents, agents + 1, 3 * agents + 3, 1000})
     stops = {_expect_kept_budget(subject.run(budget=budget), budget) for budget in budgets}
+    problem = problems.bowl()
+    subject.run(problem, budget=3 * agents + 3)
+    if problem.first_batch == agents + 1 > 2:
+        raise ViolationError(
+            f"its first generation has {agents + 1} points, one more than its population of {agents}",
+            "let the first generation have as many points as agents says",
+        )
     declared = sorted(stops - {"budget"})
     kept = f"kept budgets of {', '.join(map(str, budgets))}"
     return f"{kept}; stopped early and declared: {'; '.join(declared)}" if declared else f"{kept} to the evaluation"

@@ -234,6 +234,18 @@ class Answering(Walker):
         return super().move(x, f, objective, rng)
 
 
+@dataclass(frozen=True)
+class Crowded(Walker):
+    """Starts with one more point than it says."""
+
+    agents: int = parameter(6, minimum=1)
+
+    def minimize(self, objective, rng):
+        x = objective.initial(self.agents + 1)
+        while True:
+            x = self.move(x, objective(x), objective, rng)
+
+
 # --- the same seed, the same run ---
 
 

@@ -10,6 +10,12 @@ FAULTS = [
     (faulty.Idle, "run", "without a single evaluation", "ask objective(x)"),
     (faulty.Stubborn, "budget", "2 more times after the budget of 1 was spent", "let BudgetExhausted pass"),
     (faulty.Rounding, "budget", "without a single evaluation of a budget of 1", "below one generation"),
+    (
+        faulty.Crowded,
+        "budget",
+        "its first generation has 7 points, one more than its population of 6",
+        "as many points",
+    ),
     (faulty.Escaping, "box", "lie outside the box, such as [", "clip to objective.lower"),
     (
         faulty.Planar,
