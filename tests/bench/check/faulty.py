@@ -235,7 +235,7 @@ class Answering(Walker):
 
 
 @dataclass(frozen=True)
-class Crowded(Walker):
+class Surplus(Walker):
     """Starts with one more point than it says."""
 
     agents: int = parameter(6, minimum=1)
