@@ -135,8 +135,10 @@ def _versions(
     matched = {label for label in shown for pattern in wanted if fnmatchcase(label, pattern)}
     if unmatched := [pattern for pattern in wanted if not any(fnmatchcase(label, pattern) for label in shown)]:
         raise BenchError(f"no optimizer is called {unmatched[0]!r}{nearest(unmatched[0], shown)}")
+    records, every = held.optimizers, held.versions_by_label()
     for label, name in list(shown.items()):
-        versions, selected = held.versions(label), held.optimizers.get(label)
+        selected = records.get(label)
+        versions = every.get(read(selected)["label"], {}) if selected is not None else {}
         if label not in matched:
             if selected is not None and len(versions) > 1:
                 numbers[name] = [*versions].index(selected) + 1, len(versions)

@@ -53,11 +53,14 @@ class Cells:
         An optimizer whose name, options or inputs changed is another version. One whose trials were removed keeps its
         place, so a number goes on meaning the same.
         """
-        label = read_record(record)["label"]
-        versions: dict[str, list[int]] = {}
+        return self.versions_by_label().get(read_record(record)["label"], {})
+
+    def versions_by_label(self) -> dict[str, dict[str, list[int]]]:
+        """Return the versions of every optimizer (:meth:`versions_of`) by the label of its record, in one pass."""
+        labels = {record: read_record(record)["label"] for record in {cell.optimizer for cell in self.all.values()}}
+        versions: dict[str, dict[str, list[int]]] = {}
         for number, cell in sorted(self.all.items()):
-            if read_record(cell.optimizer)["label"] == label:
-                versions.setdefault(cell.optimizer, []).append(number)
+            versions.setdefault(labels[cell.optimizer], {}).setdefault(cell.optimizer, []).append(number)
         return versions
 
     def add(self, cell: Cell, inputs: Sequence[Inputs]) -> None:
