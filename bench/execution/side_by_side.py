@@ -75,6 +75,7 @@ def evaluated(
             changed = {"evaluate": noted.values, "noiseless": noted.values, "violations": noted.violations}
             changed |= {"by_point": False}
         beside = copy(plain)  # all else is computed here
+        changed["initial_points"] = plain.initial_points  # a class that is pickled by its name has lost them
         for name, value in changed.items():
             object.__setattr__(beside, name, value)  # also of a frozen dataclass
         if isinstance(problem, Scored):

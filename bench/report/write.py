@@ -48,7 +48,6 @@ class Draft:
         folder: the folder to write into, which exists.
         drawer: draws the figures.
         study: a name that the labels of LaTeX tables begin with.
-        problems: about how many sections on one problem there will be.
         printed: whether the figures of those are written as PDF, too.
         layout: the columns that the LaTeX tables are written for.
         on_step: called before every step.
@@ -60,7 +59,6 @@ class Draft:
         drawer: Drawer,
         *,
         study: str,
-        problems: int,
         printed: bool,
         on_step: OnStep,
         layout: Layout = ONE_COLUMN,
@@ -69,7 +67,6 @@ class Draft:
         self.drawer = drawer
         self.study = study
         self.layout = layout
-        self.expected = problems
         self.each_printed = printed
         self.views: list[View] = []
         self.files: dict[str, str] = {}
@@ -84,7 +81,7 @@ class Draft:
         """Write all files and return the path of the page; ``short`` makes a file of its first section."""
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
-        self._steps = len(chapters) + self.expected + 1
+        self._steps = len(chapters) + 1
         with style.context():
             prepared = [self.prepare(chapter) for chapter in chapters]
             self.drawer.help()

@@ -26,7 +26,9 @@ def test_a_result_has_every_measured_column_with_its_type():
     found = search(problem, load_optimizer("random-search"), 10, 1)
     for column in MEASURED:
         assert type(getattr(found, column.name)) is column.kind
-    assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {"environment", "seed", "error", "log"}
+    assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {
+        "environment", "seed", "error", "log", "inputs"
+    }  # fmt: skip
 
 
 def test_the_store_has_the_stored_columns_with_their_types():
@@ -39,9 +41,9 @@ def test_the_store_has_the_stored_columns_with_their_types():
     connection.close()
 
 
-def test_the_frame_has_every_column_but_bytes():
+def test_the_frame_has_every_column_but_bytes_and_inputs():
     bytes_of = {column.name for column in COLUMNS if column.kind is bytes}
-    assert {column.name for column in COLUMNS} - bytes_of == {*FRAME_COLUMNS}
+    assert {column.name for column in COLUMNS} - bytes_of - {"inputs"} == {*FRAME_COLUMNS}
 
 
 def test_every_bit_of_a_point_and_of_its_metrics_is_kept():

@@ -91,7 +91,7 @@ def test_the_results_of_a_folder_with_failures(small_study, tmp_path):
     study = Study("failing", small_study.problems, optimizers, trials=2, budget=30)
     bench.run(study, tmp_path / "out", n_jobs=1)
     verdict, *_, title, heads, first, second = rows(bench.Results(tmp_path / "out"))
-    assert verdict[0].startswith(f"No winner on these 2 problems at 30 evaluations: {HOSTILE} is first")
+    assert verdict[0].startswith(f"No winner on these 2 problems: {HOSTILE} is first")
     assert title == ["Results of study failing: 2 problems, 30 evaluations"]
     assert heads == ["optimizer", "trials", "failed"]
     assert [first, second] == [["faulty", "2", "2"], [HOSTILE, "4", "0"]]

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
@@ -82,7 +81,9 @@ def estimate_files(
 
 
 def _in_processes(work: Callable[[Path], list[Outcome]], paths: Sequence[Path], n_jobs: int) -> Iterator[list[Outcome]]:
-    from bench.sandbox.callers import Call, Callers  # a single file need not wait for it
+    from joblib import effective_n_jobs  # a single file need not wait for it, nor for the processes
+
+    from bench.sandbox.callers import Call, Callers
 
     with Callers(min(effective_n_jobs(n_jobs), len(paths)), ready) as callers:
         calls = [Call("recordings", pickled, (work, path)) for path in paths]

@@ -72,8 +72,8 @@ def fractions(optimizers, along="evaluations"):
 
 
 def improvements(optimizers):
-    rows = [(a, b, 3, 0.6, 0.45, 0.7, False) for a, b in itertools.combinations(optimizers, 2)]
-    columns = ["first", "second", "problems", "probability", "joint_low", "joint_high", "significant"]
+    rows = [(a, b, 0.6, 0.45, 0.7, False) for a, b in itertools.combinations(optimizers, 2)]
+    columns = ["first", "second", "a12", "joint_low", "joint_high", "significant"]
     return pd.DataFrame(rows, columns=columns)
 
 

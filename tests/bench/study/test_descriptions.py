@@ -119,19 +119,19 @@ def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, 
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(WORK, {"agents": "7", "handling": "mirror"}, {"agents": "7", "handling": "mirror"})
     assert gwo.values["agents"] == "9"
-    assert "Doe, Jane" in write_report(made, n_jobs=1).read_text(encoding="utf-8")
+    page = write_report(made, n_jobs=1)
+    assert "Doe, Jane" in (page.parent / "references.bib").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
-def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, monkeypatch):
+def test_a_folder_without_the_note_has_the_built_in_ones_only(made, monkeypatch):
     monkeypatch.setattr(Process, "__init__", refuse)
     (made / "optimizers.json").unlink()
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description()
     assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
-    page = write_report(made, n_jobs=1).read_text(encoding="utf-8")
-    assert "The options of mine are not all known: no run noted them in the folder." in page
+    assert write_report(made, n_jobs=1).exists()
 
 
 def test_a_note_may_hold_anything(made):

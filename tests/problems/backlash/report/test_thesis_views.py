@@ -107,14 +107,15 @@ def test_bold_and_italics_compare_the_swarms_alone(tmp_path):
 def test_exact_reproduction_is_said_in_words(tmp_path):
     results = make(tmp_path / "s", datasets=range(3, 21), trials=30)
     said = words(results)
-    assert "Reproduced in 72 of 72 cells to within one SD (ours, where none is printed)." in said
+    assert "0 of 72 cells differ, tested at 5% over the table." in said
+    assert "72 do not differ, and the 90% interval (t) of the difference of their means lies within one SD" in said
     assert "holds in 16 of 18 rows of Table 7.2, and in 16 of the printed ones." in said
     assert not (table(results, "table-7-2").marks == "≠").any(axis=None)
 
 
 def test_much_larger_means_differ_from_the_published_ones(tmp_path):
     results = make(tmp_path / "s", factor=5, trials=30)
-    assert "Reproduced in 0 of 8 cells to within one SD; 8 differ: f3 (ALO higher, " in words(results)
+    assert "8 of 8 cells differ, tested at 5% over the table: f3 (ALO higher, " in words(results)
     assert (table(results, "table-7-2").marks[["ALO", "GOA", "DA", "GWO"]] == "≠").all(axis=None)
 
 
