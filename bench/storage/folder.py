@@ -168,7 +168,7 @@ class Folder:
         What is missing here is left out, as are folders that an archive brought: they may have been made elsewhere.
         """
         noted = self.environments()
-        folder = str(noted[-1].get("folder") or "") if noted else ""
+        folder = str(noted[-1].get("working_folder") or "") if noted else ""
         if self.untrusted or (folder and not Path(folder).is_dir()):
             return {}
         held, present = self.store.held(), Present(folder=folder, strict=False)

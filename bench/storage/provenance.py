@@ -78,7 +78,7 @@ def run(
         "started": now(),
         "ended": None,
         "command": command(),
-        "folder": str(Path.cwd()),
+        "working_folder": str(Path.cwd()),
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),

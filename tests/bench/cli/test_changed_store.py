@@ -59,7 +59,7 @@ def test_a_report_names_a_changed_trial_and_leaves_it_out(bench_here, changed):
     assert done.returncode == 0
     assert f"{out}: {SENTENCE}" in done.stdout.splitlines()
     page = (out / "report.html").read_text()
-    assert "Error: Storage: 1 of 18 trials are damaged" in page
+    assert "1 of 18 trials are damaged" in page
     assert "1 of 18 planned trials are missing" in page
     assert SENTENCE in bench_here("status", out).stdout
 
@@ -127,7 +127,7 @@ def test_an_optimizer_that_edits_the_rows_of_another_is_noticed(bench_here, tmp_
     )
     done = bench_here("run", study, "--output", out, "--jobs", 1)
     assert "of 8 trials are damaged (scatter on sphere-2, trial" in done.stdout
-    assert "Error: Storage: " in (out / "report.html").read_text()
+    assert "trials are damaged" in (out / "report.html").read_text()
     assert "of 8 trials are damaged (scatter on sphere-2, trial" in bench_here("status", out, "--check").stdout
     verified = bench_here("verify", out, "--jobs", 1)
     assert verified.returncode == 1

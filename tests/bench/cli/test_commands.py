@@ -201,7 +201,9 @@ def test_a_run_verifies_its_trials_before_the_report(bench_here, copied):
     command = ["run", copied / "mixed.toml", "--output", out, "--jobs", 1, "--trials", 3, "--verify", 1]
     done = bench_here(*command)  # faulty's trials fail again
     assert "3 of 3 trials of 3 cells are the same bit by bit" in done.stdout
-    assert "3 of 3 trials of 3 cells are the same bit by bit" in (out / "report.html").read_text(encoding="utf-8")
+    assert "3 of 3 trials of 3 cells are the same bit by bit" in (out / "tables" / "integrity.csv").read_text(
+        encoding="utf-8"
+    )
 
 
 @pytest.mark.slow

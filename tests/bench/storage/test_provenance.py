@@ -159,8 +159,8 @@ class TestRun:
         assert shlex.split(record["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
         assert record["started"].endswith("+00:00")
         assert record["ended"] is None
-        assert record["folder"] == str(Path.cwd())
-        others = {"started", "ended", "command", "folder"}
+        assert record["working_folder"] == str(Path.cwd())
+        others = {"started", "ended", "command", "working_folder"}
         assert {key: value for key, value in record.items() if key not in others} == {
             "jobs": 4, "backend": "local", "study": small_study.identity(),
             "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3, "extends": None,
