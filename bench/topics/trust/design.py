@@ -46,6 +46,11 @@ class Design:
         return can and power_at(gap, trials, self.across, self.problems) >= self.power
 
     @property
+    def places(self) -> list[str]:
+        """Where its tests are made: over all problems only with several."""
+        return ["on a problem", "over all problems"][: min(self.problems, 2)]
+
+    @property
     def single(self) -> float:
         """The level of the first of the tests on a problem, by Holm's method."""
         return ALPHA / self.pairs
@@ -59,25 +64,36 @@ def foreseen(study: Study, gap: float = GAP, power: float = POWER) -> list[str]:
 
     Two normal samples of one spread are assumed. The instances of a function count as trials of one problem.
     """
-    of_function = Counter(function_of(entry.label) for entry in study.problems)
-    k, instances = len(study.optimizers), min(of_function.values())
-    trials = study.trials * instances
-    pairs = k - 1 if study.subject else comb(k, 2)
-    design = Design(len(of_function), pairs, ALPHA / pairs if study.subject else ALPHA, power)
+    design, trials, instances = _design(study, power)
+    k = len(study.optimizers)
     words = (
         f"{count(k, 'optimizer')}, {count(design.problems, 'problem')}, {count(trials, 'trial')} of each on a problem"
     )
     words += f" ({study.trials:,} on each of {instances:,} instances)" if instances > 1 else ""
     words += f", {study.subject} against each other one" if study.subject else ""
-    places = ["on a problem", "over all problems"][: min(design.problems, 2)]
     finds = (design.shows_on_a_problem, design.shows_over_all)
-    found = [f"{place} {_shown(a12)}" for place, a12 in zip(places, design.shown(trials), strict=False)]
-    needed = [f"{place} {_needed(partial(shows, gap))}" for place, shows in zip(places, finds, strict=False)]
+    needed = [f"{place} {_needed(partial(shows, gap))}" for place, shows in zip(design.places, finds, strict=False)]
     return [
         f"The design: {words}.",
-        f"The smallest A12 that it shows with a power of {power:.0%}: {', '.join(found)}.",
+        smallest(study, power),
         f"Trials of each on a problem that an A12 of {gap:g} needs: {', '.join(needed)}.",
     ]
+
+
+def smallest(study: Study, power: float = POWER) -> str:
+    """Return the sentence on the smallest A12 that the study's tests find."""
+    design, trials, _ = _design(study, power)
+    found = [f"{place} {_shown(a12)}" for place, a12 in zip(design.places, design.shown(trials), strict=False)]
+    return f"The smallest A12 that it shows with a power of {power:.0%}: {', '.join(found)}."
+
+
+def _design(study: Study, power: float) -> tuple[Design, int, int]:
+    """Return the design of a study, its trials of each optimizer on a problem, and the instances of a problem."""
+    of_function = Counter(function_of(entry.label) for entry in study.problems)
+    k, instances = len(study.optimizers), min(of_function.values())
+    pairs = k - 1 if study.subject else comb(k, 2)
+    design = Design(len(of_function), pairs, ALPHA / pairs if study.subject else ALPHA, power)
+    return design, study.trials * instances, instances
 
 
 def _shown(a12: float) -> str:

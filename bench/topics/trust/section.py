@@ -16,7 +16,7 @@ from bench.topics.answer.section import nothing_to_compare
 from bench.topics.findings import Findings, Trials
 from bench.topics.trust import words
 from bench.topics.trust.checks import checks
-from bench.topics.trust.design import foreseen
+from bench.topics.trust.design import smallest
 from bench.topics.trust.left_out import left_out
 
 TITLE = "Can you trust it?"
@@ -74,7 +74,7 @@ def _claims(findings: Findings) -> Iterator[Line]:
         yield Line("seeds", words.shared(same))
     if findings.trials.frame["seed"].isna().any():
         yield Line("seeds", words.without_seeds())
-    yield Line("enough runs?", foreseen(findings.study)[1])
+    yield Line("enough runs?", smallest(findings.study))
     yield Line("which problems?", words.scope(len(known.problems)))
     yield Line("other measures", words.measures(_measures(findings), len(known.problems)))
 
