@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis import direction
-from bench.analysis.cells import labels, quantiles
+from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.strata import Samples, strata
@@ -114,12 +114,6 @@ def holm(p: Floats) -> Floats:
     order = np.argsort(p)
     steps = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
     return np.minimum(steps, 1.0)[np.argsort(order)]
-
-
-def percentile_interval(replicates: Floats, level: float = 0.95) -> tuple[float, float]:
-    """Return the percentile bootstrap interval (Efron 1981); its ends are upper order statistics among +inf."""
-    low, high = quantiles(replicates, [(1 - level) / 2, (1 + level) / 2])
-    return float(low), float(high)
 
 
 def effect_size(a12: float) -> str:

@@ -126,14 +126,7 @@ class Anytime:
     @cached_property
     def targets(self) -> pd.DataFrame:
         """The targets of each problem."""
-        return self._targets(self.target_set)
-
-    @cached_property
-    def hits(self) -> pd.DataFrame:
-        """The evaluations that each trial took to reach each target."""
-        return self._hits(self.target_set)
-
-    def _targets(self, chosen: Targets) -> pd.DataFrame:
+        chosen = self.target_set
         if chosen.by_best:
             lengths = self._run_lengths
             optimum = lengths["problem"].map(self.trials.unbeaten).astype(float)
@@ -146,12 +139,15 @@ class Anytime:
             return table
         return table[table["problem"].isin([label for label, facts in self.trials.known.items() if facts.expected])]
 
-    def _hits(self, chosen: Targets) -> pd.DataFrame:
-        if chosen.by_metric:
+    @cached_property
+    def hits(self) -> pd.DataFrame:
+        """The evaluations that each trial took to reach each target."""
+        if self.target_set.by_metric:
             expected = {label: facts.expected for label, facts in self.trials.known.items()}
             return tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
-        targets = self.targets if chosen == self.target_set else self._targets(chosen)
-        return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
+        return analysis.hitting_times(
+            self.trials.measured, self.trials.measured_traces, self.targets, self.trials.allowed
+        )
 
     @property
     def compared_hits(self) -> pd.DataFrame:

@@ -13,7 +13,6 @@ from bench.analysis.cells import labels as labels_of
 from bench.analysis.cells import reference_values, scores
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.analysis.strata import rows
-from bench.report.wording import count
 from bench.results.compared import Compared
 from bench.results.results import ProblemFacts, StoredResults
 from bench.study.descriptions import repairing
@@ -145,18 +144,6 @@ class Trials(Compared):
     def scaled(self) -> bool:
         """Whether evaluations are compared by evaluation / dimension, as budgets differ."""
         return len(set(self.budgets.values())) > 1
-
-    @cached_property
-    def per_cell(self) -> tuple[int, int]:
-        """The fewest and the most trials of a cell that has any; (0, 0) where no cell has."""
-        stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
-        return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
-
-    @property
-    def per_cell_words(self) -> str:
-        """The same in words, such as ``"4 to 5 trials"``."""
-        least, most = self.per_cell
-        return count(most, "trial") if least == most else f"{least} to {count(most, 'trial')}"
 
     @cached_property
     def unbeaten(self) -> dict[str, float]:

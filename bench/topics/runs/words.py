@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.report.wording import count, listing
+from bench.report.wording import count
 
 
 def caption(axis: str, drawn: int, optimizers: int, marked: bool) -> str:
@@ -46,8 +46,3 @@ def table_note(leader: str, subject: bool, precise: bool) -> str:
         f"test shows a difference (Holm within the problem). {whom}–: no run; ∞: the median run failed.{values} "
         "The CSV file has means, p-values and all optimizers."
     )
-
-
-def not_shown(labels: list[str]) -> str:
-    """Return a sentence on optimizers that only the files have."""
-    return f"Only the files have {listing(labels, at_most=4)}."

@@ -21,7 +21,7 @@ from problems.backlash.report import words
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
 EXTRA = "cma-es"
 ORDER = ("gwo", "alo", "da", "goa")  # from the best to the worst, as published
-PUBLISHED_TRIALS, PUBLISHED_BUDGET, PUBLISHED_AGENTS = 30, 60_000, 300
+PUBLISHED_AGENTS = 300
 
 
 def compared(results: StoredResults, frame: pd.DataFrame) -> tuple[list[str], list[Table]]:

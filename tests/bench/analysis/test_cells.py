@@ -13,6 +13,7 @@ from bench.analysis.cells import (
     coverage,
     in_study_order,
     merge_near_ties,
+    quantiles,
     reference_values,
     regret,
     scores,
@@ -222,3 +223,8 @@ class TestTiming:
     def test_no_finished_trial_and_no_measurable_time(self, frame_of):
         frame = frame_of({("p", "a"): [None], ("p", "b"): [1.0]}, wall_s=0.0, cpu_s=0.0, objective_s=0.0, nfev=1)
         assert timing(frame)["trials"].tolist() == [0, 1]
+
+
+def test_quantiles_are_upper_order_statistics_where_one_is_infinite():
+    assert quantiles(np.arange(101.0), [0.05, 0.95]) == pytest.approx((5.0, 95.0))
+    assert tuple(quantiles(np.array([1.0, 2.0, INF]), [0.025, 0.975])) == (2.0, INF)

@@ -19,7 +19,6 @@ from bench.analysis.pairwise import (
     effect_size,
     holm,
     pairwise_tests,
-    percentile_interval,
     seen_from,
 )
 
@@ -202,10 +201,6 @@ class TestByHand:
     )  # fmt: skip
     def test_effect_size(self, value, word):
         assert effect_size(value) == word
-
-    def test_percentile_interval(self):
-        assert percentile_interval(np.arange(101.0), 0.9) == pytest.approx((5.0, 95.0))
-        assert percentile_interval(np.array([1.0, 2.0, INF])) == (2.0, INF)
 
 
 class TestProperties:
