@@ -26,6 +26,7 @@ from types import FrameType
 from typing import Any
 
 from bench.errors import BenchError
+from bench.helpers.text import short_hash
 
 Signature = list[int]
 """Size, both times and number of a file, by which it is known not to have changed; empty of one just written."""
@@ -191,12 +192,12 @@ def listing(folder: str) -> str:
             names = sorted(each.name for each in entries if each.is_file() and not each.name.startswith("."))
     except OSError:
         return ""
-    return hashlib.sha256("\n".join(names).encode(errors="replace")).hexdigest()[:16]
+    return short_hash("\n".join(names).encode(errors="replace"))
 
 
 def variable(value: str | None) -> str:
     """Return the hash that stands for a variable's value, "" for one that is not set."""
-    return "" if value is None else hashlib.sha256(value.encode(errors="replace")).hexdigest()[:16]
+    return "" if value is None else short_hash(value.encode(errors="replace"))
 
 
 def signature(path: str) -> tuple[Signature, bool]:
