@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 from typing import Any, TypeVar
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bench.columns import COLUMNS
@@ -115,6 +116,19 @@ def improvements(evaluations: NDArray[np.int64], values: Floats) -> Trace:
     best = np.minimum.accumulate(values)
     new = best < np.append(np.inf, best[:-1])
     return Trace(evaluations[new], best[new])
+
+
+def by_run(table: pd.DataFrame, keys: Sequence[str]) -> tuple[pd.DataFrame, Iterator[tuple[tuple[Any, ...], slice]]]:
+    """Return a table with the rows of each run together, and the key and the rows of each run.
+
+    Runs stand in order of their first rows. All are brought together at once: a table may hold as many runs as rows.
+    """
+    runs = table.groupby([*keys], sort=False).ngroup().to_numpy()
+    rows = table.iloc[np.argsort(runs, kind="stable")]
+    ends = (np.flatnonzero(np.diff(np.sort(runs), append=-1)) + 1).tolist()
+    starts = [0, *ends][:-1]
+    heads = zip(*(rows[name].iloc[starts].tolist() for name in keys), strict=True)
+    return rows, zip(heads, map(slice, starts, ends), strict=True)
 
 
 def require_increasing(

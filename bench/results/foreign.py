@@ -356,7 +356,8 @@ def _by_run(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
         elif not step or rows.duplicated([*cell, "run", step]).any():
             twice = rows[rows.duplicated([*cell, "run"] + ([step] if step else []))].iloc[0]
             raise BenchError(
-                f"several rows are of one run of {twice['optimizer']} on {twice['problem']}; name the column that tells"
-                " runs apart by --column run=NAME, or that of the evaluations of a course by --column evaluations=NAME"
+                f"several rows are of one run of {twice['optimizer']} on {twice['problem']}; name the column that "
+                "separates runs by --column run=NAME, or that of the evaluations of a course by --column "
+                "evaluations=NAME"
             )
     return rows.drop(columns="iteration", errors="ignore"), notes

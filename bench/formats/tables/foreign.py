@@ -15,7 +15,7 @@ import pandas as pd
 from bench.analysis.cells import NO_TRACE
 from bench.errors import BenchError
 from bench.formats import naming
-from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, require_increasing
+from bench.formats.runs import FormatReader, ImportedRun, Reading, by_run, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.results.foreign import Table, are_problems, recognised
 
@@ -49,26 +49,20 @@ def _imported(rows: pd.DataFrame, where: str) -> Iterator[ImportedRun]:
         name: {text: label(text, f"{where}, {name},") for text in rows[name].unique()}
         for name in ("problem", "optimizer")
     }
-    keys = ["problem", "optimizer", "run"]
     counted = "evaluations" in rows
-    order = np.argsort(rows.groupby(keys, sort=False).ngroup().to_numpy(), kind="stable")
-    rows = rows.iloc[order]
-    changes = (rows[keys] != rows[keys].shift()).any(axis=1).to_numpy()
-    starts = np.flatnonzero(changes)
-    ends = np.append(starts[1:], len(rows))
+    rows, runs_of = by_run(rows, ("problem", "optimizer", "run"))
     values = rows["value"].to_numpy(float)
     evaluations = rows["evaluations"].to_numpy(float).astype(np.int64) if counted else np.zeros(len(rows), np.int64)
     seeds = rows["seed"].tolist() if "seed" in rows else [None] * len(rows)
-    heads = zip(*(rows[name].iloc[starts].tolist() for name in keys), strict=True)
-    for (problem, optimizer, number), start, end in zip(heads, starts.tolist(), ends.tolist(), strict=True):
-        columns: dict[str, Any] = {} if seeds[start] is None else {"seed": seeds[start]}
+    for (problem, optimizer, number), run in runs_of:
+        columns: dict[str, Any] = {} if seeds[run.start] is None else {"seed": seeds[run.start]}
         nfev, trace = 0, NO_TRACE
         if counted:
-            require_increasing(evaluations[start:end], range(start + 2, end + 2), where)
-            nfev = int(evaluations[end - 1])
-            trace = improvements(evaluations[start:end], values[start:end])
+            require_increasing(evaluations[run], range(run.start + 2, run.stop + 2), where)
+            nfev = int(evaluations[run.stop - 1])
+            trace = improvements(evaluations[run], values[run])
         else:
-            columns |= {"fun": float(values[start]), "nfev": None}
+            columns |= {"fun": float(values[run.start]), "nfev": None}
         name = labels["problem"][problem]
         yield ImportedRun(name, labels["optimizer"][optimizer], naming.dimension_of(name), nfev, trace, number, columns)
 

@@ -20,7 +20,7 @@ from bench.analysis.cells import NO_TRACE
 from bench.columns import FEATURES, RESERVED, STORED
 from bench.errors import BenchError
 from bench.formats import naming
-from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, require_increasing
+from bench.formats.runs import FormatReader, ImportedRun, Reading, by_run, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.objective import Trace
 
@@ -63,23 +63,16 @@ def _plain(source: Source, file: PurePosixPath) -> Iterator[ImportedRun]:
 
 
 def _traces(table: pd.DataFrame, file: PurePosixPath) -> Iterator[tuple[tuple[str, str, int], int, Trace]]:
-    """Yield problem, optimizer and trial of each run, its last evaluation and its trace, in order of their first rows.
-
-    The rows of all runs are brought together at once: a table may hold as many runs as rows.
-    """
-    runs = table.groupby(KEYS, sort=False).ngroup().to_numpy()
-    rows = table.iloc[np.argsort(runs, kind="stable")]
-    ends = (np.flatnonzero(np.diff(np.sort(runs), append=-1)) + 1).tolist()
-    starts = [0, *ends[:-1]]
-    keys = zip(*(rows[name].iloc[starts].tolist() for name in KEYS), strict=True)
+    """Yield problem, optimizer and trial of each run, its last evaluation and its trace, in order of first rows."""
+    rows, runs = by_run(table, KEYS)
     evaluations, values = (
         rows[name].to_numpy(kind) for name, kind in (("evaluations", np.int64), ("value", np.float64))
     )
     lines = rows["line"].to_numpy()
-    for key, start, end in zip(keys, starts, ends, strict=True):
-        run = slice(start, end)
+    for (problem, optimizer, number), run in runs:
         require_increasing(evaluations[run], lines[run], str(file))
-        yield key, int(evaluations[end - 1]), improvements(evaluations[run], values[run])
+        last = int(evaluations[run.stop - 1])
+        yield (problem, optimizer, number), last, improvements(evaluations[run], values[run])
 
 
 def _read(source: Source, file: PurePosixPath) -> pd.DataFrame:
