@@ -72,7 +72,7 @@ class Drawer:
         for drawings in self._under_way:
             deque(drawings, maxlen=0)  # calls without a process end at once
 
-    def begin(self, figures: Iterable[matplotlib.figure.Figure], *, pdf: bool = True) -> None:
+    def begin(self, figures: Iterable[matplotlib.figure.Figure]) -> None:
         """Have figures drawn by other processes, as far as they can be sent there; their drawing may not change."""
         if self._callers is None:
             return
@@ -80,7 +80,7 @@ class Drawer:
         for figure in figures:
             with suppress(Exception):  # it may hold anything
                 if figure.canvas.manager is None:  # a copy of pyplot's own would open a window
-                    sent.append(_Sent(figure, pdf, pickle.dumps(figure)))
+                    sent.append(_Sent(figure, pickle.dumps(figure)))
         self._sent |= {id(each.figure): each for each in sent}
         self._begin(self._draw, sent)
 
@@ -89,16 +89,16 @@ class Drawer:
         for sent in reversed(self._sent.values()):
             if sent.claimed():
                 with suppress(Exception):  # raised again where the drawing is asked for
-                    sent.drawing = draw(sent.figure, pdf=sent.pdf)
+                    sent.drawing = draw(sent.figure)
                 sent.drawn.set()
 
-    def finish(self, figure: matplotlib.figure.Figure, *, pdf: bool = True) -> Drawing:
+    def finish(self, figure: matplotlib.figure.Figure) -> Drawing:
         """Return the drawing of a figure; raises what matplotlib raises."""
         if sent := self._sent.get(id(figure)):
             sent.drawn.wait()
             if sent.drawing is not None:
                 return sent.drawing
-        return draw(figure, pdf=pdf)
+        return draw(figure)
 
     def _begin(self, function: Callable[[Any], Any], items: Sequence[Any]) -> None:
         """Have calls begin, in threads beside this one also where there is but one other process."""
@@ -108,12 +108,11 @@ class Drawer:
     def _draw(self, sent: _Sent) -> None:
         """Have a figure drawn in another process; where that fails, it is drawn here when it is asked for."""
         assert self._callers is not None
-        call = Call(0, draw_copy, (sent.pickled, sent.pdf), wanted=sent.claimed)
+        call = Call(0, draw_copy, (sent.pickled,), wanted=sent.claimed)
         answer = self._callers.answer(call)[1]
         if answer is not None:
             with suppress(Exception):  # no drawing
-                pdf = base64.b64decode(answer["pdf"]) if sent.pdf else None
-                sent.drawing = Drawing(answer["svg"].encode(), pdf)
+                sent.drawing = Drawing(answer["svg"].encode(), base64.b64decode(answer["pdf"]))
             sent.drawn.set()
 
 
@@ -122,7 +121,6 @@ class _Sent:
     """A figure that other processes may draw."""
 
     figure: matplotlib.figure.Figure
-    pdf: bool
     pickled: bytes
     drawing: Drawing | None = None
     drawn: Event = field(default_factory=Event)
@@ -137,7 +135,7 @@ def ready() -> None:
     """Load this module."""
 
 
-def draw_copy(pickled: bytes, pdf: bool) -> dict[str, str]:
+def draw_copy(pickled: bytes) -> dict[str, str]:
     """Draw a pickled figure; return its drawing as JSON values."""
-    drawing = draw(pickle.loads(pickled), pdf=pdf)
+    drawing = draw(pickle.loads(pickled))
     return {"svg": drawing.svg.decode(), "pdf": base64.b64encode(drawing.pdf or b"").decode()}

@@ -87,12 +87,8 @@ def render(
     title: str,
     lead: str,
     views: list[View],
-    problems: Mapping[str, str] | None = None,
 ) -> str:
-    """Return the page as HTML; the template escapes all text.
-
-    ``problems`` has the anchor of the section on each problem: rows of tables that name a problem link to it.
-    """
+    """Return the page as HTML; the template escapes all text."""
     environment = Environment(
         loader=PackageLoader("bench.report", ""),
         autoescape=True,
@@ -107,7 +103,7 @@ def render(
     scripts.append(_asset("page.js"))
     return environment.get_template("page.html.j2").render(
         title=title, lead=lead, views=views, style=_asset("page.css"), scripts=scripts,
-        hashes=[digest(script) for script in scripts], widest=_widest(views), problems=problems or {},
+        hashes=[digest(script) for script in scripts], widest=_widest(views),
         anchors=_anchors(views),
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from pandas.api.types import is_bool_dtype, is_numeric_dtype
 from bench.report.wording import cell_text, usual_decimals
 
 SHADES = 8  # steps of a table's background
-LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades", "links", "tones")
+LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades", "tones")
 """The attributes of a table that have a row and a column for each of its frame's."""
 
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
@@ -30,7 +30,6 @@ class TableCell:
     mark: str = ""
     lost: bool = False
     shade: int | None = None
-    link: str = ""
     tone: str = ""
 
 
@@ -52,7 +51,6 @@ class Table:
         note: the explanation of the marks, below the table.
         data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
         shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
-        links: addresses that the values link to: texts like ``frame``; likewise.
         tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too; likewise.
         most_rows: rows that the page shows, the first ones; the files have all.
         totals: rows at the end that sum up the others; LaTeX has a rule above them.
@@ -71,7 +69,6 @@ class Table:
     note: str = ""
     data: pd.DataFrame | None = None
     shades: pd.DataFrame | None = None
-    links: pd.DataFrame | None = None
     tones: pd.DataFrame | None = None
     most_rows: int = MOST_ROWS
     totals: int = 0
@@ -98,17 +95,15 @@ class Table:
     def rows(self) -> list[list[TableCell]]:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
-        looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades, self.links, self.tones)
+        looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades, self.tones)
         columns = [
             [
                 TableCell(
                     text or cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
                     shade=None if shade is None or pd.isna(shade) else min(int(shade * SHADES), SHADES - 1),
-                    link=link or "", tone=tone or "",
+                    tone=tone or "",
                 )
-                for label, value, text, bold, italic, mark, lost, shade, link, tone in zip(
-                    self.frame.index, values, *styles, strict=True
-                )
+                for value, text, bold, italic, mark, lost, shade, tone in zip(values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
             for styles in [[self._styles(like_frame, name) for like_frame in looks]]
@@ -223,9 +218,6 @@ class Section:
         lost: a sentence on how many trials failed, shown in red with a sign.
         folded: whether a reader opens this subsection to see more than its title; it is printed only when it is open.
         sections: subsections, one level deep.
-        on_demand: whether this section is printed only when it is open.
-        problem: the label of the problem that a subsection is about; rows of tables that name it link to it.
-        apart: figures that are written as files and listed among them, and not shown on the page.
         files: what the report's folder has besides the files of tables and figures.
         lists_files: whether the list of all files of the report stands at its end.
     """
@@ -238,19 +230,14 @@ class Section:
     sections: tuple[Section, ...] = ()
     lost: str = ""
     folded: bool = False
-    on_demand: bool = False
-    problem: str = ""
-    apart: tuple[Figure, ...] = ()
     files: tuple[File, ...] = ()
     lists_files: bool = False
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
-        _check_texts("section", self.title, self.lost, self.problem, *_sequence(self.text), *_sequence(self.warnings))
+        _check_texts("section", self.title, self.lost, *_sequence(self.text), *_sequence(self.warnings))
         if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
-        if not all(isinstance(figure, Figure) for figure in _sequence(self.apart)):
-            raise TypeError("a section's figures apart must be Figure")
         if not all(isinstance(card, Card) for card in _sequence(self.cards)):
             raise TypeError("a section's cards must be Card")
         if any(not isinstance(section, Section) or section.sections for section in _sequence(self.sections)):
@@ -260,7 +247,7 @@ class Section:
 
     def joined(self, other: Section) -> Section:
         """Return this section with the parts of another one after its own."""
-        several = ("text", "items", "warnings", "cards", "sections", "apart", "files")
+        several = ("text", "items", "warnings", "cards", "sections", "files")
         parts: dict[str, Any] = {name: (*getattr(self, name), *getattr(other, name)) for name in several}
         lost = "\n".join(filter(None, (self.lost, other.lost)))
         return replace(self, lost=lost, lists_files=self.lists_files or other.lists_files, **parts)

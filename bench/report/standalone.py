@@ -26,7 +26,7 @@ def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -
         taken.add(name)
         if isinstance(part, Table):
             return Item(name, [], part)
-        return Item(name, [], part, inline(draw(part.figure).svg.decode(), name, part.caption))
+        return Item(name, [], part, inline(draw(part.figure, pdf=False).svg.decode(), name, part.caption))
 
     def view(section: Section) -> View:
         anchor = free(slug(section.title) or "part", taken)

@@ -22,7 +22,6 @@ from bench.report.parts import Figure, File, Part, Section, Table
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
 TABLES, FIGURES = "tables", "figures"
 ANCHOR = "part"  # of the sections, part.verdict and so on; a figure of this name would have ids like these
-PROBLEM = "problem"  # of the sections on one problem
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,6 @@ class Draft:
         folder: the folder to write into, which exists.
         drawer: draws the figures.
         study: a name that the labels of LaTeX tables begin with.
-        printed: whether the figures of those are written as PDF, too.
         layout: the columns that the LaTeX tables are written for.
         on_step: called before every step.
     """
@@ -59,7 +57,6 @@ class Draft:
         drawer: Drawer,
         *,
         study: str,
-        printed: bool,
         on_step: OnStep,
         layout: Layout = ONE_COLUMN,
     ) -> None:
@@ -67,12 +64,10 @@ class Draft:
         self.drawer = drawer
         self.study = study
         self.layout = layout
-        self.each_printed = printed
         self.views: list[View] = []
         self.files: dict[str, str] = {}
-        self.names = {ANCHOR, PROBLEM}
+        self.names = {ANCHOR}
         self.anchors: set[str] = set()
-        self.problems: dict[str, str] = {}  # the anchor of the section on each problem
         self._on_step = on_step
         self._done = 0
         self._steps = 0
@@ -97,7 +92,7 @@ class Draft:
         listed = file_rows(self.files)
         self.views = [replace(view, files=listed) if view.section.lists_files else view for view in self.views]
         self.step("The page")
-        page = self.save(PAGE, render(title, lead, self.views, self.problems), "This page.")
+        page = self.save(PAGE, render(title, lead, self.views), "This page.")
         self.clean()
         return page
 
@@ -117,12 +112,8 @@ class Draft:
     def begin(self, section: Section) -> None:
         """Have the figures of a section and of its subsections drawn."""
         for part in (section, *section.sections):
-            figures = [item.figure for item in (*part.items, *part.apart) if isinstance(item, Figure)]
-            self.drawer.begin(figures, pdf=self.printed(part))
-
-    def printed(self, section: Section) -> bool:
-        """Whether the figures of a section are also written as PDF: of many problems, only those on all of them are."""
-        return self.each_printed or not section.problem
+            figures = [item.figure for item in part.items if isinstance(item, Figure)]
+            self.drawer.begin(figures)
 
     def anchor(self, kind: str, title: str) -> str:
         """Return the id of a section, which stays the same as long as its title does."""
@@ -163,19 +154,12 @@ class Draft:
 
     def view(self, section: Section, anchor: str) -> View:
         """Return a section with its files written, ready for the page."""
-        printed = self.printed(section)
-        view = View(anchor, section, [self.item(part, printed=printed) for part in section.items], [], [])
-        for figure in section.apart:
-            self.item(figure, printed=printed)
+        view = View(anchor, section, [self.item(part) for part in section.items], [], [])
         for subsection in section.sections:
-            inner = self.anchor(PROBLEM if subsection.problem else anchor, subsection.problem or subsection.title)
-            if subsection.problem:
-                self.step(f"{section.title}: {subsection.title}")
-                self.problems.setdefault(subsection.problem, inner)
-            view.views.append(self.view(subsection, inner))
+            view.views.append(self.view(subsection, self.anchor(anchor, subsection.title)))
         return view
 
-    def item(self, part: Part, *, printed: bool) -> Item:
+    def item(self, part: Part) -> Item:
         """Write the files of a table or figure, and return it for the page."""
         name = free(file_name(part.name), self.names)
         self.names.add(name)
@@ -183,10 +167,10 @@ class Draft:
             files = save_table(part, self.folder, name, layout=self.layout, study=self.study)
             item = Item(name, files, part)
         else:
-            drawing = self.drawer.finish(part.figure, pdf=printed)
+            drawing = self.drawer.finish(part.figure)
             svg, files = save_figure(part, self.folder, name, drawing)
             if isinstance(part.shown, Table):
-                files += self.item(part.shown, printed=printed).files
+                files += self.item(part.shown).files
             item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section

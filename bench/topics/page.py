@@ -57,7 +57,7 @@ def _sections(make: Callable[[Findings], Made], findings: Findings) -> list[Sect
     sections = [] if made is None else [made] if isinstance(made, Section) else list(made)
     if findings.subject:
         for part in (part for section in sections for part in (section, *section.sections)):
-            for item in (*part.items, *part.apart):
+            for item in part.items:
                 if isinstance(item, Figure):
                     style.mark(item.figure, findings.subject)
     return sections

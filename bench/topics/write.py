@@ -94,7 +94,6 @@ def write_report(
                 folder,
                 drawer,
                 study=results.study.name,
-                printed=not findings.trials.many,
                 on_step=on_progress or (lambda *_: None),
                 layout=LAYOUTS[columns],
             )

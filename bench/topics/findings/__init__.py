@@ -22,13 +22,12 @@ from bench.topics.findings.anytime import BEST, Anytime
 from bench.topics.findings.display import CROWD, FEW, Excerpt
 from bench.topics.findings.final import Final
 from bench.topics.findings.selection import selection, versions
-from bench.topics.findings.trials import MANY_PROBLEMS, Trials
+from bench.topics.findings.trials import Trials
 
 __all__ = [
     "BEST",
     "CROWD",
     "FEW",
-    "MANY_PROBLEMS",
     "Anytime",
     "Excerpt",
     "Final",

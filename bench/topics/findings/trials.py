@@ -18,9 +18,6 @@ from bench.results.results import ProblemFacts, StoredResults
 from bench.study.descriptions import repairing
 from bench.topics.findings.replication import Replication, replications
 
-MANY_PROBLEMS = 20
-"""More problems than these are folded away one by one, below what can be said of all."""
-
 
 @dataclass(frozen=True)
 class Trials(Compared):
@@ -92,11 +89,6 @@ class Trials(Compared):
     def measured_traces(self) -> analysis.Traces:
         """The traces with such values."""
         return ShiftedTraces(self.traces, self.shifts) if self.shifts else self.traces
-
-    @property
-    def many(self) -> bool:
-        """Whether there are too many problems to look at each."""
-        return len(self.problems) > MANY_PROBLEMS
 
     @cached_property
     def optimizers(self) -> list[str]:

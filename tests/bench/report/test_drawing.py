@@ -36,9 +36,9 @@ def drawn_here(monkeypatch):
     """Return the figures that this process draws."""
     drawn = []
 
-    def recorded(figure, *, pdf):
+    def recorded(figure):
         drawn.append(figure)
-        return draw(figure, pdf=pdf)
+        return draw(figure)
 
     monkeypatch.setattr("bench.report.drawing.draw", recorded)
     return drawn
@@ -116,7 +116,7 @@ def test_a_figure_that_cannot_be_drawn_raises_where_its_drawing_is_asked_for(els
 
 
 def test_a_drawing_is_sent_as_json():
-    answer = draw_copy(pickle.dumps(figure()), True)
+    answer = draw_copy(pickle.dumps(figure()))
     assert answer.keys() == {"svg", "pdf"}
     assert answer["svg"].encode() == draw(figure()).svg
 
@@ -134,8 +134,5 @@ def test_many_points_are_drawn_as_the_same_image(elsewhere):
     assert elsewhere.finish(made) == draw(cloud())
 
 
-def test_a_figure_is_drawn_without_a_pdf_on_request(elsewhere):
-    made = figure()
-    elsewhere.begin([made], pdf=False)
-    assert elsewhere.finish(made, pdf=False) == draw(figure(), pdf=False)
+def test_a_figure_is_drawn_without_a_pdf_on_request():
     assert draw(figure(), pdf=False) == (draw(figure()).svg, None)

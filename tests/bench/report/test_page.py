@@ -160,13 +160,6 @@ class TestTable:
         assert "<summary>Files of Figure 1</summary>" in page
         assert "<table" not in page
 
-    def test_rows_that_name_a_problem_link_to_it(self, view):
-        frame = pd.DataFrame({"a": ["p", "q"]}, index=pd.Index(["p", "q"], name="problem"))
-        views = [view("v", Section("S", items=(table(frame),))), view("problem.p", Section("p"))]
-        page = render("", "", views, {"p": "problem.p"})
-        assert page.count('<a href="#problem.p">p</a>') == 1
-        assert '<th scope="row"><a href="#problem.p">p</a></th><td>p</td>' in page
-
     def test_shades_are_classes_of_cells(self, view):
         frame = pd.DataFrame({"x": ["1", "3"], "y": ["2", ""]}, index=pd.Index(["p", "q"], name="problem"))
         shades = pd.DataFrame({"x": [0.0, 1.0], "y": [0.5, np.nan]}, index=frame.index)

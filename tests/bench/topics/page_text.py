@@ -11,7 +11,6 @@ from bench.topics.trust import section as trust
 from bench.topics.write import lead
 
 PAGES = Path(__file__).parent / "pages"
-PROBLEMS = 2  # that are shown one by one
 MOST = 40  # lines of a difference that a failure shows
 
 # Simulated rates may move by a digit with another version of NumPy or SciPy, hashes with a layout of the store.
@@ -47,8 +46,7 @@ def answer_text(findings):
 
 
 def section_lines(section, level="##"):
-    notes = [name for name in ("folded", "on_demand") if getattr(section, name)]
-    lines = ["", f"{level} {section.title}{' [' * bool(notes)}{', '.join(notes)}{']' * bool(notes)}", ""]
+    lines = ["", f"{level} {section.title}{' [folded]' * section.folded}", ""]
     lines += [f"lost: {section.lost}"] if section.lost else []
     lines += [f"warning: {each}" for each in section.warnings]
     for card in section.cards:
@@ -57,11 +55,8 @@ def section_lines(section, level="##"):
     lines += section.text
     for item in section.items:
         lines += table_lines(item) if isinstance(item, Table) else ["", f"Figure {item.name}: {item.caption}"]
-    lines += ["", "Figures apart: " + ", ".join(figure.name for figure in section.apart)] if section.apart else []
-    problems = [each for each in section.sections if each.problem]
     for each in section.sections:
-        if each not in problems[PROBLEMS:]:
-            lines += section_lines(each, "###")
+        lines += section_lines(each, "###")
     return lines
 
 
