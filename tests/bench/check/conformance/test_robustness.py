@@ -11,7 +11,7 @@ FAULTS = [
     (faulty.Stubborn, "budget", "2 more times after the budget of 1 was spent", "let BudgetExhausted pass"),
     (faulty.Rounding, "budget", "without a single evaluation of a budget of 1", "below one generation"),
     (
-        faulty.Crowded,
+        faulty.Surplus,
         "budget",
         "its first generation has 7 points, one more than its population of 6",
         "as many points",
