@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from bench.analysis import timing
 from bench.analysis.comparison import compare, wins_all
 from bench.analysis.ert_ratio import ert_ratios
+from bench.analysis.pairwise import seen_from
 from bench.topics.conditions.differing import Differing, differing
 from bench.topics.findings import Findings
 
@@ -86,12 +86,10 @@ def facts(findings: Findings) -> Facts:
 def on_problems(findings: Findings) -> pd.DataFrame:
     """Return the outcome of the chosen optimizer on each problem, problems by rivals, by tests within the problem."""
     known = findings.of(facts)
-    pairs = findings.final.on_problems
-    own = pairs[(pairs["first"] == known.chosen) | (pairs["second"] == known.chosen)]
-    own = own[own["problem"].isin(known.problems)].astype({"first": object, "second": object, "lower": object})
-    rival = own["second"].where(own["first"] == known.chosen, own["first"])
+    pairs = findings.final.on_problems.astype({"first": object, "second": object, "lower": object})
+    own = seen_from(pairs[pairs["problem"].isin(known.problems)], known.chosen)
     outcome = own["lower"].map(lambda lower: "better" if lower == known.chosen else "worse" if lower else "open")
-    wide = own.assign(rival=rival, outcome=outcome).pivot(index="problem", columns="rival", values="outcome")
+    wide = own.assign(outcome=outcome).pivot(index="problem", columns="second", values="outcome")
     return wide.reindex(columns=list(known.rivals["rival"]))
 
 
@@ -120,5 +118,5 @@ def ratios(findings: Findings) -> pd.DataFrame:
 
 def own_seconds(findings: Findings) -> pd.Series[float]:
     """Return the seconds that a run of each optimizer takes besides those of the problem, where they are known."""
-    table = timing(findings.trials.whole).set_index("optimizer")
+    table = findings.trials.timing.set_index("optimizer")
     return (table["wall_mean"] - table["objective_mean"]).dropna().clip(lower=0.0)

@@ -6,7 +6,6 @@ from typing import Any
 
 import pandas as pd
 
-from bench import analysis
 from bench.report.parts import Section, Table
 from bench.topics.cost import words
 from bench.topics.findings import Findings
@@ -23,7 +22,7 @@ COLUMNS = {
 
 def section(findings: Findings) -> Section | None:
     """Return the table of evaluations and times; None where no time of a finished trial is known."""
-    timing = analysis.timing(findings.trials.whole)
+    timing = findings.trials.timing
     known = timing[timing["wall_median"].notna()].sort_values("wall_median", kind="stable")
     if known.empty:
         return None

@@ -103,6 +103,16 @@ class Trials(Compared):
         return analysis.coverage(self.whole, {(p, o): planned(o, members[p]) for p, o in cells})
 
     @cached_property
+    def timing(self) -> pd.DataFrame:
+        """The evaluations and times of the finished trials of each optimizer."""
+        return analysis.timing(self.whole)
+
+    @cached_property
+    def feasible(self) -> pd.DataFrame:
+        """The share of trials that found a feasible point on the problems with constraints, and when they did."""
+        return analysis.feasibility(self.frame, self.traces, self.constrained)
+
+    @cached_property
     def known(self) -> dict[str, ProblemFacts]:
         """The optimum, bounds and expected values of each problem, as far as they are known."""
         members = self.pooled.members

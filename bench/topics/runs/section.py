@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bench.analysis import feasibility
 from bench.report.parts import Section
 from bench.topics.findings import Findings
 from bench.topics.runs import words
@@ -29,7 +28,7 @@ def _text(findings: Findings) -> list[str]:
     empty = trials.coverage[trials.coverage["stored"] == 0]
     if gaps := empty.loc[empty["problem"].isin(trials.problems), "problem"].nunique():
         text.append(words.gaps(gaps))
-    cells = feasibility(trials.frame, trials.traces, trials.constrained)
+    cells = trials.feasible
     if len(cells) and (lost := int((cells["trials"] - cells["feasible"]).sum())):
         text.append(words.infeasible(lost, int(cells["trials"].sum()), findings.study.constraints))
     return text

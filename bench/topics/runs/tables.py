@@ -74,8 +74,7 @@ def files(findings: Findings) -> tuple[File, ...]:
         ),
         File("tables/ranking.csv", "The order of the optimizers over all problems.", final.order),
     ]
-    feasible = analysis.feasibility(findings.trials.frame, findings.trials.traces, findings.trials.constrained)
-    if len(feasible):
+    if len(feasible := findings.trials.feasible):
         about = "The share of runs that found a feasible point, and when they did."
         every.append(File("tables/feasibility.csv", about, feasible))
     return tuple(every)

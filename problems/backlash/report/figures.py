@@ -13,7 +13,6 @@ import seaborn
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from bench import analysis
 from bench.plots import style, timing
 from bench.report import Figure
 from bench.topics import Findings
@@ -37,7 +36,7 @@ def drawn(findings: Findings, found: dict[str, pd.DataFrame]) -> list[Figure]:
         figures.append(figure_7_3({name: data for name, data in truths.items() if len(data)}, shown))
     if "amplitude_rpm" in found:
         figures.append(figure_7_4(found["amplitude_rpm"], shown))
-    times = analysis.timing(findings.trials.whole)
+    times = findings.trials.timing
     times = times[times["wall_mean"].notna() & times["optimizer"].isin(shown)]
     return [*figures, figure_7_5(times)] if len(times) else figures
 
