@@ -3,7 +3,6 @@
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +12,8 @@ from bench.errors import PointError
 from bench.execution.side_by_side import evaluated
 from bench.execution.verify import verify
 from bench.scoring import scored
+from tests.problems.simulators import BOX, SIMULATORS, X
 
-SIMULATORS = Path(__file__).parents[2] / "examples" / "simulator"
-BOX = {
-    "variables": ["height", "width", "ribs"], "lower": [50, 20, 1], "upper": [200, 100, 8],
-    "integer": [False, False, True],
-}  # fmt: skip
-X = np.array([[120.5, 40.25, 3.0], [60.0, 20.0, 1.0], [200.0, 100.0, 8.0]])
 COUNTED = """
 import json, sys
 print(json.dumps({"protocol": 1, "lower": [0, 0], "upper": [4, 4], "violations": 1}), flush=True)
