@@ -35,7 +35,6 @@ from bench.analysis.anytime import (
     success_rates,
 )
 from bench.analysis.cells import Budgets, Traces, coverage, in_study_order, labels, regret, scores, summarise, timing
-from bench.analysis.compare import comparison_matrix, medians, table
 from bench.analysis.comparison import chances, compare, order, wins_all, within_problems
 from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
@@ -43,6 +42,7 @@ from bench.analysis.feasibility import feasibility
 from bench.analysis.input import guarded
 from bench.analysis.instances import Pooled, pool_instances
 from bench.analysis.integrity import integrity
+from bench.analysis.matrix import comparison_matrix, medians, table
 from bench.analysis.pairwise import effect_size, holm, pairwise_tests
 from bench.analysis.power import detectable_a12, trials_to_separate
 from bench.analysis.target_sets import aocc, target_table, targets

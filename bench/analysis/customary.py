@@ -12,8 +12,8 @@ import pandas as pd
 from scipy.stats import friedmanchisquare, mannwhitneyu, wilcoxon
 
 from bench.analysis.cells import cells, labels, summarise
-from bench.analysis.compare import medians
 from bench.analysis.direction import ALPHA
+from bench.analysis.matrix import medians
 from bench.analysis.pairwise import holm
 from bench.typing import Floats
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.compare import table as table_of
+from bench.analysis.matrix import table as table_of
 from bench.analysis.running_time import separably_fastest
 from bench.plots import ert, style
 from bench.report.parts import Figure, File, Table

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from bench.analysis.compare import table
+from bench.analysis.matrix import table
 from bench.topics.findings import Final
 
 FIRST, NEAR = "1", "≈"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.compare import table
+from bench.analysis.matrix import table
 from bench.analysis.pairwise import seen_from
 from bench.report.parts import File, Table
 from bench.report.wording import row_texts

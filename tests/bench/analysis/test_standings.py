@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from bench.analysis.cells import summarise
-from bench.analysis.compare import comparison_matrix, table
 from bench.analysis.comparison import chances
+from bench.analysis.matrix import comparison_matrix, table
 from bench.analysis.pairwise import pairwise_tests
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
