@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping
-from functools import cache
 from inspect import signature
+from itertools import count as numbers
 from os import PathLike
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.runner import Outcome, run
-from bench.helpers.text import count, listed, short_hash
+from bench.helpers.text import count, listed
 from bench.notebook import Results
 from bench.plugins import objects
 from bench.plugins.objects import OptimizerLike, ProblemLike
+from bench.storage.folder import Folder, default_path
 from bench.study import Study
 from bench.trial import UNASKED
 
@@ -32,7 +32,7 @@ def compare(
     optimizers: OptimizerLike | Table | Iterable[OptimizerLike | Table],
     *,
     trials: int = 15,
-    budget: int | str | Mapping[str, int] = "100 * d",
+    budget: int | str | Mapping[str, int] = "1000 * d",
     seed: int = 0,
     output: str | PathLike[str] | None = None,
     n_jobs: int = -1,
@@ -40,8 +40,8 @@ def compare(
 ) -> Results:
     """Run optimizers on problems and return the results, which a notebook shows as a verdict with its table.
 
-    The same call again makes the trials that are missing and no others. Functions and classes may have changed
-    meanwhile: trials of other code or data are other ones.
+    The same call again makes the trials that are missing and no others. A function or a class that has changed
+    meanwhile gets new trials, as the next version.
 
     Example:
         >>> valley = bench.FunctionProblem(lambda x: (x[0] - 1) ** 2 + 100 * (x[1] - x[0] ** 2) ** 2, [-2] * 2, [2] * 2)
@@ -55,8 +55,8 @@ def compare(
         trials: runs of each optimizer on each problem.
         budget: evaluations that a run may spend.
         seed: from which the seeds of all trials derive.
-        output: the folder to write; by default a temporary one, which is kept while this session runs and by
-            :meth:`bench.Results.save`.
+        output: the folder to write; by default ``results/runs/comparison``, or ``comparison-2`` and so on where that
+            has another comparison.
         n_jobs: trials made at a time; -1 takes every core.
         study: further keys of a study, such as ``constraints``, and further arguments of :func:`bench.run`, such as
             ``timeout``.
@@ -72,8 +72,7 @@ def compare(
         "problems": _listed(problems), "optimizers": _listed(optimizers),
     }  # fmt: skip
     chosen = Study.from_dict(content | study, "to compare")
-    folder = _temporary(chosen) if output is None else Path(output)
-    outcome = run(chosen, folder, n_jobs=n_jobs, **settings)  # type: ignore[arg-type]
+    outcome = run(chosen, _place(chosen) if output is None else output, n_jobs=n_jobs, **settings)  # type: ignore[arg-type]
     results = Results(outcome.folder)
     _report_losses(outcome, results)
     return results
@@ -91,16 +90,11 @@ def _listed(given: Any) -> list[Any]:
     return list(given)
 
 
-def _temporary(study: Study) -> Path:
-    """Return the folder of this session for a study of these objects, so that the same call continues it."""
-    optimizers, problems = ([entry.name for entry in every] for every in (study.optimizers, study.problems))
-    held = {key: each.digest for key, each in objects.among(optimizers, problems).items()}
-    return Path(_place().name, short_hash(repr([study.identity(), held])), study.name)
-
-
-@cache
-def _place() -> TemporaryDirectory[str]:
-    return TemporaryDirectory(prefix="bench-", ignore_cleanup_errors=True)  # removed when the session ends
+def _place(study: Study) -> Path:
+    """Return the folder under ``results/runs`` that has this study already, else the next one that is free."""
+    first = default_path(study)
+    folders = (first.with_name(f"{first.name}-{number}" if number > 1 else first.name) for number in numbers(1))
+    return next(folder for folder in folders if Folder(folder).store.held().study in ("", study.identity()))
 
 
 def _report_losses(outcome: Outcome, results: Results) -> None:

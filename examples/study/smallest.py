@@ -6,7 +6,7 @@ import bench
 study = bench.Study.from_dict(
     {
         "name": "smallest",
-        "trials": 5,
+        "trials": 15,
         "budget": 6000,
         "problems": [{"names": ["classical-rosenbrock-d5-i1", "engineering-spring"]}],
         "optimizers": [{"name": "gwo", "agents": 50}, {"name": "cma-es"}],

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -110,19 +111,16 @@ def test_a_session_that_has_the_objects_can_verify_and_one_that_has_not_says_wha
     assert read.report(place.parent / "page").name == "report.html"  # without any object
 
 
-def test_without_an_output_the_folder_is_kept_for_the_session_and_by_saving_it(tmp_path):
-    first = compare(valley(), draw, trials=1, budget=4, n_jobs=1, verify=False)
+def test_without_an_output_the_same_comparison_goes_on_and_another_gets_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = {"budget": 4, "n_jobs": 1, "verify": False}
     made = []
-    again = compare(
-        valley(),
-        draw,
-        trials=2,
-        budget=4,
-        n_jobs=1,
-        verify=False,
-        on_trial=lambda trial, row: made.append(trial.number),
-    )
-    assert first.paths == again.paths
+    first = compare(valley(), draw, trials=1, **settings)
+    again = compare(valley(), draw, trials=2, on_trial=lambda trial, row: made.append(trial.number), **settings)
+    other = compare(valley(), Halving, trials=1, **settings)
+    assert [each.paths for each in (first, again, other)] == [
+        [Path("results/runs") / name] for name in ("comparison", "comparison", "comparison-2")
+    ]
     assert made == [1]
     kept = again.save(tmp_path / "kept")
     assert stored(Results(kept)).equals(stored(again))
@@ -171,7 +169,8 @@ def fails(objective, rng):
     ],
 )
 @pytest.mark.sampled(2)
-def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence):
+def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(BenchError) as caught:
         compare(problems, optimizers, **{"trials": 1, "budget": 3, "n_jobs": 1, "verify": False} | settings)
     assert sentence in str(caught.value)

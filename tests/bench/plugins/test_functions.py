@@ -161,7 +161,8 @@ def test_its_further_arguments_are_parameters_and_studies_take_it_from_files(sph
     file.write_text("import random\nimport numpy as np\n\n" + inspect.getsource(Called))
     loaded = load_optimizer(f"{file}:Called", scale=0.5)
     assert settings(loaded) == {"scale": 0.5}
-    frame = compare(sphere, {"object": Called, "file": f"{file}:Called"}, trials=2, budget=20, n_jobs=1).frame
+    both = {"object": Called, "file": f"{file}:Called"}
+    frame = compare(sphere, both, trials=2, budget=20, n_jobs=1, output=tmp_path / "compared").frame
     assert frame["status"].tolist() == ["ok"] * 4
 
 
