@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import subprocess
-import unicodedata
 from dataclasses import replace
 
 import numpy as np
@@ -25,8 +24,6 @@ HOSTILE = [
     "", " ", "x" * 500, "Łódź Çelik Ægir ŠKODA naïve ő ů ḥ ḇ ﬁ Ω R² 10⁻⁵ x₁ → ≠ ½ “q” ‘s’ … € °", "%\n\\end{table}",
 ]  # fmt: skip
 
-
-PAGE = LAYOUTS[1].page
 
 needs_pdflatex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 
@@ -105,10 +102,6 @@ class TestEscape:
         bare = re.sub(r"\\(text\w+\{\}|`\{\}|[&%$#_{}])|-\{\}", "", escape(text))
         assert not re.search(r"[&%$#_{}~^\\<>\n]", bare)
 
-    @given(st.text())
-    def test_composed_and_decomposed_letters_are_the_same(self, text):
-        assert escape(unicodedata.normalize("NFD", text)) == escape(unicodedata.normalize("NFC", text))
-
 
 class TestToLatex:
     def test_a_normal_table(self):
@@ -142,11 +135,6 @@ class TestToLatex:
         assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 100
         assert text.count("Italics: an exact test") == 1
 
-    def test_a_text_of_two_columns_is_named(self):
-        text = to_latex(comparison(150, 4), "t", LAYOUTS[2])
-        assert text.splitlines()[1] == f"% fits {LAYOUTS[2].document}"
-        assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 150
-
     def test_a_table_wider_than_a_column_spans_both(self):
         assert r"\begin{table*}" in to_latex(comparison(10, 9), "t", LAYOUTS[2])
         assert r"\begin{table}" in to_latex(comparison(10, 3), "t", LAYOUTS[2])
@@ -154,16 +142,6 @@ class TestToLatex:
     def test_sentences_have_powers_boxes_and_names_that_may_break(self):
         assert prose("from 1e-08 in [-5, 5]^d") == "from 10$^{-8}$ in [$-$5, 5]$^d$"
         assert prose("rde.py:RestartDE, 0.5") == r"rde.\allowbreak{}py:\allowbreak{}RestartDE, 0.5"
-
-    @pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
-    def test_columns_stand_apart_whatever_the_class_sets_between_them(self, layout):
-        text = to_latex(comparison(3, 2), "t", layout)
-        assert "\\setlength{\\tabcolsep}{4pt}\n" in text
-
-    def test_a_long_note_takes_the_place_of_rows(self):
-        table = comparison(30, 5)
-        assert to_latex(table, "t").count(r"\begin{table}") == 1
-        assert to_latex(replace(table, note="A word. " * 150), "t").count(r"\begin{table}") == 2
 
     def test_a_value_of_the_first_column_is_shown_once(self):
         index = pd.MultiIndex.from_product([["f1", "f2"], ["a", "b"]], names=["function", "optimizer"])
@@ -193,24 +171,6 @@ class TestToLatex:
         assert [len(each) for each in values] == [4] * len(blocks)
         assert text.count(r"\label{") == 1
 
-    def test_no_part_has_more_columns_than_the_text_is_wide(self):
-        for layout in LAYOUTS.values():
-            for text in to_latex(comparison(24, 96), "t", layout).split(r"\begin{tabular}")[1:]:
-                header = re.search(r"^problem & .*$", text, re.MULTILINE)[0]
-                assert len(header.removesuffix(r" \\")) <= 1.2 * layout.line
-
-    def test_only_a_table_wider_than_the_page_spans_two_columns(self):
-        assert r"\begin{table}[htbp]" in to_latex(comparison(), "t")
-        text = to_latex(comparison(optimizers=9), "t")
-        assert r"\begin{table*}[htbp]" in text
-        assert r"\end{table*}" in text
-
-    def test_every_part_has_the_header_and_no_row_is_lost(self):
-        text = to_latex(comparison(PAGE + 1, 2), "t")
-        assert text.count(r"problem & cma-es & alo \\") == 2
-        assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == PAGE + 1
-        assert text.count(r"\label{") == 1
-
     def test_numbers_are_set_as_such_also_in_texts_but_not_in_labels(self):
         frame = pd.DataFrame({"x": [-1.5e-7, 2e30], "n": [-3, 4], "word": ["-1e-05 to 0.00e+00", "x=1e-5"]})
         bold = pd.DataFrame({"x": [True, False], "n": [True, False]})
@@ -222,10 +182,6 @@ class TestToLatex:
         lines = to_latex(Table("t", "c", pd.DataFrame({"[x": ["[1]", "*", "y"]})), "t").splitlines()
         assert r"{}[x \\" in lines
         assert [line for line in lines if line.endswith(r" \\")][1:] == [r"{}[1] \\", r"{}* \\", r"y \\"]
-
-    @pytest.mark.parametrize("label", HOSTILE)
-    def test_a_label_is_safe(self, label):
-        assert re.search(r"\\label\{tab:[A-Za-z0-9.:_-]*\}", to_latex(comparison(1, 1), label))
 
 
 @needs_pdflatex
@@ -265,13 +221,6 @@ class TestCompiled:
                 log = compiled(tmp_path, text, text.partition("\n")[0].removeprefix("% needs "), options)
                 assert max(overfull(log), default=0) < 2
 
-    @pytest.mark.parametrize("options", ["", "twocolumn"])
-    def test_long_tables_wider_than_the_page_fit(self, options, tmp_path):
-        tables = [to_latex(comparison(*shape), f"t{shape[0]}") for shape in ((120, 9), (90, 20))]
-        log = compiled(tmp_path, "\n".join(tables), r"\usepackage{booktabs,graphicx}", options)
-        assert max(overfull(log), default=0) < 2
-        assert "Float too large" not in log
-
     @pytest.mark.slow
     @pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
     def test_tables_of_every_shape_fit_the_class_of_a_layout(self, layout, tmp_path):
@@ -292,11 +241,6 @@ class TestCompiled:
         )
         assert "Float too large" not in log
         assert max(overfull(log), default=0) < 4
-
-    @pytest.mark.skipif(shutil.which("lualatex") is None, reason="lualatex is not installed")
-    def test_lualatex_takes_them_too(self, tmp_path):
-        text = to_latex(Table("t", "Łódź ≤ α", pd.DataFrame({"x": HOSTILE})), "t")
-        assert "Missing character" not in compiled(tmp_path, text, engine="lualatex")
 
     @pytest.mark.slow
     def test_all_tables_and_the_methods_of_a_report(self, small_study, tmp_path):

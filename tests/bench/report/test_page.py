@@ -75,12 +75,6 @@ class TestPage:
         assert {"figures/a b#.pdf .svg", "report.html"} <= set(document.texts("th", scope="row"))
         assert {"A figure.", "this page"} <= set(document.texts("td"))
 
-    def test_a_page_of_nothing(self, read):
-        assert read(render("Nothing", "", [])).texts("h1") == ["Nothing"]
-
-    def test_the_same_views_give_the_same_page(self, page, views):
-        assert render("A <report>", "Five optimizers & more.", views) == page
-
     def test_hostile_text_is_only_text(self, read, view):
         frame = pd.DataFrame({HOSTILE: [HOSTILE]}, index=pd.Index([HOSTILE], name=HOSTILE))
         part = Table("t", HOSTILE, frame, marks=pd.DataFrame({HOSTILE: [HOSTILE]}, index=frame.index), note=HOSTILE)
@@ -114,25 +108,6 @@ class TestTable:
         assert page.count("--lost: #") == 2
         assert '.lost::before { content: "✗ "; content: "✗ " / "failed: "; }' in page
 
-    def test_columns_are_classed_once(self):
-        frame = pd.DataFrame(
-            {"n": [1.0], "short": ["a"], "long": ["a" * 40], "m": [2]}, index=pd.Index(["p"], name="i")
-        )
-        assert grid(table(frame)).classes == "t1 t3 w4"
-        assert grid(table(frame[["n"]].reset_index(drop=True))).classes == ""
-
-    def test_a_row_with_a_verdict_is_a_block_on_a_narrow_screen(self, view):
-        frame = pd.DataFrame({"verdict": ["early"], "n": [1]}, index=pd.Index(["p"], name="i"))
-        verdicts = Table("t", "c", frame, tones=pd.DataFrame({"verdict": ["warn"]}, index=frame.index))
-        page = render("t", "", [view("v", Section("s", items=(verdicts,)))])
-        assert '<td data-title="verdict" class="warn">early</td><td data-title="n">1</td>' in page
-        narrow = page.partition("(max-width: 40rem) { /* a row is a block")[2].partition("\n}")[0]
-        assert ".blocks td::before { content: attr(data-title)" in narrow
-
-    def test_the_classes_of_the_widest_table_have_rules(self, page):
-        assert ".t14 tr > :nth-child(14)" in page
-        assert ".t15" not in page
-
     def test_a_long_table_is_cut_and_says_so(self, page, document):
         assert "The first 400 of 1,234 rows are shown; the other 834 are in figures/long.csv." in document.texts(
             "p", **{"class": "note"}
@@ -147,18 +122,9 @@ class TestTable:
             (True, False, "0"), (False, False, "1"), (False, True, "2")
         ]  # fmt: skip
 
-    def test_a_table_of_just_the_most_rows_is_whole(self):
-        assert len(grid(table(pd.DataFrame({"a": np.arange(MOST_ROWS)}))).rows) == MOST_ROWS
-
     @pytest.mark.parametrize("frame", [pd.DataFrame(), pd.DataFrame({"a": []}), pd.DataFrame(index=[1, 2])])
     def test_an_empty_table_is_a_table(self, read, frame, view):
         read(render("", "", [view("v", Section("S", items=(table(frame),)))]))
-
-    def test_a_figure_without_data_has_no_table(self, view):
-        figure = Figure("f", "Empty.", None, pd.DataFrame({"a": []}))
-        page = render("", "", [view("v", Section("S", items=(figure,)))])
-        assert "<summary>Files of Figure 1</summary>" in page
-        assert "<table" not in page
 
     def test_shades_are_classes_of_cells(self, view):
         frame = pd.DataFrame({"x": ["1", "3"], "y": ["2", ""]}, index=pd.Index(["p", "q"], name="problem"))
@@ -185,10 +151,6 @@ class TestFolded:
         assert page.index("<summary><h3") < page.index('<section id="top-1">') < page.index("About one.")
         assert '<section id="top" class="part"' in page
         assert '<section id="first" class="opening"' in page
-
-    def test_without_one_nothing_is_said_of_it(self, page):
-        assert '<details class="folded"' not in page
-        assert "Open a section below" not in page
 
 
 def test_a_file_in_several_formats_has_one_row():
@@ -230,12 +192,6 @@ class TestInline:
         for svg, own in zip(svgs, ids, strict=True):
             assert set(re.findall(r'(?:href="|url\()#([^")]+)', svg)) <= own
 
-    def test_the_texts_and_shapes_are_all_there(self, drawn):
-        before, after = ElementTree.fromstring(drawn), ElementTree.fromstring(inline(drawn, "name", ""))
-        for tag in ("path", "use", "text", "rect", "clipPath", "pattern"):
-            assert len(list(after.iter(tag))) == len(list(before.iter(f"{{http://www.w3.org/2000/svg}}{tag}"))), tag
-        assert "a label" in [each.text for each in after.iter("text")]
-
     def test_by_hand(self):
         svg = (
             '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="72pt" viewBox="0 0 72 72">'
@@ -249,9 +205,3 @@ class TestInline:
             '<use href="#{n}.m" x="1.23" style="fill: var(--page); stroke: #123456"/><g clip-path="url(#{n}.m)"/>'
             '<text x="1.2"> #000000 id="m" 1.2345</text></svg>'.replace("{n}", OWN)
         )
-
-    def test_the_figures_of_a_page_have_their_own_ids(self, page):
-        svgs = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
-        ids = [each for svg in svgs for each in re.findall(r' id="([^"]+)"', svg)]
-        assert len({each.partition(".")[0] for each in ids}) > 1
-        assert len(ids) == len(set(ids))

@@ -6,14 +6,12 @@ import pytest
 
 from bench.report.wording import (
     cell_text,
-    clause,
     count,
     leaders,
     listing,
     row_texts,
     seconds,
     unfinished_trials,
-    usual_decimals,
 )
 
 
@@ -27,14 +25,6 @@ from bench.report.wording import (
 )  # fmt: skip
 def test_cells(value, decimals, text):
     assert cell_text(value, decimals) == text
-
-
-@pytest.mark.parametrize(
-    ("values", "decimals"),
-    [([2.5, 27.4], 2), ([0.5], 4), ([1e-9, 1.0], None), ([1e6], None), ([], None), ([123.0], 1)],
-)
-def test_decimals_show_four_digits_unless_values_span_too_much(values, decimals):
-    assert usual_decimals(values) == decimals
 
 
 @pytest.mark.parametrize(
@@ -87,29 +77,3 @@ def test_unfinished_trials():
     frame = pd.DataFrame({"optimizer": ["b", "a", "b", "a"], "status": ["failed", "ok", "timeout", "failed"]})
     assert unfinished_trials(frame[1:2]) == ""
     assert unfinished_trials(frame) == "3 of 4 trials did not finish (2 failed and 1 timed out): 2 of b and 1 of a."
-
-
-@pytest.mark.parametrize(
-    ("text", "first"),
-    [
-        (
-            "Boundary clamping: Final coordinates on a bound of the box: cma-es 5.03% (t0 25.2%). The optimum may …",
-            "Boundary clamping: Final coordinates on a bound of the box",
-        ),
-        (
-            "Contention: Trials waited (median wall time above 1.2 times CPU time); wall/CPU: gwo 2.9.",
-            "Contention: Trials waited (median wall time above 1.2 times CPU time)",
-        ),
-        (
-            "Ceiling: 420 of 2,700 trials hit a ceiling, in cma-es on 14 problems. Fewer than 50% of …",
-            "Ceiling: 420 of 2,700 trials hit a ceiling, in cma-es on 14 problems",
-        ),
-        (
-            "The folder has no record of the machine that ran it.",
-            "The folder has no record of the machine that ran it.",
-        ),
-        ("Few trials.", "Few trials."),
-    ],
-)
-def test_a_warning_ends_where_its_first_clause_does(text, first):
-    assert clause(text) == first

@@ -10,7 +10,7 @@ import pytest
 from bench.plots import style
 from bench.report import Figure, Table
 from bench.report.page import inline
-from bench.report.write import contents, save_figure, save_table
+from bench.report.write import save_figure, save_table
 from tests.bench.names import HOSTILE
 
 
@@ -19,16 +19,6 @@ def test_csv_has_full_precision(tmp_path):
     paths = save_table(Table("t", "c", frame, decimals=1), tmp_path, "t")
     lines = (tmp_path / paths[0]).read_text().split()
     assert [float(line) for line in lines[1:]] == frame["x"].tolist()
-
-
-def test_the_list_of_files_has_a_line_for_each_table_in_all_its_formats():
-    listed = contents("A study", {"tables/a.csv": "A.", "tables/a.tex": "A.", "methods.md": "The methods."})
-    assert "| `tables/a` | csv, tex | A. |\n" in listed
-    assert "| `methods` | md | The methods. |\n" in listed
-
-
-def test_an_empty_table(tmp_path):
-    save_table(Table("t", "c", pd.DataFrame({"x": []})), tmp_path, "t")
 
 
 def test_tables_of_one_name_have_other_labels_in_other_studies(tmp_path):
