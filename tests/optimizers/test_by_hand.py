@@ -426,37 +426,26 @@ def test_da_steps_are_clamped_to_a_tenth_of_the_box_and_positions_to_the_box():
     assert x[1, 0] == -10
 
 
-def test_da_radius_and_weights_follow_their_schedules_and_food_and_enemy_their_rules(monkeypatch):
-    calls = []
-
-    def spy(x, v, food, enemy, r, weights, lower, upper, uniforms, normals):
-        calls.append([a.copy() for a in (x, v, food, enemy, r, weights)])
-        x[:] = moves[len(calls) - 1]
-        v += 1
-
-    moves = [np.array([[3.0, 10.0, -6.0]]), np.array([[7.0, 5.0, -4.0]]), np.array([[0.0, 0.0, 0.0]])]
-    monkeypatch.setattr("optimizers.da.fly", spy)
-    draws = [[[0.25], [0.5], [1.0]]]  # the first steps, in the box
-    for scalars in ([0.3, 0.6, 0.9], [0.1, 0.2, 0.4], [0.5, 0.5, 0.5]):
-        draws += [scalars, 0.7, np.zeros((3, 1, 3))]
-    rng = Dealt(random=draws, standard_normal=[np.zeros((3, 1, 2))] * 3)
+def test_da_radius_and_weights_follow_their_schedules_and_food_and_enemy_their_rules():
+    # Each generation is the flight that the tests above follow, with the radius and the weights that the paper and DA.m
+    # give it. One dragonfly is on the bound, where no enemy is; T = 4, the box is +-10.
+    uniforms = np.linspace(0.1, 0.9, 9).reshape(3, 1, 3)
+    normals = np.linspace(-2, 3, 6).reshape(3, 1, 2)
+    scalars = [[0.3, 0.6, 0.9], [0.1, 0.2, 0.4], [0.5, 0.5, 0.5]]
+    draws = [each for three in scalars for each in (three, 0.7, uniforms)]
+    rng = Dealt(random=[[[0.25], [0.5], [1.0]], *draws], standard_normal=[normals] * 3)  # the first steps, in the box
     objective = Watched(lambda x: x[0] ** 2, [[-10], [4], [9]], bound=10.0, generations=4, batches=4)
-    watch(DA(agents=3), objective, rng)
-    (_, v, food, enemy, r, weights), second, third = calls
-    assert v.tolist() == [[-10 + 20 * 0.25, 0, 10]]
-    assert food.tolist() == [4]
-    assert enemy.tolist() == [9]  # -10, worth 100, lies on the bound
-    assert r == near([20 / 4 + 2 * 20 * 1 / 4])
-    m = 0.1 - 0.1 * 1 / (4 / 2)  # 0.05
-    assert weights == near([2 * 0.3 * m, 2 * 0.6 * m, 2 * 0.9 * m, 2 * 0.7, m, 0.9 - 0.5 * 1 / 4])
-    # 3, 10, -6: a better food; the worst inside, -6 worth 36, is no worse than the enemy of before, worth 81
-    _, v, food, enemy, r, weights = second
-    assert v.tolist() == [[-10 + 20 * 0.25 + 1, 0 + 1, 10 + 1]]  # as the first generation left them
-    assert (food.tolist(), enemy.tolist()) == ([3], [9])
-    assert r == near([20 / 4 + 2 * 20 * 2 / 4])
-    assert weights == near([0, 0, 0, 1.4, 0, 0.9 - 0.5 * 2 / 4])  # m = 0.1 - 0.1 * 2 / 2
-    # 7, 5, -4, worth 49, 25, 16: none is better food than 3, nor a worse enemy than 9
-    _, _, food, enemy, r, weights = third
-    assert (food.tolist(), enemy.tolist()) == ([3], [9])
-    assert r == near([20 / 4 + 2 * 20 * 3 / 4])
-    assert weights == near([0, 0, 0, 1.4, 0, 0.9 - 0.5 * 3 / 4])  # m stays at 0
+    batches = watch(DA(agents=3), objective, rng)
+    x, v = np.array([[-10.0, 4, 9]]), np.array([[-10 + 20 * 0.25, 0, 10]])
+    m = [0.1 - 0.1 * 1 / (4 / 2), 0.1 - 0.1 * 2 / (4 / 2), 0.0]  # 0.05, 0 and no less than that
+    seen = []
+    for t, (three, weight) in enumerate(zip(scalars, m, strict=True), 1):
+        assert batches[t - 1][:, 0] == near(x[0])
+        seen += x[0].tolist()
+        food = min(seen, key=abs)
+        enemy = max((place for place in seen if abs(place) < 10), key=abs)
+        assert (food, enemy) == (4, 9) or t > 1
+        weights = [*(2 * each * weight for each in three), 2 * 0.7, weight, 0.9 - 0.5 * t / 4]
+        box, r = np.array([10.0]), 20 / 4 + 2 * 20 * t / 4
+        fly(x, v, np.array([food]), np.array([enemy]), np.array([r]), np.array(weights), -box, box, uniforms, normals)
+    assert batches[3][:, 0] == near(x[0])

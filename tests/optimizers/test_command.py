@@ -135,12 +135,9 @@ open({str(note)!r}, 'w').write(json.dumps(said))"""
         ("print('[' * 100_000)", r"wrote \[\[\[.*…; wanted is"),
         ("print('{}')", "wrote {}; wanted is"),
         ("ask(x=[[1, 2]])", r"sent the points \[\[1, 2\]\]; wanted is a list of points, each of 3 numbers"),
-        ("ask(x=[])", r"sent the points \[\]"),
-        ("ask(x='all')", "sent the points all"),
         ("ask(log={'step': [1]})", "logged .*; wanted is at most 20 names of numbers"),
         ("ask(initial=0)", 'wrote {"initial": 0}'),
         ("ask(initial=30)", "asked for 30 initial points, which exceeds the budget; wanted is at most 5, the budget"),
-        ("ask(initial=1e300)", 'wrote {"initial": 1e'),
         ("ask(x=[[1, 2, 3]], stop='now')", "wrote"),
         ("sys.exit('no licence')", "ended with code 1; it complained: no licence"),
         ("import os; os.kill(os.getpid(), 9)", "ended by signal 9"),
@@ -158,10 +155,9 @@ def test_a_program_that_closes_its_output_and_goes_on_is_one_sentence(program, s
         solve(sphere, program("import os, time; os.close(1); time.sleep(600)"), budget=5)
 
 
-def test_a_line_that_never_ends_is_given_up(program, sphere, monkeypatch):
-    monkeypatch.setattr("bench.helpers.programs.LONGEST", 10_000)
+def test_a_line_that_never_ends_is_given_up(program, sphere):
     with pytest.raises(BenchError, match="wrote xxx"):
-        solve(sphere, program("while True: print('x' * 1000, end='')"), budget=5)
+        solve(sphere, program("while True: print('x' * 2**20, end='')"), budget=5)
 
 
 @pytest.mark.parametrize(

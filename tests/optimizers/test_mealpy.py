@@ -43,13 +43,6 @@ def test_every_member_loads_runs_and_is_silent(capfd):
 
 
 # Beside the usual N at the start and an epoch: 2 N, 1 evaluation an epoch, 6 N at the start, 30 N an epoch.
-@pytest.mark.parametrize("name", ["OriginalGWO", "OriginalDO", "OriginalEFO", "DevTPO", "OriginalFFA"])
-@pytest.mark.parametrize("budget", [1, 97, 500])
-def test_the_budget_is_spent_to_the_evaluation(name, budget):
-    problem = Watched()
-    result = run(name, problem, budget=budget)
-    assert (result.nfev, result.stop) == (budget, "budget")
-    assert sum(map(len, problem.batches)) == budget
 
 
 @pytest.mark.parametrize(
@@ -94,12 +87,6 @@ def test_swarm_mode_evaluates_a_generation_as_one_batch():
     assert [len(batch) for batch in problem.batches] == [1] * 30 + [30, 30, 30]
 
 
-@pytest.mark.parametrize("name", ["OriginalPSO", "OriginalSA"])
-def test_only_algorithms_that_evaluate_batches_have_the_mode(name):
-    with pytest.raises(BenchError, match="no parameter 'mode'"):
-        mealpy.load(f"mealpy:{name}", mode="swarm")
-
-
 @pytest.mark.parametrize(("name", "planned"), [("OriginalGWO", {19}), ("OriginalFFA", None), ("L_SHADE", None)])
 def test_the_schedule_ends_with_the_budget(name, planned, monkeypatch):
     solver = type(mealpy.load(f"mealpy:{name}")).solver
@@ -117,35 +104,17 @@ def test_the_schedule_ends_with_the_budget(name, planned, monkeypatch):
         assert {last for _, last in seen} == planned
 
 
-def test_a_parameter_changes_the_run():
-    assert run("OriginalABC", n_limits=1, budget=2000).fun != run("OriginalABC", n_limits=50, budget=2000).fun
-
-
 @pytest.mark.parametrize(
     ("name", "options", "sentence"),
     [
-        ("OriginalABC", {"n_limit": 5}, "no parameter 'n_limit'; did you mean 'n_limits'"),
         ("OriginalABC", {"n_limits": 5000}, "'n_limits' of OriginalABC must be from 1 to 1000, not 5000"),
-        ("OriginalABC", {"n_limits": 2.5}, "'n_limits' of OriginalABC must be a whole number, not 2.5"),
-        ("OriginalGWO", {"agents": 4}, "'agents' of OriginalGWO must be from 5 to 10000, not 4"),
-        (
-            "SingleGA",
-            {"selection": "best"},
-            "'selection' of SingleGA must be one of 'tournament', 'random', 'roulette'",
-        ),
         ("BaseGA", {"pc": 0.0}, "mealpy refuses these parameters of BaseGA: 'pc' is a float"),
-        ("OriginalCEM", {"agents": 30}, "mealpy refuses these parameters of OriginalCEM: 'n_best' is an integer"),
-        ("OriginalGWOO", {}, "mealpy has no optimizer 'OriginalGWOO'; did you mean 'OriginalGWO'"),
     ],
 )
 def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
     with pytest.raises(BenchError) as refused:
         mealpy.load(f"mealpy:{name}", **options)
     assert sentence in str(refused.value)
-
-
-def test_a_range_that_depends_on_the_agents_is_left_to_mealpy():
-    assert mealpy.load("mealpy:OriginalMSA", agents=400, n_best=150).n_best == 150
 
 
 @pytest.mark.parametrize("name", sorted(SEVERAL_VARIABLES))

@@ -8,7 +8,7 @@ import pytest
 from bench import BenchError, FunctionProblem, Objective, solve
 from bench.seeds import streams
 from optimizers.minion import TABLE, minion
-from tests.optimizers.observed import OPTIMUM, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Watched
 
 library = pytest.importorskip("minionpy", reason="the extra 'minion' is not installed")
 
@@ -49,13 +49,6 @@ def test_the_start_population_is_that_of_the_harness(name):
     np.testing.assert_array_equal(first, Objective(problem, 400, start).initial(len(first)))
 
 
-@pytest.mark.parametrize("name", ["LSHADE", "jSO", "NLSHADE_RSP", "DE", "ARRDE"])
-def test_agents_are_the_start_population(name):
-    problem = Watched()
-    run(name, problem, agents=25)
-    assert len(problem.batches[0]) == 25
-
-
 @pytest.mark.parametrize("name", ["LSHADE", "JADE", "NLSHADE_RSP", "CMAES", "j2020"])
 def test_a_run_is_minionpy_s_own(name):
     """With minionpy's own defaults, so that the declared ones are checked by whole runs."""
@@ -94,10 +87,6 @@ def test_the_declared_defaults_are_minionpy_s(name):
     assert points(MEMBERS[name]["parameters"]) == points({})
 
 
-def test_jade_is_not_the_l_shade_that_minionpy_s_class_of_this_name_runs():
-    assert trace(run("JADE", agents=30)) != trace(run("LSHADE", agents=30, archive_size_ratio=1.0))
-
-
 def test_a_stop_by_a_tolerance_is_declared_and_can_be_turned_off():
     assert "onverge" in run("LSHADE", FunctionProblem(lambda x: x[:, 0] ** 2, [-2.0], [5.0]), budget=3000).stop
     slope = run("LSRTDE", FunctionProblem(lambda x: x[:, 0], [-2.0], [5.0]), budget=3000)
@@ -108,18 +97,9 @@ def test_a_stop_by_a_tolerance_is_declared_and_can_be_turned_off():
 
 
 @pytest.mark.parametrize(
-    "options", [{"memory_size": 20}, {"mutation_strategy": "rand1bin"}, {"archive_size_ratio": 0.5}, {"agents": 20}]
-)
-def test_a_parameter_changes_the_run(options):
-    assert run("LSHADE", budget=1500, **options).fun != run("LSHADE", budget=1500).fun
-
-
-@pytest.mark.parametrize(
     ("name", "options", "sentence"),
     [
-        ("LSHADE", {"memory": 5}, "no parameter 'memory'; did you mean 'memory_size'"),
         ("LSHADE", {"agents": 3}, "'agents' of LSHADE must be at least 4, not 3"),
-        ("LSHADE", {"bound_strategy": "none"}, "'bound_strategy' of LSHADE must be one of 'random'"),
         ("L_BFGS", {}, "minion's L_BFGS is left out: it searches without bounds"),
     ],
 )

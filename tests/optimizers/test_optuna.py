@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Objective, solve
-from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.optuna import TABLE, optuna
 from tests.optimizers.observed import OPTIMUM, Watched
@@ -30,24 +29,6 @@ def test_every_sampler_is_a_member_or_left_out():
     found = {name for name in dir(library.samplers) if name.endswith("Sampler") and not name.startswith("Base")}
     assert found == MEMBERS.keys() | set().union(*optuna.facts["left_out"].values())
     assert optuna.names() == sorted(f"optuna:{name}" for name in MEMBERS)
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_a_member_is_silent_and_spends_the_budget(name, capfd, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    level = library.logging.get_verbosity()
-    for budget in (1, 70):
-        problem = Watched()
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            result = run(name, problem, budget=budget)
-        assert (len(evaluated(problem)), result.nfev, result.stop) == (budget, budget, "budget")
-    assert capfd.readouterr() == ("", "")
-    assert list(tmp_path.iterdir()) == []
-    assert library.logging.get_verbosity() == level
-    optimizer = optuna.load(f"optuna:{name}")
-    assert [each.key for each in parse(optimizer.bibtex)][-1] == "akiba2019"
-    assert optimizer.code.startswith("optuna ")
 
 
 @pytest.mark.parametrize(
