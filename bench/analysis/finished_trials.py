@@ -24,7 +24,6 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.helpers.text import listed
-from bench.objective import ON_TARGET
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has mostly ties
@@ -34,10 +33,10 @@ ON_BOUND = 1e-12  # of the box's width: a clipped point that is scaled back is r
 
 CLAMPING = "boundary clamping"  # of final points here, and of an optimizer in the runs of ``bench check``
 
-Verdict = Literal["pass", "note", "warning", "error", "not checked"]
+Verdict = Literal["pass", "warning", "error", "not checked"]
 Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
 CELL = ["problem", "optimizer"]
-NUMBERS = ["fun", "nfev", "outside_box"]
+NUMBERS = ["fun", "nfev"]
 
 
 class CheckResult(NamedTuple):
@@ -168,35 +167,6 @@ def _undeclared_stops(evidence: Evidence) -> CheckResult:
         "warning",
         f"left more than {percent(UNUSED)} of the budget unused without a declared reason",
         well=f"Every trial used at least {percent(1 - UNUSED)} of its budget or declared why it stopped.",
-    )
-
-
-def _declared_stops(evidence: Evidence) -> CheckResult:
-    trials = evidence.finished
-    declared = stopped_early(trials) & (trials["stop"] != ON_TARGET)
-    stops = (trials["optimizer"] + ": " + trials["stop"])[declared].value_counts()
-    return judge(
-        trials,
-        declared,
-        "note",
-        "ended by a stopping criterion of the optimizer",
-        f"Reasons: {listed([f'{stop} ({count:,})' for stop, count in stops.items()])}.",
-        well="No trial ended by a stopping criterion of the optimizer.",
-    )
-
-
-def _outside_box(evidence: Evidence) -> CheckResult:
-    if evidence.finished["outside_box"].isna().all():
-        return CheckResult("not checked", "Imported results do not say how many evaluations lay outside the box.")
-    sums = evidence.finished.groupby("optimizer", sort=False)[["outside_box", "nfev"]].sum()
-    share = (sums["outside_box"] / sums["nfev"])[sums["outside_box"] > 0]
-    return judge(
-        evidence.finished,
-        evidence.finished["outside_box"] > 0,
-        "note",
-        "evaluated points outside the box, which count against the budget",
-        f"Shares of the evaluations: {_percentages(share)}.",
-        well="Every evaluation lay inside the box.",
     )
 
 
@@ -350,20 +320,19 @@ def _disturbed(flag: str, trouble: str, limit: str, evidence: Evidence) -> Check
 WAITED = f"wall time {{}} {CONTENTION:g} times CPU time"
 THREADED = f"CPU time {{}} {HIDDEN_THREADS:g} times wall time"
 
-CHECKS: dict[str, Callable[[Evidence], CheckResult]] = {
-    "finite values": _finite,
-    "budget": _budget,
-    "records": _records,
-    "undeclared stops": _undeclared_stops,
-    "declared stops": _declared_stops,
-    "outside the box": _outside_box,
-    "repeated points": _repeated_points,
-    "ties": _ties,
-    "below the optimum": _below_optimum,
-    "same algorithm": _same_algorithm,
-    CLAMPING: _clamping,
-    "seeds": _seeds,
-    "random streams": _random_streams,
-    "contention": partial(_disturbed, "contention", "Trials waited for a core", WAITED),
-    "hidden threads": partial(_disturbed, "hidden_threads", "Trials used more than one core", THREADED),
+CHECKS: dict[str, tuple[Callable[[Evidence], CheckResult], ...]] = {
+    "failures": (_finite,),
+    CLAMPING: (_clamping,),
+    "records": (_budget, _records),
+    "undeclared stops": (_undeclared_stops,),
+    "repeated points": (_repeated_points,),
+    "ties": (_ties,),
+    "below the optimum": (_below_optimum,),
+    "same algorithm": (_same_algorithm,),
+    "seeds": (_seeds, _random_streams),
+    "times": (
+        partial(_disturbed, "contention", "Trials waited for a core", WAITED),
+        partial(_disturbed, "hidden_threads", "Trials used more than one core", THREADED),
+    ),
 }
+"""What each check of finished trials looks for; :func:`bench.analysis.integrity` has further parts of the first two."""

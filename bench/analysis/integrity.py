@@ -13,11 +13,24 @@ import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, coverage
 from bench.analysis.comparable import blames_problem
-from bench.analysis.finished_trials import CHECKS, Boxes, CheckResult, Evidence, cell_names, judge, percent, where
+from bench.analysis.finished_trials import (
+    CHECKS,
+    Boxes,
+    CheckResult,
+    Evidence,
+    Verdict,
+    cell_names,
+    judge,
+    percent,
+    where,
+)
 from bench.helpers.text import count, listed
 from bench.storage.reading import StoreCheck
 
 Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
+
+
+WORST: tuple[Verdict, ...] = ("error", "warning", "pass", "not checked")
 
 
 class Trait(NamedTuple):
@@ -29,7 +42,6 @@ class Trait(NamedTuple):
     well: str  # what was not found, and is not shown to be absent; goes before "any of the 5 optimizers"
 
 
-LEAST = 6  # trials of a cell: with fewer not even complete separation has a p of at most 0.05
 TRAITS = {
     "centre bias": Trait(  # Kudela 2022
         "Errors are higher when the optimum is moved away from the centre of the box",
@@ -69,15 +81,13 @@ def integrity(
     diagnoses: Diagnoses | None = None,
     verifications: Sequence[Mapping[str, Any]] = (),
     stores: Sequence[StoreCheck] = (),
-    extensions: Sequence[tuple[int, int]] = (),
 ) -> pd.DataFrame:
     """Return one row a check, always the same checks in the same order: check, verdict, finding and cells.
 
-    The ``verdict`` is "pass", "note" (nothing is wrong, but a reader should know), "warning" (conclusions may not
-    hold), "error" (trials failed, are not independent or are not what the harness wrote) or "not checked" (there is
-    no trial, or no ``traces``, ``boxes``, ``optima``, ``diagnoses``, ``verifications`` or
-    ``stores``). The ``finding`` gives the
-    reason in a sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
+    The ``verdict`` is "pass", "warning" (conclusions may not hold), "error" (trials failed, are not independent or are
+    not what the harness wrote) or "not checked" (there is no trial, or no ``traces``, ``boxes``, ``optima``,
+    ``diagnoses``, ``verifications`` or ``stores``). The ``finding`` gives the reason, a line for each part of the
+    check; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
         frame: the trials; an optional column ``pool`` names the problem of the study of which the row's problem is an
@@ -91,36 +101,33 @@ def integrity(
         verifications: the record of ``bench verify`` in each folder
             (``VERIFICATION`` of :mod:`bench.storage.folder`), empty where there is none.
         stores: the outcome of reading each folder's store (:attr:`bench.Results.stores`).
-        extensions: the trials of each cell that were complete, and those then asked for, of each run that asked for
-            more trials.
     """
     findings = {
-        "completeness": _completeness(frame, planned_trials),
-        "optional stopping": _optional_stopping(frame, extensions),
-        "failures": _failures(frame),
-        "storage": _storage(stores),
-        "repeatability": _repeatability(verifications),
-        **{name: _trait(name, diagnoses or {}) for name in TRAITS},
+        "completeness": [_completeness(frame, planned_trials)],
+        "failures": [_failures(frame)],
+        "storage": [_storage(stores)],
+        "repeatability": [_repeatability(verifications)],
+        **{name: [_trait(name, diagnoses or {})] for name in TRAITS},
     }
     evidence = Evidence(frame, study_budget, traces or {}, boxes or {}, optima or {})
     none = CheckResult("not checked", "There is no finished trial.")
     finished = bool((frame["status"] == "ok").any())
-    for name, check in CHECKS.items():
-        result = check(evidence) if finished else none
-        findings[name] = _together(result, findings[name]) if name in findings else result
-    rows = [(name, result.verdict, result.text, "; ".join(result.cells)) for name, result in findings.items()]
+    for name, checks in CHECKS.items():
+        findings.setdefault(name, []).extend([check(evidence) for check in checks] if finished else [none])
+    rows = [
+        (name, together.verdict, together.text, "; ".join(together.cells))
+        for name, parts in findings.items()
+        for together in [_together(parts)]
+    ]
     return pd.DataFrame(rows, columns=["check", "verdict", "finding", "cells"])
 
 
-def _together(here: CheckResult, elsewhere: CheckResult) -> CheckResult:
-    """Return one finding of a trait seen in this study's trials and in separate runs: the worse verdict, both texts."""
-    made = [result for result in (here, elsewhere) if result.verdict != "not checked"]
-    if len(made) < 2:
-        return (made or [here])[0]
-    verdict = "warning" if "warning" in (here.verdict, elsewhere.verdict) else here.verdict
-    return CheckResult(
-        verdict, f"{here.text} In separate runs: {elsewhere.text[0].lower()}{elsewhere.text[1:]}", here.cells
-    )
+def _together(parts: Sequence[CheckResult]) -> CheckResult:
+    """Return one finding of the parts of a check: the worst verdict, and a line on each part that has it."""
+    worst = next(verdict for verdict in WORST for part in parts if part.verdict == verdict)
+    found = [part for part in parts if part.verdict == worst]
+    cells = dict.fromkeys(cell for part in found for cell in part.cells)
+    return CheckResult(worst, "\n".join(dict.fromkeys(part.text for part in found)), [*cells])
 
 
 def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> CheckResult:
@@ -147,22 +154,6 @@ def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], i
         f"{where(short)}."
     )
     return CheckResult("warning", text, cell_names(short))
-
-
-def undeclared(extensions: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the extensions before which a test could be significant, so that results could be a reason for them."""
-    return [(held, asked) for held, asked in extensions if held >= LEAST]
-
-
-def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]]) -> CheckResult:
-    if frame.empty:
-        return CheckResult("not checked", "There is no trial.")
-    if stopping := undeclared(extensions):
-        steps = listed(
-            [f"{held:,} trials of each cell were complete when {asked:,} were asked for" for held, asked in stopping]
-        )
-        return CheckResult("warning", f"Trials were added to complete ones: {steps}.")
-    return CheckResult("pass", "No run on record added trials to complete ones.")
 
 
 def _failures(frame: pd.DataFrame) -> CheckResult:

@@ -142,8 +142,6 @@ def run(
         under_way = held.enter_context(folder.lock())
         folder.note_store(folder.require_sound())
         study, selection = folder.select(study, checked.dimensions, checked.present)
-        asked = [record.get("trials") for record in folder.environments()]
-        before = max((number for number in asked if isinstance(number, int)), default=0)
         folder.claim(study, selection)
         folder.note_selected(study)
         for other, found in zip(others, _reusable(folder, selection, others, checked.present), strict=True):
@@ -159,15 +157,7 @@ def run(
             on_plan(plan)
         held_bytes = _bytes(memory, pool.jobs, backend)
         task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes, kept=kept)
-        about = provenance.run(
-            study,
-            pool.jobs,
-            backend,
-            timeout=task.timeout,
-            shard=shard,
-            untrusted=untrusted,
-            extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
-        )
+        about = provenance.run(study, pool.jobs, backend, timeout=task.timeout, shard=shard, untrusted=untrusted)
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
 
         def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
@@ -275,11 +265,6 @@ def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder], pr
     if any(other.path.resolve() == folder.path.resolve() for other in others):
         raise BenchError(f"{folder.path} is the folder to write; leave it out of what is reused")
     return [reusable(other, selection.cells, present) for other in others]
-
-
-def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:
-    """Return whether the folder holds that many trials of each cell, failed ones included."""
-    return not any(Plan(replace(study, trials=trials), shard, folder.store.keys()).missing())
 
 
 def _make(

@@ -191,7 +191,7 @@ class Folder:
         ``problems`` and ``optimizers``, and ``reused``, the name of the folder where it was another one.
         """
         with self.store.reader() as reader:
-            return reader.history()
+            return sorted(reader.history(), key=lambda record: str(record.get("when", "")))
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.

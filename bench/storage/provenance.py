@@ -67,13 +67,8 @@ def run(
     timeout: float | None = None,
     shard: str | None = None,
     untrusted: bool = False,
-    extends: int | None = None,
 ) -> dict[str, Any]:
-    """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20".
-
-    ``extends`` is the number of trials of each cell that earlier runs were asked for, where all of these were there and
-    this run is asked for more.
-    """
+    """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20"."""
     return {
         "started": now(),
         "ended": None,
@@ -87,7 +82,6 @@ def run(
         "strict": untrusted,  # two keys, as there were two modes
         "sandbox": "bwrap" if untrusted else None,
         "trials": study.trials,
-        "extends": extends,
         "subject": study.subject,
     }
 

@@ -41,13 +41,6 @@ class Trials(Compared):
         return replications(self.coverage, self.pooled.members, self.results.planned)
 
     @property
-    def extensions(self) -> list[tuple[int, int]]:
-        """The trials of each cell that were complete, and those then asked for, of every run that asked for more."""
-        keys = [(record.get("extends"), record.get("trials")) for record in self.results.environments]
-        asked_for = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
-        return list(dict.fromkeys(asked_for))
-
-    @property
     def common(self) -> dict[str, int]:
         """The largest budget of each problem that all optimizers had, where budgets differ; else none."""
         return self.comparable.common

@@ -13,7 +13,6 @@ import numpy as np
 
 from bench.analysis import ALPHA
 from bench.analysis.cells import scores, stopped_early
-from bench.analysis.integrity import undeclared
 from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
 from bench.report.latex import prose
@@ -21,6 +20,7 @@ from bench.report.wording import count, listing, options
 from bench.study import Study
 from bench.study.descriptions import Description
 from bench.study.study import UNKNOWN_BUDGET
+from bench.topics.answer.changes import extended
 from bench.topics.answer.facts import facts
 from bench.topics.answer.section import nothing_to_compare
 from bench.topics.findings import Findings, Trials
@@ -111,8 +111,8 @@ def runs(trials: Trials) -> list[str]:
         said.append(f"As budgets differ, we compare values {trials.common_words}.")
     if skipped.failed:
         said.append(f"Not compared, as the problem's own code raised in a trial: {listing(list(skipped.failed))}.")
-    added = undeclared(trials.extensions)
-    said += [f"{held:,} trials of each were complete when {asked:,} were asked for." for held, asked in added]
+    added = dict.fromkeys(filter(None, map(extended, trials.results.histories)))
+    said += [f"Trials were extended from {first:,} to {most:,} of each." for first, most in added]
     early = trials.frame.loc[stopped_early(trials.frame), "optimizer"].astype(object).value_counts(sort=False)
     if len(early):
         stopped = listing([f"{count(number, 'trial')} of {label}" for label, number in early.items()], at_most=4)

@@ -40,5 +40,4 @@ def checks(findings: Findings) -> pd.DataFrame:
         diagnoses=results.checks,
         verifications=results.verifications,
         stores=results.stores,
-        extensions=trials.extensions,
     )

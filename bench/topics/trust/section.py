@@ -30,7 +30,7 @@ def section(findings: Findings) -> Section | None:
     made = findings.of(checks)
     verdicts = made["verdict"]
     troubles = made[verdicts.isin(TROUBLE)]
-    passed = made.loc[verdicts.isin(("pass", "note")), "check"]
+    passed = made.loc[verdicts == "pass", "check"]
     headline = words.checked(len(passed), len(troubles), int((verdicts == "not checked").sum()))
     compared = not nothing_to_compare(findings)
     reasons = {label: known.reason for label, known in findings.trials.known.items() if known.reason}
@@ -38,7 +38,7 @@ def section(findings: Findings) -> Section | None:
     lines = [
         *(_conditions(findings) if compared else ()),
         *(Line("not compared", text) for text in skipped),
-        *(Line(str(row.check), f"{row.finding}".partition(". ")[0]) for row in troubles.itertuples()),
+        *(Line(str(row.check), first_sentences(str(row.finding))) for row in troubles.itertuples()),
         *(
             [Line("problems", words.not_loaded(list(reasons), next(iter(reasons.values())).partition(";")[0]))]
             if reasons
@@ -52,6 +52,11 @@ def section(findings: Findings) -> Section | None:
     table = File("tables/integrity.csv", "The checks of the results, and what each found.", made)
     lost = unfinished_trials(findings.trials.comparable.working)
     return Section(TITLE, items=tuple(_incomplete(findings.trials)), cards=(card,), lost=lost, files=(table,))
+
+
+def first_sentences(finding: str) -> str:
+    """Return the first sentence of each line of a finding; the file has all of it."""
+    return " ".join(f"{line.partition('. ')[0].rstrip('.')}." for line in finding.splitlines())
 
 
 def _conditions(findings: Findings) -> Iterator[Line]:

@@ -19,10 +19,9 @@ PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
 BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
 OPTIMA = {"p": 0.5, "q": -1e12}
 CHECKS = [
-    "completeness", "optional stopping", "failures", "storage", "repeatability",
+    "completeness", "failures", "storage", "repeatability",
     "centre bias", "structural bias", "boundary clamping", "starts and seeds",
-    "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
-    "ties", "below the optimum", "same algorithm", "seeds", "random streams", "contention", "hidden threads",
+    "records", "undeclared stops", "repeated points", "ties", "below the optimum", "same algorithm", "seeds", "times",
 ]  # fmt: skip
 
 
@@ -117,7 +116,7 @@ def test_sound_results_pass_every_check(sound):
 
 def test_what_cannot_be_checked_says_so(sound):
     verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[], stores=[])["verdict"]
-    unchecked = ["storage", "repeatability", *TRAITS, "records", "same algorithm", "random streams"]
+    unchecked = ["storage", "repeatability", *TRAITS, "same algorithm"]
     assert list(verdicts.index[verdicts == "not checked"]) == unchecked
     assert set(verdicts.drop(unchecked)) == {"pass"}
 
@@ -145,13 +144,6 @@ def an_empty_cell(s):
     s.frame = s.frame[~((s.frame["problem"] == "q") & (s.frame["optimizer"] == "c"))]
 
 
-def test_trials_added_to_complete_ones_are_optional_stopping_once_a_test_could_be_significant(sound):
-    found = sound.check(extensions=[(3, 6), (10, 20), (20, 25)]).loc["optional stopping"]
-    assert found["verdict"] == "warning"
-    assert "10 trials of each cell were complete when 20 were asked for, 20 trials" in found["finding"]
-    assert sound.check(extensions=[(1, 30), (3, 30)]).loc["optional stopping", "verdict"] == "pass"
-
-
 def test_each_optimizer_has_its_own_plan(sound):
     """Imported results have more trials than ours, or fewer, and no plan that is known."""
     planned = {(problem, optimizer): TRIALS for problem in PROBLEMS for optimizer in OPTIMIZERS}
@@ -175,9 +167,7 @@ def one_of_two_folders_not_verified(s):
     s.verifications += [{}]
 
 
-@trap(
-    "storage", "error", "2 of 36 trials are damaged (a on p, trial 1; b on q, trial 5); damaged", cells="a on p; b on q"
-)
+@trap("storage", "error", "2 of 36 trials are damaged (a on p, trial 1; b on q, trial 5).", cells="a on p; b on q")
 def trials_that_were_changed(s):
     s.stores[0].damaged = {("p", "a", 1): None, ("q", "b", 5): None}
 
@@ -199,7 +189,7 @@ def test_trials_that_the_problem_s_own_code_ended_are_no_optimizer_s_failures(so
     del sound.traces["p", "a", 0]
     found = sound.check().loc["failures"]
     assert found["verdict"] == "pass"
-    assert found["finding"] == "All trials finished but 1 trial that ended as the problem’s own code raised."
+    assert "All trials finished but 1 trial that ended as the problem’s own code raised.\n" in found["finding"]
 
 
 @trap("centre bias", "warning", "b 50 times", cells="")
@@ -226,18 +216,18 @@ def an_optimizer_that_repeats_itself_and_one_that_starts_in_a_corner(s):
     s.diagnose("c", "starts and seeds", 1e-5)
 
 
-@trap("finite values", "warning", "1 of 36 trials", "c on q", cells="c on q")
+@trap("failures", "warning", "1 of 36 trials", "c on q", cells="c on q")
 def a_final_value_that_is_no_number(s):
     s.put(s.trial("q", "c", 1), fun=float("nan"))
 
 
-@trap("finite values", "warning", "1 of 36 trials", "c on q")
+@trap("failures", "warning", "1 of 36 trials", "c on q")
 def an_infinite_final_value(s):
     s.put(s.trial("q", "c", 1), fun=float("inf"))
     s.traces["q", "c", 1] = Trace(np.array([], dtype=np.int64), np.array([]))
 
 
-@trap("budget", "error", "1 of 36 trials", "budget of 1,000", "a on q")
+@trap("records", "error", "1 of 36 trials", "budget of 1,000", "a on q")
 def more_evaluations_than_the_budget(s):
     s.put(s.trial("q", "a", 2), nfev=BUDGET + 1)
 
@@ -261,17 +251,6 @@ def a_finished_trial_without_a_trace(s):
 @trap("undeclared stops", "warning", "2 of 36 trials", "more than 1%", "b on 2 problems", cells="b on p; b on q")
 def a_silent_end(s):
     s.put(s.trial("p", "b", 2), nfev=989, stop="undeclared").put(s.trial("q", "b", 2), nfev=100, stop="budget")
-
-
-@trap("declared stops", "note", "3 of 36 trials", "a: tolfun (2), c: {odd} (1)", cells="a on p; a on q; c on q")
-def declared_ends(s):
-    s.put(s.trial("p", "a", 2), nfev=100, stop="tolfun").put(s.trial("q", "a", 2), nfev=999, stop="tolfun")
-    s.put(s.trial("q", "c", 2), nfev=100, stop="{odd}")
-
-
-@trap("outside the box", "note", "1 of 36 trials", "c 0.5%", cells="c on q")
-def points_outside_the_box(s):
-    s.put(s.trial("q", "c", 2), outside_box=60)
 
 
 @trap("repeated points", "error", "2 of 36 trials", "b on p", cells="b on p")
@@ -321,19 +300,19 @@ def a_seed_used_by_two_optimizers(s):
     s.put(s.trial("p", "a", 1), seed=77_000).put(s.trial("p", "b", 3), seed=77_000)
 
 
-@trap("random streams", "warning", "12 of 36 trials", "a on p, b on p", cells="a on p; b on p")
+@trap("seeds", "warning", "12 of 36 trials", "a on p, b on p", cells="a on p; b on p")
 def two_optimizers_draw_from_one_stream(s):
     for trial in range(TRIALS):
         first, own = s.traces["p", "a", trial], s.traces["p", "b", trial]
         s.traces["p", "b", trial] = Trace(own.evaluations, np.array([first.values[0], own.values[1]]))
 
 
-@trap("contention", "warning", "b 1.25", "1.2 times")
+@trap("times", "warning", "b 1.25", "1.2 times")
 def trials_that_waited_for_a_core(s):
     s.put(s.frame["optimizer"] == "b", cpu_s=0.8)
 
 
-@trap("hidden threads", "warning", "b 0.83", "1.1 times")
+@trap("times", "warning", "b 0.83", "1.1 times")
 def trials_that_used_two_cores(s):
     s.put(s.frame["optimizer"] == "b", cpu_s=1.2)
 
@@ -352,9 +331,8 @@ def test_a_trap_is_found_by_its_own_check_only(sound, name):
 
 
 def test_every_check_has_a_trap():
-    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS) - {
-        "optional stopping"
-    }  # which the records of runs show
+    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS)
+    assert len(CHECKS) <= 16  # as many as a reader takes in
 
 
 def test_values_of_two_kinds_are_ties_which_tests_distinguish(sound):
@@ -396,12 +374,12 @@ class TestWhatIsNoTrap:
                 key = ("p", optimizer, trial)
                 own = sound.traces[key]
                 sound.traces[key] = Trace(own.evaluations, np.array([3.25, own.values[1]]))
-        assert sound.check().at["random streams", "verdict"] == "pass"
+        assert sound.check().at["seeds", "verdict"] == "pass"
 
     def test_a_start_that_two_trials_share_by_chance_is_no_shared_stream(self, sound):
         first, own = sound.traces["p", "a", 3], sound.traces["p", "b", 3]
         sound.traces["p", "b", 3] = Trace(own.evaluations, np.array([first.values[0], own.values[1]]))
-        assert sound.check().at["random streams", "verdict"] == "pass"
+        assert sound.check().at["seeds", "verdict"] == "pass"
 
     def test_one_trial_a_cell_says_nothing_of_streams(self, sound):
         sound.frame = sound.frame[sound.frame["trial"] == 0]
@@ -448,20 +426,20 @@ class TestWithoutTrials:
         numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
         sound.frame = sound.frame.assign(status="failed", **numbers)
         verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stores=[])["verdict"]
-        assert verdicts[["completeness", "optional stopping", "failures"]].tolist() == ["pass", "pass", "error"]
-        assert set(verdicts.drop(["completeness", "optional stopping", "failures"])) == {"not checked"}
+        assert verdicts[["completeness", "failures"]].tolist() == ["pass", "error"]
+        assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
 
     def test_no_final_point_and_no_processor_time(self, sound):
         sound.frame = sound.frame.drop(columns=["x_u", "x_v"]).assign(cpu_s=0.0)
         verdicts = sound.check()["verdict"]
-        unchecked = ["repeated points", "same algorithm", "contention", "hidden threads"]
+        unchecked = ["repeated points", "same algorithm", "times"]
         assert list(verdicts.index[verdicts == "not checked"]) == unchecked
 
     def test_no_finite_value(self, sound):
         sound.frame["fun"] = np.inf
         nothing = Trace(np.array([], dtype=np.int64), np.array([]))
         table = sound.check(traces=dict.fromkeys(sound.traces, nothing))
-        assert table.at["finite values", "verdict"] == "warning"
+        assert table.at["failures", "verdict"] == "warning"
         assert table.at["ties", "verdict"] == "not checked"
 
 
@@ -494,7 +472,9 @@ def test_clamping_here_and_in_separate_runs_is_one_finding(sound):
     sound.diagnose("c", "boundary clamping", 0.125)
     found = sound.check().loc["boundary clamping"]
     assert found["verdict"] == "warning"
-    assert re.search(r"b 8\.33% .*In separate runs: .*c 12\.5% of them", found["finding"])
+    separate, here = found["finding"].splitlines()
+    assert "c 12.5% of them" in separate
+    assert "b 8.33%" in here
 
 
 def test_a_test_that_did_not_reject_is_no_proof(sound):
