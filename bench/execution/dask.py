@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import warnings
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import CancelledError
 from contextlib import closing, contextmanager, suppress
 from functools import partial
@@ -22,7 +22,7 @@ from uuid import uuid4
 from bench.errors import BenchError, require
 from bench.execution.dask_worker import LOOK, work
 from bench.execution.job import Task
-from bench.execution.local import Answer, OnBegin
+from bench.execution.local import Answer, Missing, OnBegin
 from bench.execution.supervisor import KilledError, WorkerDiedError
 from bench.storage import provenance
 from bench.trial import Trial
@@ -71,9 +71,7 @@ class Cluster:
         self._seen = monotonic()  # when the cluster had workers
         self._next_look = 0.0
 
-    def answers(
-        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
-    ) -> Iterator[Answer]:
+    def answers(self, task: Task, machine: str, on_begin: OnBegin | None, missing: Missing) -> Iterator[Answer]:
         """Yield answers; see :meth:`bench.execution.local.Local.answers`.
 
         A lost worker costs only time: dask begins its trials again elsewhere. When dask gives a trial up, having lost

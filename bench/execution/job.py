@@ -69,10 +69,10 @@ class Task:
     objects: Objects = field(default_factory=dict)  # of a session, which every process takes
 
     @classmethod
-    def of(cls, study: Study, untrusted: bool = False) -> Task:
+    def of(cls, study: Study, **settings: Any) -> Task:
         """Return the task of a study, with those of its plug-ins that are objects of this session."""
         optimizers, problems = ([entry.name for entry in every] for every in (study.optimizers, study.problems))
-        return cls(study, untrusted=untrusted, objects=objects.among(optimizers, problems))
+        return cls(study, objects=objects.among(optimizers, problems), **settings)
 
     @property
     def beginning(self) -> tuple[Any, ...]:

@@ -4,26 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from threading import Lock
 
 from joblib import effective_n_jobs
 
 from bench.columns import Row
+from bench.execution import open_files
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor
 from bench.helpers.parallel import side_by_side
+from bench.storage import provenance
 from bench.trial import Trial
 
 OnBegin = Callable[[int, Trial], None]
+Missing = Callable[[], Iterable[Trial]]
 Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that made it
+
+SHARE = 0.9  # of the machine's memory, for the jobs together
 
 
 class Local(AbstractContextManager["Local"]):
-    """A context of ``n_jobs`` supervisors of processes, which are kept for the next trials of the same task."""
+    """A context of ``n_jobs`` supervisors of processes, which are kept for further trials of its task.
+
+    Raises:
+        BenchError: where the system allows too few open files.
+    """
 
     def __init__(self, n_jobs: int) -> None:
         self.jobs = effective_n_jobs(n_jobs)
-        self._task: Task | None = None
+        self._kept = open_files.kept(self.jobs)
         self._supervisors: list[Supervisor] = []
 
     def __exit__(self, *_: object) -> None:
@@ -34,20 +44,19 @@ class Local(AbstractContextManager["Local"]):
             supervisor.kill()
         self._supervisors = []
 
-    def answers(
-        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin | None = None
-    ) -> Iterator[Answer]:
+    def answers(self, task: Task, machine: str, on_begin: OnBegin | None, missing: Missing) -> Iterator[Answer]:
         """Return each missing trial with its row and its machine's record as they finish, in any order.
 
         Args:
-            task: what all trials have in common.
+            task: what all trials have in common; without a limit of memory they share that of the machine.
             machine: the record (JSON) of this machine.
-            missing: returns the trials that are not finished at the moment they are reached.
             on_begin: called with the number of a job and the trial that it begins, by one thread at a time.
+            missing: returns the trials that are not finished at the moment they are reached.
         """
-        if self._task is not task or not self._supervisors:
-            self._end()
-            self._task, self._supervisors = task, [Supervisor(task) for _ in range(self.jobs)]
+        if not self._supervisors:
+            memory = task.memory or int(SHARE * provenance.memory() / self.jobs)
+            limited = replace(task, memory=memory, kept=self._kept)
+            self._supervisors = [Supervisor(limited) for _ in range(self.jobs)]
         idle, turn = [*enumerate(self._supervisors)], Lock()
 
         def make(trial: Trial) -> Answer:

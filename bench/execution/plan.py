@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
+from pathlib import Path
 
 from bench.errors import BenchError
 from bench.storage.store import CellCounts
@@ -50,6 +51,7 @@ class Plan:
     seeds: Mapping[Labels, Labels] = field(default_factory=dict)  # of cells: the labels that seeds are made from
     doubtful: set[Labels] = field(default_factory=set)  # cells that get no more trials, as a stored one differs
     verify: bool = False  # whether one trial of each optimizer is made again at the end
+    folder: Path | None = None  # of the results
 
     def trials(self) -> Iterator[Trial]:
         """Yield every trial, finished or not, in the order in which they are to be made."""

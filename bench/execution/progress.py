@@ -47,8 +47,8 @@ class Display:
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self.within = Within()
-        self._progress = bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn(), self.within)
+        self._within = Within()
+        self._progress = bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn(), self._within)
         self._bars: dict[str, TaskID] = {}  # by optimizer; "" for all, which is the first
         self._failures: Counter[str] = Counter()  # by optimizer
         self._present = 0  # trials that earlier runs made
@@ -64,6 +64,7 @@ class Display:
     def plan(self, plan: Plan) -> None:
         """Print the plan's size and notes, and start the bars at the trials that an earlier run made."""
         show_plan(plan, plan.counts(), self._console)
+        self._within.folder = plan.folder
         for label in ("", *(entry.label for entry in plan.study.optimizers)):
             self._bars[label] = self._progress.add_task(label or "all", total=0)
         self._present = self._count(plan)

@@ -1,44 +1,47 @@
-"""Run a study's missing trials on a pool of workers and commit each as it finishes."""
+"""Run a study's missing trials: resolve it, select its cells in the folder, plan, make, commit, note."""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from joblib import cpu_count
 
-from bench.errors import BenchError
-from bench.execution import open_files
+from bench.errors import BenchError, nearest
 from bench.execution.again import Repetition, doubtful
-from bench.execution.backends import open_pool
+from bench.execution.dask import Cluster, cluster
 from bench.execution.job import Task
-from bench.execution.local import Answer
+from bench.execution.local import Answer, Local
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
 from bench.helpers.text import count
 from bench.numbers import require_jobs, require_positive
 from bench.plugins import loading
-from bench.plugins.inputs import Present, large, shown
+from bench.plugins.inputs import large, shown
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path, difference_line
 from bench.storage.merge import Reusable, reusable, take
+from bench.storage.reading import StoreCheck
 from bench.storage.selection import Selection
 from bench.study import Study
 from bench.trial import Trial
+
+BACKENDS = ("dask", "local")
 
 StudyLike = Study | Mapping[str, object] | str | PathLike[str]
 Listener = Callable[[Trial, dict[str, Any]], None]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Outcome:
     """The outcome of a run.
 
@@ -50,22 +53,22 @@ class Outcome:
         different: a line for each trial that differed when it was made again at the end.
         edited: what was changed during the run, by name, with the number of trials that were made after that, and are
             another version.
+        spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
+        doubtful: a line for each cell that gets no more trials, as a stored one differed when it was made again.
         unasked: the optimizers that took none of the points that are known (``initial``).
         replayed: evaluations that the journals of interrupted trials answered.
         dropped: evaluations in journals that were of no use, as other points were asked for.
-        doubtful: a line for each cell that gets no more trials, as a stored one differed when it was made again.
-        spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
     """
 
     folder: Path
-    made: int
-    failed: int
-    undeclared: dict[str, int]
-    different: list[str]
-    edited: dict[str, int]
-    spared: list[str]
-    doubtful: list[str]
-    unasked: list[str]
+    made: int = 0
+    failed: int = 0
+    undeclared: dict[str, int] = field(default_factory=dict)
+    different: list[str] = field(default_factory=list)
+    edited: Counter[str] = field(default_factory=Counter)
+    spared: list[str] = field(default_factory=list)
+    doubtful: list[str] = field(default_factory=list)
+    unasked: list[str] = field(default_factory=list)
     replayed: int = 0
     dropped: int = 0
 
@@ -78,6 +81,40 @@ class Outcome:
             "that C code opens; put it back, or remove the old trials and run again ('bench rm "
             f"{self.folder} --optimizer NAME'), or give another --output"
         )
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A study on its way to its trials; each step of a run takes it and returns it with what the step found.
+
+    Attributes:
+        folder: to write.
+        shard: the part to run, None for the whole study.
+        task: the study as it is to be run in the folder, and the limits of its trials.
+        loaded: what was found when its plug-ins were loaded.
+        verify: whether one trial of each optimizer is made again at the end.
+        others: the folders to be reused.
+        sound: the check of the folder's store.
+        selection: the study's cells in the folder, with what they are made from.
+        notes: sentences on what was found, and on what changed since the last run.
+        reused: what other folders hold of the cells, and is not taken yet.
+    """
+
+    folder: Folder
+    shard: Shard | None
+    task: Task
+    loaded: Loaded
+    verify: bool
+    others: Sequence[Folder]
+    sound: StoreCheck = field(default_factory=StoreCheck)
+    selection: Selection = field(default_factory=lambda: Selection({}))
+    notes: Sequence[str] = ()
+    reused: Sequence[tuple[Folder, Reusable]] = ()
+
+    @property
+    def study(self) -> Study:
+        """The study."""
+        return self.task.study
 
 
 def run(
@@ -129,58 +166,37 @@ def run(
     """
     from bench.execution.progress import displayed  # not at the top: it imports rich
 
-    _check_limits(n_jobs, timeout, memory)
-    study, folder, part = _resolved(study, output, shard)
-    others = [Folder(path) for path in reuse]
+    require_jobs("the number of jobs", n_jobs)
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
-            checked = prepare(study, folder, untrusted)
-            _, selection = folder.select(study, checked.dimensions, checked.present)
-            reused = _reusable(folder, selection, others, checked.present)
-            pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
-            kept = open_files.kept(pool.jobs) if backend == "local" else open_files.KEPT
-        under_way = held.enter_context(folder.lock())
-        folder.note_store(folder.require_sound())
-        study, selection = folder.select(study, checked.dimensions, checked.present)
-        folder.claim(study, selection)
-        folder.note_selected(study)
-        for other, found in zip(others, _reusable(folder, selection, others, checked.present), strict=True):
-            with folder.store.writer() as writer:
-                take(other, writer, found.cells, where=other.path.name)
-        beside = at_a_time(study, pool.jobs, backend)
-        plan = _plan(study, folder, part, selection, [*(found.sentence for found in reused), beside], verify)
+            asked = resolved(study, output, shard, untrusted, reuse, verify, timeout, memory)
+            pool = held.enter_context(_pool(backend, n_jobs, scheduler))
+        folder, under_way = asked.folder, held.enter_context(asked.folder.lock())
+        chosen = taken(selected(asked))
+        plan = planned(chosen, at_a_time(chosen.study, pool.jobs, backend))
+        limit = chosen.task.timeout
+        about = provenance.run(plan.study, pool.jobs, backend, timeout=limit, shard=shard, untrusted=untrusted)
         display = held.enter_context(displayed(progress))
-        if display is not None:
-            display.within.folder = folder.path
-            display.plan(plan)
-        if on_plan is not None:
-            on_plan(plan)
-        held_bytes = _bytes(memory, pool.jobs, backend)
-        task = replace(checked.task, study=study, timeout=timeout, memory=held_bytes, kept=kept)
-        about = provenance.run(study, pool.jobs, backend, timeout=task.timeout, shard=shard, untrusted=untrusted)
-        listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
-
-        def make(missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
-            return pool.answers(task, checked.machine, missing, under_way.begin)
-
+        for listener in (display.plan if display else None, on_plan):
+            if listener is not None:
+                listener(plan)
+        make = partial(pool.answers, chosen.task, chosen.loaded.machine, under_way.begin)
         with interrupts.allowed():
-            doubted = doubtful(plan, folder, make)
-        plan.doubtful.update(trial.key[:2] for trial in doubted)
-        repetition = Repetition(study)
-        made, edited, unasked, replay = _make(
-            plan, folder, make(plan.missing), about, interrupts, repetition, listeners
-        )
+            doubts = doubtful(plan, folder, make)
+        plan.doubtful.update(trial.key[:2] for trial in doubts)
+        outcome = Outcome(folder.path, doubtful=[difference_line(trial, what) for trial, what in doubts.items()])
+        repetition, show = Repetition(plan.study), display.trial if display else None
+        _commit(outcome, plan, folder, make(plan.missing), about, interrupts, repetition, show, on_trial)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
-        folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in checked.descriptions.items()})
-        with interrupts.allowed():
-            different = repetition.make(folder, make) if verify else []
-        failed = sum(cell.failed for cell in folder.store.cells())
-        spared = sorted(repetition.expensive) if verify else []
-        doubts = [difference_line(trial, what) for trial, what in doubted.items()]
-        return Outcome(
-            folder.path, made, failed, folder.store.undeclared(), different, edited, spared, doubts, unasked, *replay
-        )
+        folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in chosen.loaded.descriptions.items()})
+        if verify:
+            with interrupts.allowed():
+                outcome.different = repetition.make(folder, make)
+            outcome.spared = sorted(repetition.expensive)
+        outcome.failed = sum(cell.failed for cell in folder.store.cells())
+        outcome.undeclared = folder.store.undeclared()
+        return outcome
 
 
 def plan(
@@ -193,23 +209,33 @@ def plan(
     reuse: Sequence[str | PathLike[str]] = (),
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
-    study, folder, part = _resolved(study, output, shard)
-    folder.require_sound()
-    checked = prepare(study, folder, untrusted)
-    others = [Folder(path) for path in reuse]
-    study, selection = folder.select(study, checked.dimensions, checked.present)
-    reused = _reusable(folder, selection, others, checked.present)
-    plan = _plan(study, folder, part, selection, [found.sentence for found in reused], verify)
-    labels = {cell: labels for labels, cell in selection.cells.items()}
-    for other, found in zip(others, reused, strict=True):
-        numbers = {number: cell for number, cell in other.store.held().all.items() if cell in found.cells}
-        shown = {number: labels[found.cells[cell]] for number, cell in numbers.items()}
-        plan.finished.update(other.store.keys(finished_only=True, shown=shown))
-    return plan
+    return planned(selected(resolved(study, output, shard, untrusted, reuse, verify)))
 
 
-def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Loaded:
-    """Load a study's plug-ins; raises BenchError for a study that cannot be run, or not without a sandbox."""
+def resolved(
+    study: StudyLike,
+    output: str | PathLike[str] | None = None,
+    shard: str | None = None,
+    untrusted: bool = False,
+    reuse: Sequence[str | PathLike[str]] = (),
+    verify: bool = False,
+    timeout: float | None = None,
+    memory: float | None = None,
+) -> Chosen:
+    """Return a study with its folder, once its plug-ins are loaded; the arguments are those of :func:`run`.
+
+    Raises:
+        BenchError: for a study that cannot be run, or not without a sandbox, and folders that cannot be reused.
+    """
+    for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
+        if value is not None:
+            require_positive(f"the {name} of a trial", value, unit=unit)
+    part = None if shard is None else Shard.parse(shard)
+    study = study if isinstance(study, Study) else Study.load(study)
+    study.require_sound()
+    folder, others = Folder(default_path(study) if output is None else output), [*map(Folder, reuse)]
+    if any(other.path.resolve() == folder.path.resolve() for other in others):
+        raise BenchError(f"{folder.path} is the folder to write; leave it out of what is reused")
     if study.imported:
         raise BenchError(
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
@@ -222,23 +248,42 @@ def prepare(study: Study, folder: Folder, untrusted: bool = False) -> Loaded:
             "nobody trusts: add --untrusted"
         )
     known = large(folder.store.held().made.values())
-    return check(replace(Task.of(study, untrusted), output=str(folder.path.absolute()), known=known))
+    limits = {"timeout": timeout, "memory": None if memory is None else int(memory * 1e9)}
+    task = Task.of(study, untrusted=untrusted, output=str(folder.path.absolute()), known=known, **limits)
+    return Chosen(folder, part, task, check(task), verify, others)
 
 
-def _resolved(
-    study: StudyLike, output: str | PathLike[str] | None, shard: str | None
-) -> tuple[Study, Folder, Shard | None]:
-    part = None if shard is None else Shard.parse(shard)
-    study = study if isinstance(study, Study) else Study.load(study)
-    study.require_sound()
-    return study, Folder(default_path(study) if output is None else output), part
+def selected(chosen: Chosen) -> Chosen:
+    """Select the study's cells in the folder, and in those to be reused; write nothing.
+
+    Raises:
+        BenchError: where the folder is damaged, or another one holds none of the cells.
+    """
+    folder, found = chosen.folder, chosen.loaded
+    sound = folder.require_sound()
+    study, selection = folder.select(chosen.study, found.dimensions, found.present)
+    reused = [(other, reusable(other, selection.cells, found.present)) for other in chosen.others]
+    notes = [*(each.sentence for _, each in reused), *selection.notes]
+    task = replace(chosen.task, study=study)
+    return replace(chosen, sound=sound, task=task, selection=selection, notes=notes, reused=reused)
 
 
-def _plan(
-    study: Study, folder: Folder, shard: Shard | None, selection: Selection, found: Iterable[str], verify: bool
-) -> Plan:
-    """Return the plan of a study in its folder; its notes are what was found, and what changed since the last run."""
-    notes = [note for note in (*found, *selection.notes) if note]
+def taken(chosen: Chosen) -> Chosen:
+    """Make the study the one of its folder, which must be locked, and take the trials of other folders."""
+    folder = chosen.folder
+    folder.note_store(chosen.sound)
+    folder.claim(chosen.study, chosen.selection)
+    folder.note_selected(chosen.study)
+    for other, found in chosen.reused:
+        with folder.store.writer() as writer:
+            take(other, writer, found.cells, where=other.path.name)
+    return replace(chosen, reused=())
+
+
+def planned(chosen: Chosen, beside: str = "") -> Plan:
+    """Return the plan of a study in its folder; ``beside`` is a further note."""
+    study, folder, selection = chosen.study, chosen.folder, chosen.selection
+    notes = [note for note in (*chosen.notes, beside) if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
@@ -254,55 +299,55 @@ def _plan(
             f"a point fails after {duration(study.evaluation_timeout)}: a trial in which one did depends on the "
             "machine and is not made again"
         )
-    store = folder.store
-    shown = selection.labels_in(store.held())
-    finished = store.keys(finished_only=True, shown=shown)
-    return Plan(study, shard, finished, store.cells(shown), notes, selection.seeds, verify=verify)
+    shown = selection.labels_in(folder.store.held())
+    finished, cells = folder.store.keys(finished_only=True, shown=shown), folder.store.cells(shown)
+    labels = {cell: labels for labels, cell in selection.cells.items()}
+    for other, found in chosen.reused:
+        there = {number: cell for number, cell in other.store.held().all.items() if cell in found.cells}
+        theirs = {number: labels[found.cells[cell]] for number, cell in there.items()}
+        finished |= other.store.keys(finished_only=True, shown=theirs)
+    return Plan(study, chosen.shard, finished, cells, notes, selection.seeds, verify=chosen.verify, folder=folder.path)
 
 
-def _reusable(folder: Folder, selection: Selection, others: Sequence[Folder], present: Present) -> list[Reusable]:
-    """Return what other folders hold of a selection's cells; raises BenchError as :func:`reusable`."""
-    if any(other.path.resolve() == folder.path.resolve() for other in others):
-        raise BenchError(f"{folder.path} is the folder to write; leave it out of what is reused")
-    return [reusable(other, selection.cells, present) for other in others]
-
-
-def _make(
+def _commit(
+    outcome: Outcome,
     plan: Plan,
     folder: Folder,
     answers: Iterator[Answer],
     about: dict[str, Any],
     interrupts: Interrupts,
     repetition: Repetition,
-    listeners: Sequence[Listener],
-) -> tuple[int, dict[str, int], list[str], list[int]]:
-    """Commit the missing trials as they are made; return of an Outcome ``made``, ``edited``, ``unasked`` and more."""
+    *heard: Listener | None,
+) -> None:
+    """Commit the missing trials as they are made, and count them in the outcome."""
     numbers: dict[str, int] = {}  # of environments, by the machine's record
-    made, edited, unasked, replay = 0, Counter[str](), dict[str, None](), [0, 0]
     with folder.store.writer() as writer:
         try:
             while True:
                 with interrupts.allowed():
                     answer = next(answers, None)
                 if answer is None:
-                    return made, dict(edited), [*unasked], replay
+                    return
                 trial, row, machine = answer
                 if machine not in numbers:
                     numbers[machine] = writer.environment(json.loads(machine) | about)
                     folder.write_environments()
-                made_from, after = row.pop("inputs", None), row.pop("after", 0)
-                replay = [sum(pair) for pair in zip(replay, row.pop("journal", None) or (0, 0), strict=True)]
-                if row.pop("unasked", False):
-                    unasked[trial.optimizer] = None
+                beside = row.pop("beside", {})
+                outcome.replayed += beside.get("replayed", 0)
+                outcome.dropped += beside.get("dropped", 0)
+                if beside.get("unasked") and trial.optimizer not in outcome.unasked:
+                    outcome.unasked.append(trial.optimizer)
+                made_from = beside.get("inputs")
                 if others := writer.conflicts(trial, made_from):
-                    edited.update(map(shown, others))
+                    outcome.edited.update(map(shown, others))
                 else:
-                    repetition.consider(trial, row, after)
+                    repetition.consider(trial, row, beside.get("after", 0))
                 writer.add(trial, row, numbers[machine], made_from)
                 plan.finished.add(trial.key)
-                made += 1
-                for listener in listeners:
-                    listener(trial, row)
+                outcome.made += 1
+                for listener in heard:
+                    if listener is not None:
+                        listener(trial, row)
         finally:
             answers.close()  # type: ignore[attr-defined]
             ended = provenance.now()
@@ -323,15 +368,14 @@ def at_a_time(study: Study, jobs: int, backend: str = "local") -> str:
     )
 
 
-def _check_limits(jobs: object, timeout: object, memory: object) -> None:
-    require_jobs("the number of jobs", jobs)
-    for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
-        if value is not None:
-            require_positive(f"the {name} of a trial", value, unit=unit)
+def _pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContextManager[Local | Cluster]:
+    """Return a context that yields the pool of a backend: ``jobs`` on this machine, or all workers of a scheduler.
 
-
-def _bytes(memory: float | None, jobs: int, backend: str) -> int | None:
-    """Return the bytes of memory that one trial's process may hold, None for a cluster: its workers set limits."""
-    if memory is not None:
-        return int(memory * 1e9)
-    return int(0.9 * provenance.memory() / jobs) if backend == "local" else None
+    Raises:
+        BenchError: for an unknown backend, a scheduler that is missing or cannot be reached, or workers that differ.
+    """
+    if backend not in BACKENDS:
+        raise BenchError(f"unknown backend {backend!r}{nearest(backend, BACKENDS)}")
+    if (backend == "dask") != (scheduler is not None):
+        raise BenchError("the dask backend needs --scheduler tcp://HOST:PORT, and no other backend takes one")
+    return Local(jobs) if scheduler is None else cluster(scheduler)

@@ -169,4 +169,5 @@ def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed:
     lists = {"problems": [problem], "optimizers": [optimizer]}
     study = Study.from_dict({"name": "solve", "trials": 1} | lists | settings, "of this command")
     trial = Trial(study.problems[0].label, study.optimizers[0].label, 0, seed)
-    return make_one(check(Task.of(study, untrusted=True)).task, trial)
+    check(task := Task.of(study, untrusted=True))
+    return make_one(task, trial)

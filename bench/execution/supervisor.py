@@ -48,7 +48,6 @@ class Loaded:
     present: Present
     machine: str
     descriptions: Descriptions
-    task: Task
 
 
 class KilledError(RuntimeError):
@@ -121,7 +120,7 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
         with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
             answer = packages[package].call(describe, study, labels, seconds=DESCRIBING)
             described |= read(answer, labels)
-    return Loaded(dimensions, Present(modules), json.dumps(machine), described, task)
+    return Loaded(dimensions, Present(modules), json.dumps(machine), described)
 
 
 def failed(reason: str) -> Row:
@@ -199,9 +198,9 @@ class Supervisor:
     def _made(self, trial: Trial, job: Job) -> Row:
         """Have a trial made; return its row once its answer is checked.
 
-        The row's ``after``, which no store holds, is that of :meth:`bench.execution.again.Repetition.consider`. Its
-        ``inputs`` are what it was made from, as JSON; ``unasked`` is that of :class:`bench.trial.Result`, and
-        ``journal`` has the evaluations answered from it and those that other points followed.
+        The row's ``beside`` is what no column holds: ``after`` is that of
+        :meth:`bench.execution.again.Repetition.consider`, ``inputs`` are what it was made from, as JSON, ``unasked`` is
+        that of :class:`bench.trial.Result`, and of its journal the evaluations ``replayed`` and ``dropped``.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
@@ -214,12 +213,9 @@ class Supervisor:
         if reason := answers.error(answer):
             return failed(self._cut(reason))
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
-        return row | {
-            "after": after,
-            "inputs": answer.get("inputs"),
-            "unasked": answer.get("unasked") is True,
-            "journal": answer.get("journal"),
-        }
+        counted = {key: number for key in ("replayed", "dropped") if type(number := answer.get(key)) is int}
+        beside = {"after": after, "inputs": answer.get("inputs"), "unasked": answer.get("unasked") is True}
+        return row | {"beside": beside | counted}
 
 
 def row_of(error: Exception, doing: str = "", cut: Callable[[str], str] = str) -> Row:

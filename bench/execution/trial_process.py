@@ -190,7 +190,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit, goal)
             answer = as_answer(_found)
         if journal is not None:
-            answer["journal"] = [journal.replayed, journal.dropped]
+            answer |= {"replayed": journal.replayed, "dropped": journal.dropped}
             if not journal.slow:
                 _fast.add(trial.problem)
         reason = _why_void(effects)

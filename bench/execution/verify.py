@@ -11,10 +11,9 @@ from os import PathLike
 from joblib import cpu_count
 
 from bench.errors import BenchError
-from bench.execution import open_files
-from bench.execution.again import by_the_clock, difference
-from bench.execution.backends import open_pool
-from bench.execution.runner import prepare
+from bench.execution.again import by_the_clock, made_again
+from bench.execution.local import Answer, Local, Missing
+from bench.execution.runner import resolved
 from bench.helpers.console import OnStep
 from bench.numbers import require_whole
 from bench.sandbox.server import FORKS
@@ -86,28 +85,31 @@ def verify(
     folder = Folder(path)
     study = folder.study()
     store = folder.check_store()
-    checked = prepare(study, folder, untrusted)
-    folder.require_unchanged(study, checked.present)
+    found = resolved(study, path, untrusted=untrusted)
+    folder.require_unchanged(study, found.loaded.present)
     chosen = _chosen(folder, study, store, trials)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
     cores, noted = int(cpu_count()), [record.get("jobs") for record in folder.environments()]
     n_jobs = n_jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
-    made = 0
-    different: dict[Trial, str] = {}
-    with open_pool("local", n_jobs, None) as pool:
-        most = open_files.kept(pool.jobs)
-        task = replace(checked.task, hash_seed=HASH_SEED, apart=FORKS, kept=most)
-        for trial, row, _ in pool.answers(task, checked.machine, lambda: planned):
-            made += 1
-            if not by_the_clock(row, study) and (what := difference(folder.store, trial, row)):
-                different.setdefault(trial, what)
-            if on_progress is not None:
-                on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
-        n_jobs = pool.jobs
+    late: dict[Trial, str] = {}
+    with Local(n_jobs) as pool:
+        task = replace(found.task, hash_seed=HASH_SEED, apart=FORKS)
+
+        def make(missing: Missing) -> Iterator[Answer]:
+            answers = pool.answers(task, found.loaded.machine, None, missing)
+            for made, (trial, row, machine) in enumerate(answers, start=1):
+                if row["status"] == "timeout":
+                    late[trial] = str(row["error"])
+                if on_progress is not None:
+                    on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
+                yield trial, row, machine
+
+        compared = made_again(planned, folder, study, make)
+    different = late | {trial: what for trial, what in compared.items() if what}
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
-    outcome = Verification(cells, len(chosen), n_jobs, different, notes, store)
+    outcome = Verification(cells, len(chosen), pool.jobs, different, notes, store)
     about = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
     kept = {key: value for key, value in folder.noted(VERIFICATION).items() if key == AT_ENDS}
     with suppress(BenchError):  # of a folder that cannot be written to, the verdict is what is returned

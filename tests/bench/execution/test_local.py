@@ -5,6 +5,7 @@ from itertools import count
 import pytest
 
 from bench.execution import local as module
+from bench.execution.job import Task
 from bench.execution.local import Local
 from bench.execution.supervisor import KilledError
 
@@ -30,10 +31,10 @@ class Supervisor:
 
 
 @pytest.fixture
-def local(monkeypatch):
+def local(monkeypatch, small_study):
     monkeypatch.setattr(module, "Supervisor", Supervisor)
     before = set(threading.enumerate())
-    yield Local
+    yield lambda jobs, missing, on_begin=None: Local(jobs).answers(Task(small_study), "machine", on_begin, missing)
     for thread in set(threading.enumerate()) - before:
         thread.join(10.0)
         assert not thread.is_alive()
@@ -43,7 +44,7 @@ def local(monkeypatch):
 class TestLocal:
     def test_every_trial_is_answered_once_with_the_machine(self, local, jobs):
         begun = []
-        answers = list(local(jobs).answers(None, "machine", lambda: range(10), lambda *each: begun.append(each)))
+        answers = list(local(jobs, lambda: range(10), lambda *each: begun.append(each)))
         assert sorted(trial for _, trial in begun) == list(range(10))
         assert {job for job, _ in begun} <= set(range(jobs))
         assert sorted(answers, key=lambda each: each[0]) == [(i, {"fun": i}, "machine") for i in range(10)]
@@ -56,13 +57,13 @@ class TestLocal:
             time.sleep(0.001)
             noting.release()
 
-        assert len(list(local(jobs).answers(None, "", lambda: range(10), note))) == 10
+        assert len(list(local(jobs, lambda: range(10), note))) == 10
 
     def test_an_error_reaches_the_run(self, local, jobs):
         with pytest.raises(ZeroDivisionError):
-            list(local(jobs).answers(None, "", lambda: range(10, 20)))
+            list(local(jobs, lambda: range(10, 20)))
 
     def test_a_run_that_is_given_up_ends_the_trials_under_way(self, local, jobs):
-        answers = local(jobs).answers(None, "", lambda: count(99))
+        answers = local(jobs, lambda: count(99))
         assert next(answers)[0] == 99
         answers.close()

@@ -280,3 +280,17 @@ def test_targets_that_a_problem_has_are_accepted(tmp_path):
         "s", (Entry("signature-03", "p"),), (Entry("scatter", "o"),), trials=1, budget=60, targets="tolerance"
     )
     assert len([*plan(study, tmp_path / "s").missing()]) == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"backend": "docal"}, r"^unknown backend 'docal'.*'local'"),
+        ({"backend": "dask"}, "^the dask backend needs --scheduler"),
+        ({"scheduler": "tcp://127.0.0.1:1"}, "no other backend takes one"),
+    ],
+)
+def test_backends_that_cannot_be_opened_are_refused(settings, sentence, small_study, tmp_path):
+    with pytest.raises(BenchError, match=sentence):
+        run(small_study, tmp_path / "out", **settings)
+    assert not (tmp_path / "out").exists()
