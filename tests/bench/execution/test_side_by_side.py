@@ -161,12 +161,12 @@ def study(tmp_path, **changes):
     file.write_text(FAILING, encoding="utf-8")
     return Study.from_dict(
         {"name": "s", "trials": 1, "budget": 30, "problems": [{"name": f"{file}:mine", "label": "mine"}],
-         "optimizers": ["random-search"], "on_error": "worst", "evaluation_timeout": "1 min"} | changes
+         "optimizers": ["random-search"], "on_error": "worst", "parallel": 8} | changes
     )  # fmt: skip
 
 
 def test_a_trial_of_a_study_is_the_run_of_its_seed(tmp_path):
-    run(one := study(tmp_path, parallel=8), tmp_path / "eight", n_jobs=1, verify=False)
+    run(one := study(tmp_path, evaluation_timeout="1 min"), tmp_path / "eight", n_jobs=1, verify=False)
     (row,) = Folder(tmp_path / "eight").store.rows()
     alone = solve(one.problem("mine"), "random-search", budget=30, seed=row["seed"], evaluation_timeout="1 min")
     assert (row["status"], row["trace"], row["calls"]) == ("ok", alone.trace.packed(), alone.calls)
@@ -174,5 +174,6 @@ def test_a_trial_of_a_study_is_the_run_of_its_seed(tmp_path):
 
 @pytest.mark.slow
 def test_the_trials_of_a_study_repeat_and_are_the_same_where_problem_and_optimizer_are_kept_apart(tmp_path):
-    assert not run(study(tmp_path, parallel=8), tmp_path / "eight", n_jobs=1).different
+    assert not run(study(tmp_path), tmp_path / "eight", n_jobs=1).different
     assert not verify(tmp_path / "eight", trials=1).different
+    assert Folder(tmp_path / "eight").verification()["at_ends"]["trials"] == 1
