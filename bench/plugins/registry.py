@@ -23,7 +23,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from bench.errors import BenchError
+from bench.errors import BenchError, explained
 from bench.families import Grid
 
 DISTRIBUTION = "backlash-bench"
@@ -52,7 +52,7 @@ def entries(group: str) -> dict[str, EntryPoint]:
         BenchError: when two packages offer different plug-ins under one name, or a top-level module of this
             distribution is not its own.
     """
-    for module in own_modules():
+    for module in sorted({entry.module.partition(".")[0] for entry in own().entry_points}):
         if sentence := conflict(module):
             raise BenchError(sentence)
     plugins: dict[str, EntryPoint] = {}
@@ -98,15 +98,10 @@ def load(group: str, name: str) -> Any:
 
     A package that ends the process where it is imported (``sys.exit``) fails, too.
     """
-    try:
-        return entries(group)[name].load()
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # an import may raise anything
-        raise BenchError(
-            f"the plug-in {name!r} of bench.{group} ({entries(group)[name].value}) failed to load: "
-            f"{type(error).__name__}: {error}"
-        ) from error
+    found = entries(group)[name]
+    what = f"the plug-in {name!r} of bench.{group} ({found.value}) failed to load"
+    with explained(what, (Exception, SystemExit, GeneratorExit)):  # an import may raise anything
+        return found.load()
 
 
 def package(group: str, name: str) -> str:
@@ -152,11 +147,6 @@ def own() -> Distribution:
         ) from error
 
 
-def own_modules() -> list[str]:
-    """Return the names of this distribution's top-level modules."""
-    return sorted({entry.module.partition(".")[0] for entry in own().entry_points})
-
-
 def conflict(module: str) -> str:
     """Return in one sentence why a top-level module of this distribution is not its own, "" where it is.
 
@@ -165,29 +155,13 @@ def conflict(module: str) -> str:
     """
     home = Path(__file__).resolve().parents[2]
     origin = getattr(find_spec(module), "origin", None)
-    again = f"run 'pip install --force-reinstall --no-deps {DISTRIBUTION}', and keep the two packages in environments"
-    if origin is None and (home / module).is_dir():
-        return (
-            f"the file {home / module / '__init__.py'} of {DISTRIBUTION} is missing: another package with a module "
-            f"{module!r} may have been uninstalled; {again} of their own"
-        )
-    if origin is None or Path(origin).resolve().parents[1] != home:
-        return (
-            f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} in {home}; run "
-            "from another folder, rename that module, or keep the two packages in environments of their own"
-        )
-    noted = re.search(rf"^{module}/__init__\.py,sha256=([^,]+),", own().read_text("RECORD") or "", re.MULTILINE)
-    found = urlsafe_b64encode(hashlib.sha256(Path(origin).read_bytes()).digest()).decode().rstrip("=")
-    if noted and noted[1] != found:  # an editable installation notes none
-        packages = " and ".join(claimants(module)) or "another package"
-        return f"the file {origin} of {DISTRIBUTION} was replaced, by {packages}; {again} of their own"
-    return ""
-
-
-def claimants(module: str) -> list[str]:
-    """Return the names of the other installed distributions that have a file ``module/__init__.py``, too."""
-    file = f"{module}/__init__.py"
-    holders = (
-        installed for installed in distributions() if f"\n{file}," in "\n" + (installed.read_text("RECORD") or "")
+    if origin is not None and Path(origin).resolve().parents[1] == home:
+        noted = re.search(rf"^{module}/__init__\.py,sha256=([^,]+),", own().read_text("RECORD") or "", re.MULTILINE)
+        found = urlsafe_b64encode(hashlib.sha256(Path(origin).read_bytes()).digest()).decode().rstrip("=")
+        if noted is None or noted[1] == found:  # an editable installation notes none
+            return ""
+    return (
+        f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} in {home}: another "
+        f"package or file has its name; rename that, or keep the two in environments of their own and run 'pip install "
+        f"--force-reinstall --no-deps {DISTRIBUTION}'"
     )
-    return sorted({installed.name for installed in holders} - {DISTRIBUTION})
