@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
+import warnings
 from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
@@ -26,7 +28,8 @@ from bench.execution.warming import warm_problem
 from bench.helpers.text import listing
 from bench.numbers import is_finite, require_whole, seconds
 from bench.objective import Trace
-from bench.plugins import from_source, objects
+from bench.plugins import objects
+from bench.plugins.from_file import SOURCE, located
 from bench.plugins.objects import OptimizerLike, ProblemLike
 from bench.seeds import trial_seed
 from bench.study import Study
@@ -35,6 +38,7 @@ from bench.trial import Trial
 BASELINES = ("cma-es", "random-search")
 LABEL = "candidate"
 LONGEST = 1_000_000  # characters of a source
+PARSED = 100_000  # those of a source that is worth parsing here, before any process is started for it
 _NAME = f"{objects.PREFIX}{LABEL}"
 _KEY = f"optimizers {_NAME}"
 _COLUMNS = (
@@ -290,11 +294,20 @@ def _read(source: Source) -> tuple[str, Candidate]:
     if isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source and source.endswith(".py")):
         with explained(f"the candidate {source} cannot be read", (OSError, ValueError)):
             source = Path(source).read_text(encoding="utf-8")
-    if isinstance(source, str):
-        if len(source) > LONGEST:
-            raise BenchError(f"a candidate may have {LONGEST:,} characters, not {len(source):,}")
-        return source, Candidate({_KEY: from_source.packed(source)})
-    return "", Candidate({_KEY: objects.packed_optimizer(source)})
+    if isinstance(source, str) and len(source) > LONGEST:
+        raise BenchError(f"a candidate may have {LONGEST:,} characters, not {len(source):,}")
+    candidate = Candidate({_KEY: objects.packed(source)})
+    if not isinstance(source, str):
+        return "", candidate
+    if len(source) <= PARSED:
+        try:
+            with warnings.catch_warnings(action="ignore"):
+                ast.parse(source, SOURCE)
+        except SyntaxError as error:
+            candidate.error = located(error)
+        except (ValueError, RecursionError, MemoryError):  # of a NUL byte, or of what is nested too deeply
+            pass
+    return source, candidate
 
 
 def _error(text: str, candidate: Candidate) -> str:

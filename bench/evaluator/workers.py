@@ -73,7 +73,7 @@ class Workers:
     def _row(self, task: tuple[Candidate, Trial]) -> Row:
         candidate, trial = task
         if candidate.error:
-            return {"status": "failed", "error": "left out, as another trial has failed"}
+            return {"status": "failed", "error": "left out, as the candidate has failed"}
         worker = getattr(self._local, "worker", None)
         if worker is None:
             worker = self._local.worker = _Worker(self._task, self._sandboxes)

@@ -27,7 +27,8 @@ from bench.execution.side_by_side import evaluated, require_possible
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
-from bench.plugins import from_source, objects, observing
+from bench.plugins import objects, observing
+from bench.plugins.from_file import located
 from bench.plugins.inputs import Inputs, named
 from bench.plugins.loading import defining
 from bench.plugins.objects import Objects
@@ -267,7 +268,7 @@ def as_answer(result: Result) -> dict[str, Any]:
 
 
 def _failure(error: BaseException) -> str:
-    return printable(f"{from_source.located(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
+    return printable(f"{located(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
 
 
 def _why_void(effects: SideEffects) -> str:

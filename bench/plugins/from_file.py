@@ -1,12 +1,13 @@
-"""Load optimizers and problems from a Python file that is not installed, as ``path/to/file.py:ClassName``."""
+"""Load plug-ins from code that is not installed: of a file, as ``path/to/file.py:Name``, or of a text."""
 
 from __future__ import annotations
 
 import ast
 import inspect
+import re
 import sys
+import traceback
 from functools import cache
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -16,8 +17,12 @@ from bench.families import derive
 from bench.helpers.text import listed, short_hash
 from bench.optimizer import Optimizer, build, is_frozen
 from bench.plugins import observing
-from bench.plugins.functions import is_loose, optimizer_of
+from bench.plugins.functions import class_of, shape, taken
 from bench.problem import Problem
+from bench.sandbox.messages import describe_error
+
+SOURCE = "<candidate>"
+"""The file that tracebacks name for a text."""
 
 
 def split(name: str) -> tuple[Path, str] | None:
@@ -26,13 +31,12 @@ def split(name: str) -> tuple[Path, str] | None:
     return (Path(path), attribute) if colon and path.endswith(".py") else None
 
 
-def require_class(name: str, kind: str = "optimizer") -> None:
+def require_class(name: str) -> None:
     """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
     if not name.endswith(".py"):
         return
-    parts = _parsed(Path(name), kind)
     kinds = (ast.ClassDef, ast.FunctionDef)
-    names = [part.name for part in parts if isinstance(part, kinds) and not part.name.startswith("_")]
+    names = [key for key, part in _parts(Path(name)).items() if isinstance(part, kinds) and not key.startswith("_")]
     holds = f"; it holds {listed(names)}" if names else ""
     raise BenchError(
         f"{name!r} names a file alone; add the class or function: {name}:{(names or ['ClassName'])[0]}{holds}"
@@ -49,24 +53,32 @@ def is_problem(name: str) -> bool:
         BenchError: where the file is missing or no Python.
     """
     path, _, attribute = name.rpartition(":")
-    parts = _parsed(Path(path), "plug-in")
-    classes = {part.name: part for part in parts if isinstance(part, ast.ClassDef)}
-    bases = [attribute]
-    for base in bases:  # which grows by the bases of the classes of this file
-        if base in classes:
-            bases += [ast.unparse(each).rpartition(".")[2] for each in classes.pop(base).bases]
-    for part in parts:
-        if isinstance(part, ast.FunctionDef) and part.name == attribute:
+    parts = _parts(Path(path))
+
+    def is_one(name: str) -> bool:
+        part = parts.pop(name, None)
+        if isinstance(part, ast.ClassDef):
+            bases = [ast.unparse(base).rpartition(".")[2] for base in part.bases]
+            return any(base.endswith("Problem") or is_one(base) for base in bases)
+        if isinstance(part, ast.FunctionDef):
             return len(part.args.posonlyargs + part.args.args) - len(part.args.defaults) < 2
-        if isinstance(part, (ast.Assign, ast.AnnAssign)) and attribute in ast.unparse(part).partition("=")[0]:
-            return True
-    return any(base.endswith("Problem") for base in bases[1:])
+        return part is not None
+
+    return is_one(attribute)
 
 
-def _parsed(path: Path, kind: str) -> list[ast.stmt]:
-    content = _content(path, kind)
-    with explained(f"the {kind} file {path} cannot be read as Python", (SyntaxError, ValueError)):  # of a NUL byte
-        return ast.parse(content).body
+def _parts(path: Path) -> dict[str, ast.stmt]:
+    """Return the statements of a file that give a name to a class, a function or another object, by that name."""
+    parts: dict[str, ast.stmt] = {}
+    with explained(f"the file {path} cannot be read as Python", (SyntaxError, ValueError)):  # of a NUL byte
+        body = ast.parse(_content(path)).body
+    for part in body:
+        if isinstance(part, (ast.ClassDef, ast.FunctionDef)):
+            parts[part.name] = part
+        elif isinstance(part, (ast.Assign, ast.AnnAssign)):
+            targets = part.targets if isinstance(part, ast.Assign) else [part.target]
+            parts |= {ast.unparse(target): part for target in targets}
+    return parts
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
@@ -76,102 +88,122 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         BenchError: where the file is missing or fails to run, or holds no such class or function, and for options that
             are no parameters or out of range.
     """
-    file, _, attribute = name.rpartition(":")
-    path = Path(file)
-    return build(_optimizer(name, attribute, path, _content(path, "optimizer")), name, options)
+    path, _, attribute = name.rpartition(":")
+    return build(_optimizer(name, attribute, Path(path), _content(Path(path))), name, options)
 
 
-def load_problem(name: str, /, **options: Any) -> Problem:
+@cache
+def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Optimizer]:
+    plugin = class_of(_attribute(path, content, attribute, "optimizer"), name, load_optimizer)
+    if "plugin" in vars(plugin) or not is_frozen(plugin):  # build() refuses the latter
+        return plugin
+    return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
+
+
+def load_problem(name: str, /, **options: Any) -> Any:
     """Return the problem of that file: an instance, or what a class or a function makes of these options.
 
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
     """
-    file, _, attribute = name.rpartition(":")
-    path = Path(file)
-    module = _imported(path, _content(path, "problem"), "problem")
-    if attribute not in vars(module):
-        names = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
-        raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, names)}")
-    problem = vars(module)[attribute]
-    if callable(problem) and not isinstance(problem, Problem):
-        with explained(f"{name!r} cannot be made", Exception):  # the file may raise anything
-            problem = problem(**options)
-    if not isinstance(problem, Problem):
-        raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
-    return problem
+    path, _, attribute = name.rpartition(":")
+    problem = _attribute(Path(path), _content(Path(path)), attribute, "problem")
+    if not callable(problem) or isinstance(problem, Problem):
+        return problem
+    with explained(f"{name!r} cannot be made", Exception):  # the file may raise anything
+        return problem(**options)
 
 
-def _content(path: Path, kind: str) -> bytes:
-    with explained(f"the {kind} file {path} cannot be read"):
+def _content(path: Path) -> bytes:
+    with explained(f"the file {path} cannot be read"):
         return path.read_bytes()
 
 
-@cache
-def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Optimizer]:
+def _attribute(path: Path, content: bytes, attribute: str, kind: str) -> Any:
     module = _imported(path, content)
-    plugin = vars(module).get(attribute)
-    if isinstance(plugin, type) and issubclass(plugin, Optimizer):
-        if not is_frozen(plugin):
-            return plugin  # build() refuses it
-        return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
-    if (inspect.isfunction(plugin) or isinstance(plugin, type)) and is_loose(plugin):
-        return optimizer_of(plugin, name, load_optimizer)
-    if attribute in vars(module):
-        raise BenchError(
-            f"{attribute!r} of {path} is neither an Optimizer subclass nor a function, nor a class with ask and tell, "
-            "nor a class X(budget, dim) whose instances are called with the function"
-        )
-    names = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
-    raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, names)}")
+    if attribute not in vars(module):
+        names = [key for key, value in vars(module).items() if _is_own(value, module)]
+        raise BenchError(f"{path} holds no {kind} called {attribute!r}{nearest(attribute, names)}")
+    return vars(module)[attribute]
 
 
 @cache
-def _imported(path: Path, content: bytes, kind: str = "optimizer") -> ModuleType:
+def _imported(path: Path, content: bytes) -> ModuleType:
     """Import a plug-in's file as a module of its own, which can import the modules beside it."""
-    name = f"bench_file_{path.stem}_{short_hash(content)}"  # an edited file is another module
-    spec = spec_from_file_location(name, path)
-    if spec is None:
-        raise BenchError(f"the {kind} file {path} cannot be read as Python")
+    module = ModuleType(f"bench_file_{path.stem}_{short_hash(content)}")  # an edited file is another module
+    module.__file__ = str(path)
     folder = path.resolve().parent
-    module = module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look up annotations there
     _folders.add(folder)
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
-    try:
-        code = compile(content, str(path), "exec")  # not bytecode of what the file held before
-        _refuse_namesakes(ast.parse(content), path, folder)
-        exec(code, vars(module))
-    except (Exception, SystemExit) as error:  # the file may raise anything
-        del sys.modules[name]
-        if isinstance(error, BenchError):
-            raise
-        raise BenchError(f"the {kind} file {path} failed to load: {type(error).__name__}: {error}") from error
+    _refuse_namesakes(content.decode(errors="replace"), path, folder)
+    with explained(f"the file {path} failed to load", (Exception, SystemExit)):  # it may raise anything
+        _run(content, str(path), module)
     return module
 
 
 _folders: set[Path] = set()  # of plug-ins' files, which Python searches last
 
 
-def _refuse_namesakes(tree: ast.Module, path: Path, folder: Path) -> None:
+def _refuse_namesakes(text: str, path: Path, folder: Path) -> None:
     """Raise BenchError where a file imports a module beside it, and one of that name is loaded from elsewhere."""
-    others = observing.modules()
-    for node in ast.walk(tree):
-        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-        if isinstance(node, ast.ImportFrom) and not node.level:
-            names = [node.module or ""]
-        for name in names:
-            loaded = others.get(name)
-            beside = next(filter(Path.exists, (folder / f"{name}.py", folder / name / "__init__.py")), None)
-            home = Path(loaded).resolve().parents[beside.name == "__init__.py"] if beside and loaded else folder
-            if home != folder and home in _folders:  # all else Python finds first, for both
-                raise BenchError(
-                    f"{path} imports {beside} and another plug-in imports {loaded}, but a process loads one module of "
-                    "a name alone; rename one of them"
-                )
+    for name, loaded in observing.modules().items():
+        place = Path(loaded).resolve()
+        home = place.parents[place.name == "__init__.py"]
+        beside = folder / place.relative_to(home)
+        imports = rf"^\s*(?:from|import)\s[^#\n]*\b{re.escape(name)}\b"
+        if home in _folders - {folder} and beside.exists() and re.search(imports, text, re.MULTILINE):
+            raise BenchError(
+                f"{path} imports {beside} and another plug-in imports {loaded}, but a process loads one module of "
+                "a name alone; rename one of them"
+            )
 
 
-def _is_own_optimizer(module: ModuleType, value: object) -> bool:
-    is_own = getattr(value, "__module__", None) == module.__name__
-    return is_own and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))
+def _run(code: str | bytes, file: str, module: ModuleType) -> None:
+    sys.modules[module.__name__] = module  # dataclasses look up annotations there
+    exec(compile(code, file, "exec"), vars(module))
+
+
+def _is_own(value: object, module: ModuleType) -> bool:
+    return getattr(value, "__module__", None) == module.__name__
+
+
+# texts, as language models write them
+
+
+def from_source(text: str) -> Any:
+    """Run the text of a Python file; return the last class or function in it that can be an optimizer.
+
+    A function is one that takes ``objective`` first or ``rng`` second.
+
+    Raises:
+        BenchError: where there is none, or the text raises.
+    """
+    module = ModuleType("candidate")
+    with explained("the source cannot be loaded", (Exception, SystemExit)):
+        _run(text, SOURCE, module)
+    found = [value for value in vars(module).values() if _is_own(value, module) and _fits(value)]
+    if not found:
+        raise BenchError(
+            "the source defines no optimizer: it needs a class X(budget, dim) with __call__(self, func), a function "
+            "(objective, rng), a class with ask and tell, or a bench.Optimizer"
+        )
+    return found[-1]
+
+
+def _fits(value: Any) -> bool:
+    if isinstance(value, type):
+        return not inspect.isabstract(value) if issubclass(value, Optimizer) else shape(value) is not None
+    first = [*taken(value)][:2] if inspect.isfunction(value) else []
+    return len(first) == 2 and (first[0] == "objective" or first[1] == "rng")
+
+
+def located(error: BaseException) -> str:
+    """Return an error as :func:`describe_error` does; one in a text begins with the line, as in "line 12: …"."""
+    inner = error
+    while isinstance(inner, BenchError) and inner.__cause__ is not None:
+        inner = inner.__cause__
+    lines = [frame.lineno for frame in traceback.extract_tb(inner.__traceback__) if frame.filename == SOURCE]
+    if isinstance(inner, SyntaxError) and inner.filename == SOURCE:
+        lines.append(inner.lineno)
+    return f"line {lines[-1]}: {describe_error(inner)}" if lines else describe_error(error)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
-from bench.errors import BenchError, explained, near, nearest, reason
+from bench.errors import BenchError, explained, nearest, reason
 from bench.optimizer import Optimizer, build
 from bench.plugins import from_file, objects, registry
 from bench.problem import Problem, with_own_box
@@ -55,14 +55,15 @@ def load_optimizer(name: str, /, **options: object) -> Optimizer:
     entry = name if name in installed else family
     if entry not in installed:
         from_file.require_class(name)
-        raise BenchError(f"unknown optimizer {name!r}{_like_optimizer(name)}")
+        known = f"; known: {', '.join(sorted(installed))}"
+        raise BenchError(f"unknown optimizer {name!r}{nearest(name, list_optimizers(), known)}")
     plugin = registry.load("optimizers", entry)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
-    if isinstance(plugin, registry.Family) and colon:
-        loaded = _call_loader(plugin.load, name, options)
-        if isinstance(loaded, Optimizer):
-            return loaded
+    if registry.is_family(plugin) and colon:
+        plugin = _call_loader(plugin.load, name, options)
+        if isinstance(plugin, Optimizer):
+            return plugin
     if registry.is_family(plugin):
         raise BenchError(
             f"{name!r} is a family; name one of its optimizers, as in '{family}:<name>' (see 'bench list')"
@@ -115,7 +116,7 @@ def load_problem(name: str, /, **options: object) -> Problem:
         if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
         listed += names
-    from_file.require_class(name, "problem")
+    from_file.require_class(name)
     otherwise = f"; the families are {', '.join(sorted(families))}: 'bench list problems' shows them"
     raise BenchError(f"unknown problem {name!r}{nearest(name, listed, otherwise)}")
 
@@ -168,17 +169,6 @@ def is_built_in(optimizer: str) -> bool:
     """Return whether an optimizer's code, if not the library behind it, comes with the harness; nothing is loaded."""
     entry = None if from_file.split(optimizer) else registry.entry("optimizers", optimizer)
     return entry is not None and entry.dist is not None and entry.dist.name == registry.DISTRIBUTION
-
-
-def _like_optimizer(name: str) -> str:
-    """Return a hint at names that are near; the built-in families' libraries are imported only where none is."""
-    names = list(registry.entries("optimizers"))
-    if not near(name, names, cutoff=0.6):
-        for entry in filter(is_built_in, tuple(names)):
-            with suppress(Exception, SystemExit):  # a library that is missing or broken
-                plugin = registry.load("optimizers", entry)
-                names += plugin.names() if registry.is_family(plugin) else []
-    return nearest(name, names, f"; known: {', '.join(sorted(registry.entries('optimizers')))}")
 
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:

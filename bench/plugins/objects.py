@@ -12,11 +12,12 @@ from copy import copy
 from typing import Any, NamedTuple
 
 from bench.errors import BenchError, explained
-from bench.helpers.text import free, option
+from bench.helpers.text import free, option, short_hash
 from bench.numbers import is_finite
 from bench.optimizer import Optimizer, build, defaults, is_frozen, settings
 from bench.plugins import observing, registry
-from bench.plugins.functions import is_loose, optimizer_of
+from bench.plugins.from_file import from_source
+from bench.plugins.functions import class_of
 from bench.plugins.packing import PackedObject, pack, unpack
 from bench.problem import FunctionProblem, Problem, with_own_box
 
@@ -78,37 +79,35 @@ def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str]
     Raises:
         BenchError: for anything else, and for what cannot be sent to other processes.
     """
-    own, installed, chosen = label or title(thing), "", dict[str, Any]()
+    own, chosen = label or title(thing), dict[str, Any]()
     if kind == "problems":
         as_problem(thing)
     else:
         made = as_optimizer(thing, own)
-        if own_class := isinstance(thing, Optimizer) or (isinstance(thing, type) and issubclass(thing, Optimizer)):
-            usual = defaults(made)
-            chosen = {key: value for key, value in settings(made).items() if key not in usual or value != usual[key]}
-            installed = _installed(type(made))
-        if own_class and all(map(_is_plain, chosen.values())):
-            thing, shown = type(made), ",".join(f"{key}={option(value)}" for key, value in chosen.items())
+        usual = defaults(made)
+        differing = {key: value for key, value in settings(made).items() if key not in usual or value != usual[key]}
+        is_own = isinstance(thing, Optimizer) or (isinstance(thing, type) and issubclass(thing, Optimizer))
+        if is_own and all(isinstance(value, (bool, str)) or is_finite(value) for value in differing.values()):
+            thing, chosen, installed = type(made), differing, _installed(type(made))
+            shown = ",".join(f"{key}={option(value)}" for key, value in chosen.items())
             own = label or (installed or own) + (f"[{shown}]" if shown else "")
-        else:
-            installed, chosen = "", {}
-    if installed:
-        return Named(installed, own, chosen)
+            if installed:
+                return Named(installed, own, chosen)
     packed, base = pack(thing), PREFIX + (label or title(thing))
-    others = {name for name in taken if held[f"{kind} {name}"].digest != packed.digest}
-    name = free(base, others)
-    if twin := next(
-        (other for other in taken if other != name and held[f"{kind} {other}"].digest == packed.digest), ""
-    ):
+    digests = {name: held[f"{kind} {name}"].digest for name in taken}
+    name = free(base, {name for name, digest in digests.items() if digest != packed.digest})
+    if twin := next((other for other, digest in digests.items() if other != name and digest == packed.digest), ""):
         warnings.warn(f"{name} has the same code and data as {twin}: a loop may give both its last value", stacklevel=3)
     held[f"{kind} {name}"], _own[f"{kind} {name}"] = packed, thing
     return Named(name, own + name.removeprefix(base) if own in NAMELESS else own, chosen)
 
 
-def packed_optimizer(thing: Any) -> PackedObject:
-    """Return what :func:`as_optimizer` takes, as it travels; raises BenchError for anything else."""
-    made = as_optimizer(thing)
-    return pack(made if isinstance(thing, Optimizer) else thing)
+def packed(candidate: Any) -> PackedObject:
+    """Return a source, or what :func:`as_optimizer` takes, as it travels; raises BenchError for anything else."""
+    if isinstance(candidate, str):
+        return PackedObject(b"", short_hash(candidate), candidate)
+    made = as_optimizer(candidate)
+    return pack(made if isinstance(candidate, Optimizer) else candidate)
 
 
 def _load(kind: str, name: str) -> Any:
@@ -126,7 +125,7 @@ def _load(kind: str, name: str) -> Any:
     if (own := _own.get(f"{kind} {name}")) is not None:
         return copy(own) if isinstance(own, (Problem, Optimizer)) else own
     with explained(f"{name!r} cannot be loaded here", Exception):  # it may miss a module
-        return unpack(packed.content)
+        return unpack(packed.content) if packed.source is None else from_source(packed.source)
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
@@ -160,14 +159,7 @@ def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None =
                 "parameter as a field"
             )
         return build(type(thing), name, settings(thing) | chosen) if chosen else thing
-    if isinstance(thing, type) and issubclass(thing, Optimizer):
-        return build(thing, name, chosen)
-    if is_loose(thing) and not isinstance(thing, Problem):
-        return build(optimizer_of(thing, name, load_optimizer), name, chosen)
-    raise BenchError(
-        f"{name!r} is no optimizer: give a name, a subclass of bench.Optimizer or an instance of one, a function "
-        "(objective, rng), a class with ask and tell, or a class X(budget, dim) with __call__(func)"
-    )
+    return build(class_of(thing, name, load_optimizer), name, chosen)
 
 
 def as_problem(
@@ -214,8 +206,3 @@ def _installed(kind: type[Optimizer]) -> str:
         return name
     where = f"{kind.__module__}:{kind.__qualname__}"
     return next((name for name, entry in registry.entries("optimizers").items() if entry.value == where), "")
-
-
-def _is_plain(value: object) -> bool:
-    """Return whether a study's file can hold a value."""
-    return isinstance(value, (bool, str)) or is_finite(value)

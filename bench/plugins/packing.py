@@ -43,10 +43,12 @@ class PackedObject(NamedTuple):
     Attributes:
         content: what :func:`unpack` takes.
         digest: a hash of it without file names, lines and the numbers that cloudpickle gives to classes.
+        source: the text of a Python file in its place, which is run where it is loaded.
     """
 
     content: bytes
     digest: str
+    source: str | None = None
 
 
 def pack(thing: object) -> PackedObject:

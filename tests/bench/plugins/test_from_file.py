@@ -109,7 +109,7 @@ def test_an_edited_file_is_loaded_anew(mine):
     [
         ("mine.py:Mne", {}, "holds no optimizer called 'Mne'; did you mean 'Mine'?"),
         ("mine.py:", {}, "holds no optimizer called ''"),
-        ("mine.py:number", {}, "'number' of {} is neither an Optimizer subclass nor a function"),
+        ("mine.py:number", {}, "'{}:number' is no optimizer: give a name"),
         ("mine.py:Loose", {}, "must be a frozen dataclass"),
         ("mine.py:lacking", {}, "must take (objective, rng) first"),
         ("mine.py:demanding", {}, "parameter 'must' of '{}:demanding' must be a keyword with a default"),
