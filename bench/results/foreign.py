@@ -7,7 +7,7 @@ column says is in the names of the file, the sheet and the folder. What is recog
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,11 +57,25 @@ _PROBLEM = re.compile(
 )
 _GENERIC = {
     "",
-    *["results", "result", "best", "fit", "fitness", "runs", "run", "data", "all", "final", "values", "errors"],
+    "results",
+    "result",
+    "best",
+    "fit",
+    "fitness",
+    "runs",
+    "run",
+    "data",
+    "all",
+    "final",
+    "values",
+    "errors",
 }
+_AMBIGUOUS = {"fun", "f", "objective", "model", "name", "config"}  # of numbers, they are no names
+_NAMES = ("problem", "optimizer", "indicator", "run")  # may hold any text
+_FAILED = {"nan", "na", "n/a", "none", "null", "-"}
 _NUMBER = r"[-+]?[\d.,]+(e[-+]?\d+)?"
 _SUMMARY = re.compile(rf"\s*{_NUMBER}\s*(±|\+/-|\+-|\\pm|\(\s*{_NUMBER}\s*\)).*", re.IGNORECASE)
-_NUMBER_ONLY = "(?i)[-+]?[0-9]{1,3}(,[0-9]{3})+[.][0-9]*(e[-+]?[0-9]+)?"
+_THOUSANDS = "(?i)[-+]?[0-9]{1,3}(,[0-9]{3})+[.][0-9]*(e[-+]?[0-9]+)?"
 NO_TEST = (
     "a summary of runs, which cannot be tested: give a row a run, or compare the printed numbers with 'bench reproduce'"
 )
@@ -77,22 +91,13 @@ class Table:
     where: str = "the table"
 
 
-@dataclass(frozen=True)
-class Recognised:
-    """The rows of all runs, and sentences on what was taken for what.
-
-    ``rows`` has ``problem``, ``optimizer``, ``run`` (from 0) and ``value``, and ``evaluations`` and ``seed`` where all
-    rows have them.
-    """
-
-    rows: pd.DataFrame
-    said: tuple[str, ...]
-
-
 def recognised(
     tables: Sequence[Table], columns: Mapping[str, str] | None = None, *, maximise: bool = False
-) -> Recognised:
-    """Return the runs of tables.
+) -> tuple[pd.DataFrame, list[str]]:
+    """Return the rows of the runs of tables, and sentences on what was taken for what.
+
+    The rows have ``problem``, ``optimizer``, ``run`` (from 0) and ``value``, and ``evaluations`` and ``seed`` where all
+    have them.
 
     Args:
         tables: of one experiment.
@@ -103,50 +108,50 @@ def recognised(
         BenchError: for summaries, for tables without values, optimizers or problems, and where several rows are of one
             run and none says in which order.
     """
-    given = dict(columns or {})
+    given = columns or {}
     if unknown := [role for role in given if role not in SYNONYMS]:
         raise BenchError(f"a column is no {unknown[0]!r}{nearest(unknown[0], SYNONYMS)}; it is {', '.join(SYNONYMS)}")
-    names = _distinct([table.name for table in tables])
-    parts, said = [], dict[str, None]()
-    for table, name in zip(tables, names, strict=True):
-        rows, sentence = _long(table, name, given)
-        parts.append(rows)
-        said[sentence] = None
     heads = {_plain(name) for table in tables for name in table.cells}
     if absent := [name for name in given.values() if _plain(name) not in heads]:
         raise BenchError(f"{tables[0].where} has no column {absent[0]!r}")
-    rows = pd.concat(parts, ignore_index=True)
+    names = _distinct([table.name for table in tables])
+    parts = [_long(table, name, given) for table, name in zip(tables, names, strict=True)]
+    rows = pd.concat([part for part, _ in parts], ignore_index=True)
+    said = [*dict.fromkeys(sentence for _, sentence in parts)][:5]
+    if empty := int(rows["value"].isna().sum()):
+        said.append(f"{count(empty, 'empty cell')} left out")
+        rows = rows.dropna(subset="value")
+    if rows.empty:
+        raise BenchError(f"{tables[0].where} holds no value")
     for name in ("problem", "optimizer"):
         rows[name] = rows[name].astype(str).str.strip()
-    notes = list(said)[:5]
-    if empty := int(rows["value"].isna().sum()):
-        notes.append(f"{count(empty, 'empty cell')} left out")
-        rows = rows[rows["value"].notna()]
-    better = rows["more"].astype(bool) | maximise
-    rows["value"] = rows["value"].where(~better, -rows["value"])
-    rows, about = _by_run(rows.assign(more=better))
-    better = rows.pop("more").astype(bool)
-    if not len(rows):
-        raise BenchError(f"{tables[0].where} holds no value")
-    cells = rows.groupby(["problem", "optimizer"])["run"].nunique()
-    least, most = int(cells.min()), int(cells.max())
-    runs = str(least) if least == most else f"{least} to {most}"
-    negated = sorted(rows["problem"][better].unique())
-    way = "lower is better" if not negated else "higher is better: values are negated"
-    if negated and not better.all():
-        way = f"lower is better, but higher for {listed(negated)}, whose values are negated"
-    notes.append(
-        f"{runs} {'run' if most == 1 else 'runs'} of {count(rows['optimizer'].nunique(), 'optimizer')} on "
-        f"{count(rows['problem'].nunique(), 'problem')}; {way}"
+    more = rows.pop("more") | maximise
+    rows["value"] = rows["value"].where(~more, -rows["value"])
+    negated = listed(sorted(rows["problem"][more].unique()))
+    way = "higher is better: values are negated" if negated else "lower is better"
+    if negated and not more.all():
+        way = f"lower is better, but higher for {negated}, whose values are negated"
+    rows, about = _by_run(rows)
+    trials = rows.groupby(["problem", "optimizer"])["run"].nunique()
+    runs = "run" if trials.max() == 1 else "runs"
+    said.append(
+        f"{' to '.join(map(str, sorted({trials.min(), trials.max()})))} {runs} of "
+        f"{count(rows['optimizer'].nunique(), 'optimizer')} on {count(rows['problem'].nunique(), 'problem')}; {way}"
     )
-    return Recognised(rows.reset_index(drop=True), (*notes, *about))
+    return rows.reset_index(drop=True), [*said, *about]
+
+
+def are_problems(names: Iterable[object]) -> bool:
+    """Return whether at least half of the names are those of test functions."""
+    found = [_PROBLEM.fullmatch(_plain(name)) is not None for name in dict.fromkeys(names)]
+    return sum(found) * 2 >= len(found) > 0
 
 
 def _plain(name: object) -> str:
     return re.sub(r"[^a-z0-9]", "", re.sub(r"[\[(].*?[\])]", "", str(name)).lower())
 
 
-def numbers(cells: pd.Series[str], where: str) -> pd.Series[float] | None:
+def _numbers(cells: pd.Series[str], where: str) -> pd.Series[float] | None:
     """Return the numbers of a column, missing where a cell is empty, +inf for NaN; None where a cell is none.
 
     Raises:
@@ -156,43 +161,30 @@ def numbers(cells: pd.Series[str], where: str) -> pd.Series[float] | None:
         return None
     if pd.api.types.is_numeric_dtype(cells):
         return cells.astype(float)
-    texts = cells.fillna("").astype(str).str.strip()
-    found = pd.to_numeric(texts.where(texts != ""), errors="coerce")
-    lost = texts[found.isna() & (texts != "")]
-    if len(lost) and (summary := lost[lost.str.fullmatch(_SUMMARY)]).size:
-        raise BenchError(f"{where} has {summary.iloc[0]!r}, {NO_TEST}")
-    if not len(lost):
-        return found
-    failed = lost.str.lower().isin(["nan", "na", "n/a", "none", "null", "-"])
-    lost = lost[~failed]
-    thousands = lost.str.fullmatch(_NUMBER_ONLY)
-    mended = lost.where(~thousands, lost.str.replace(",", "")).str.replace(",", ".")
-    found.loc[lost.index] = pd.to_numeric(mended.str.replace("−", "-"), errors="coerce")
-    if found.loc[lost.index].isna().any():
-        return None
-    found.loc[failed[failed].index] = np.inf
-    return found
+    texts = cells.fillna("").astype(str).str.strip().str.replace("−", "-")
+    failed = texts.str.lower().isin(_FAILED)
+    found = pd.to_numeric(texts.mask(failed | (texts == "")), errors="coerce").astype(float)
+    lost = texts[found.isna() & ~failed & (texts != "")]
+    if (summaries := lost[lost.str.fullmatch(_SUMMARY)]).size:
+        raise BenchError(f"{where} has {summaries.iloc[0]!r}, {NO_TEST}")
+    mended = lost.mask(lost.str.fullmatch(_THOUSANDS), lost.str.replace(",", "")).str.replace(",", ".")
+    found[lost.index] = pd.to_numeric(mended, errors="coerce")
+    found[failed] = np.inf
+    return None if found[lost.index].isna().any() else found
 
 
-def _roles(cells: pd.DataFrame, given: Mapping[str, str], figures: Mapping[str, pd.Series[float]]) -> dict[str, str]:
-    """Return the names of columns by what they are."""
-    plain = {_plain(name): str(name) for name in reversed(list(cells))}
-    roles: dict[str, str] = {}
-    for role, name in given.items():
-        matches = [str(each) for each in cells if each == name or _plain(each) == _plain(name)]
-        if matches:
-            roles[role] = matches[0]
+def _roles(heads: Sequence[str], given: Mapping[str, str], figures: Container[str]) -> dict[str, str]:
+    """Return the names of columns by what they are; ``figures`` are those that hold numbers."""
+    plain = {_plain(name): name for name in reversed(heads)}
+    roles = {role: plain[_plain(name)] for role, name in given.items() if _plain(name) in plain}
     for role, synonyms in SYNONYMS.items():
-        for synonym in synonyms.split():
-            name = plain.get(synonym, "")
-            if role in roles or synonym not in plain or name in roles.values():
-                continue
+        for synonym in filter(plain.__contains__, synonyms.split()):
+            name = plain[synonym]
             if role in ("problem", "optimizer"):
-                ambiguous = synonym in ("fun", "f", "objective", "model", "name", "config")
-                fits = not ambiguous or name not in figures
+                fits = name not in figures or synonym not in _AMBIGUOUS
             else:
-                fits = role == "indicator" or name in figures or role == "run"
-            if fits:
+                fits = name in figures or role in ("indicator", "run")
+            if fits and role not in roles and name not in roles.values():
                 roles[role] = name
     return roles
 
@@ -201,100 +193,88 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
     """Return the rows of a table, and what its columns were taken for."""
     cells = table.cells.set_axis([str(each).strip() for each in table.cells], axis=1)
     cells = cells.loc[:, ~cells.columns.duplicated()]
-    heads = list(map(str, cells))
-    read = {each: numbers(cells[each], f"{table.where}, column {each!r},") for each in heads}
-    figures = {each: found for each, found in read.items() if found is not None}
-    roles = _roles(cells, given, figures)
-    names = {_plain(each) for each in cells}
+    heads: list[str] = [*cells]
+    read = {each: _numbers(cells[each], f"{table.where}, column {each!r},") for each in heads}
+    figures = pd.DataFrame({each: found for each, found in read.items() if found is not None}, cells.index)
+    names = {_plain(each) for each in heads}
     if names & _MEANS and names & _SPREADS:
         raise BenchError(f"{table.where} has the columns {listed(heads, 8)}: {NO_TEST}")
-    kept = pd.DataFrame(
-        {
-            role: figures.get(of, cells[of]) if role not in ("problem", "optimizer", "indicator", "run") else cells[of]
-            for role, of in roles.items()
-        },
-        index=cells.index,
-    )
-    wide = [each for each in figures if each not in roles.values() and not _EXTRA.fullmatch(_plain(each))]
-    runs_wide = [each for each in wide if _RUNS.fullmatch(_plain(each))]
-    iterations = [each for each in wide if _ITERATIONS.fullmatch(_plain(each))]
-    first = next((each for each in heads if each not in figures and each not in roles.values()), None)
-    spread = ""
+    roles = _roles(heads, given, figures)
+    wide = [
+        each for each in heads if each in figures and each not in roles.values() and not _EXTRA.fullmatch(_plain(each))
+    ]
     if "value" not in roles and len(wide) == 1 and {"problem", "optimizer"} <= {*roles}:
         roles["value"] = wide[0]
-    short = _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and wide
-    if short:
+    elif _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and wide:
         wide.append(roles.pop("value"))  # an optimizer may be called GD
-    if "value" in roles:
-        kept["value"] = figures[roles["value"]]
-    elif iterations:
-        kept["value"] = pd.DataFrame({each: figures[each] for each in iterations}).min(axis=1)
-        spread = f"{iterations[0]} to {iterations[-1]} = iterations, of which the best counts"
-    elif not wide:
-        raise BenchError(
-            f"{table.where} has no column of values among {listed(heads, 12)}; name it by --column value=NAME"
-        )
-    else:
-        kept = kept.drop(columns="value", errors="ignore")
-        if len(runs_wide) >= max(2, len(wide) / 2):
-            role, wide = "run", runs_wide
-        elif "problem" in roles or "optimizer" in roles:
-            role = "problem" if "optimizer" in roles else "optimizer"
-        else:
-            role = "problem" if are_problems(wide) else "optimizer"
-        named = {"problem", "optimizer"} & {*roles}
-        if first is not None and not named:
-            is_problem = role == "optimizer" or (role == "run" and are_problems(cells[first]))
-            other = "problem" if is_problem else "optimizer"
-            roles[other], kept[other] = first, cells[first]
-            named = {other}
-        if role != "run" and not {*roles} & {"run", "seed"}:
-            kept["run"] = kept.groupby(list(named), sort=False).cumcount() if named else np.arange(len(cells))
-        shared = kept.drop(columns=role, errors="ignore")
-        if role == "run" and not named and len(cells) > 1:
-            kept, spread = _matrix(pd.DataFrame({each: figures[each] for each in wide}))
-        else:
-            parts = [shared.assign(value=figures[each]) for each in wide]
-            kept = pd.concat(parts, keys=wide, names=[role]).reset_index(role).reset_index(drop=True)
-            spread = f"columns {listed(wide, 6)} = {role}s"
+    if lacking := [of for role, of in roles.items() if role not in _NAMES and of not in figures]:
+        raise BenchError(f"{table.where} has no numbers in its column {lacking[0]!r}")
+    kept = pd.DataFrame({role: (cells if role in _NAMES else figures)[of] for role, of in roles.items()}, cells.index)
+    spread = ""
+    if "value" not in roles:
+        if not wide:
+            raise BenchError(
+                f"{table.where} has no column of values among {listed(heads, 12)}; name it by --column value=NAME"
+            )
+        first = next((each for each in heads if each not in figures and each not in roles.values()), None)
+        kept, spread, wide = _melted(figures[wide], cells.get(first), roles, kept)
     by_name = _named(name, table, kept)
-    for role, text in by_name.items():
-        kept[role] = text
+    kept = kept.assign(**by_name)
     if "indicator" in kept:
-        several = kept["indicator"].nunique() > 1
         kept["more"] = kept["indicator"].map(_plain).isin(_MORE_IS_BETTER)
-        if several:
+        if kept["indicator"].nunique() > 1:
             kept["problem"] = kept["problem"].astype(str) + " " + kept["indicator"].astype(str)
     else:
         kept["more"] = _plain(roles.get("value", "")) in _MORE_IS_BETTER
     for role, letter in (("dimension", "d"), ("instance", "i")):
         if role in kept and kept[role].notna().all() and roles.get("problem") != roles[role]:
-            kept["problem"] = kept["problem"].astype(str) + f"-{letter}" + kept[role].astype(float).map("{:g}".format)
-    said = [f"{of} = {role}" for role, of in roles.items() if role in kept or role == "value"]
+            kept["problem"] = kept["problem"].astype(str) + f"-{letter}" + kept[role].map("{:g}".format)
+    unused = [each for each in heads if each not in {*roles.values(), *wide}]
+    said = [f"{of} = {role}" for role, of in roles.items() if role in kept]
     said += [spread] if spread else []
     said += [f"{'file or folder names' if table.name else 'none'} = {role}" for role in by_name]
-    unused = [each for each in heads if each not in {*roles.values(), *wide, *iterations}]
     said += [f"not used: {listed(unused, 8)}"] if unused else []
     wanted = ["problem", "optimizer", "run", "seed", "evaluations", "iteration", "value", "more"]
     return kept[[each for each in wanted if each in kept]], "columns: " + "; ".join(said)
 
 
-def _matrix(cells: pd.DataFrame) -> tuple[pd.DataFrame, str]:
-    """Return the runs of a matrix with a run a column; its rows are their courses where values fall, else problems."""
-    ended = cells.iloc[:-1] if len(cells) > 2 and (cells.iloc[-1] > cells.iloc[-2]).all() else cells
-    said = f"{cells.columns[0]} to {cells.columns[-1]} = runs"
-    if (ended.diff().iloc[1:] <= 0).all(axis=None):
-        last = "" if ended is cells else "; the last row, of evaluations, is left out"
-        best = ended.min()
-        return pd.DataFrame({"run": best.index, "value": best.to_numpy()}), f"{said}, rows = their courses{last}"
-    long = cells.set_axis([f"f{place}" for place in range(1, len(cells) + 1)], axis=0).rename_axis("problem")
-    return long.reset_index().melt("problem", var_name="run"), f"{said}, rows = problems f1 to f{len(cells)}"
+def _melted(
+    wide: pd.DataFrame, texts: pd.Series[str] | None, roles: dict[str, str], kept: pd.DataFrame
+) -> tuple[pd.DataFrame, str, list[str]]:
+    """Return a row a value of a table with several columns of them, what these columns are, and their names.
 
-
-def are_problems(names: Iterable[object]) -> bool:
-    """Return whether at least half of the names are those of test functions."""
-    found = [_PROBLEM.fullmatch(_plain(name)) is not None for name in dict.fromkeys(names)]
-    return sum(found) * 2 >= len(found) > 0
+    Args:
+        wide: the columns of values.
+        texts: a column that names problems or optimizers where no other is known to.
+        roles: the names of columns by what they are, which get that of ``texts``.
+        kept: the columns of these roles.
+    """
+    heads, named = [*map(str, wide)], {"problem", "optimizer"} & {*roles}
+    if steps := [each for each in heads if _ITERATIONS.fullmatch(_plain(each))]:
+        said = f"{steps[0]} to {steps[-1]} = iterations, of which the best counts"
+        return kept.assign(value=wide[steps].min(axis=1)), said, steps
+    runs = [each for each in heads if _RUNS.fullmatch(_plain(each))]
+    if len(runs) >= max(2, len(heads) / 2):
+        role, heads = "run", runs
+    else:
+        role = "problem" if "optimizer" in named or (not named and are_problems(heads)) else "optimizer"
+    said = f"columns {listed(heads, 6)} = {role}s"
+    if texts is not None and not named:
+        other = "problem" if role == "optimizer" or (role == "run" and are_problems(texts)) else "optimizer"
+        roles[other], kept[other], named = str(texts.name), texts, {other}
+    if role == "run" and not named and len(wide) > 1:  # a matrix
+        said = f"{heads[0]} to {heads[-1]} = runs"
+        counts = len(wide) > 2 and bool((wide[heads].iloc[-1] > wide[heads].iloc[-2]).all())
+        course = wide[heads].iloc[: -1 if counts else None]
+        if (course.diff().iloc[1:] <= 0).all(axis=None):
+            said += ", rows = their courses" + "; the last row, of evaluations, is left out" * counts
+            return course.min().rename_axis("run").reset_index(name="value"), said, heads
+        kept["problem"] = [f"f{place}" for place in range(1, len(wide) + 1)]
+        said += f", rows = problems f1 to f{len(wide)}"
+    elif role != "run" and not {*roles} & {"run", "seed"}:
+        kept["run"] = kept.groupby([*named], sort=False).cumcount() if named else range(len(wide))
+    parts = [kept.assign(value=wide[each], **{role: each}) for each in heads]
+    return pd.concat(parts, ignore_index=True), said, heads
 
 
 def _distinct(names: Sequence[str]) -> list[str]:
@@ -314,50 +294,46 @@ def _named(name: str, table: Table, kept: pd.DataFrame) -> dict[str, str]:
         return {role: name or role for role in missing}
     if cec := re.fullmatch(r"(.+?)[_-][fF]?(\d+)[_-][dD]?(\d+)", table.name):
         return {"optimizer": cec[1], "problem": f"f{int(cec[2])}-d{cec[3]}"}
-    for optimizer, problem in ((1, 2), (2, 1)):
-        pair = re.fullmatch(r"(.+?)[_-](.+)" if optimizer == 1 else r"(.+)[_-](.+?)", table.name)
+    for optimizer, problem, form in ((1, 2, r"(.+?)[_-](.+)"), (2, 1, r"(.+)[_-](.+?)")):
+        pair = re.fullmatch(form, table.name)
         if pair and are_problems([pair[problem]]) and not are_problems([pair[optimizer]]):
             return {"optimizer": pair[optimizer], "problem": pair[problem]}
-    of_folder = "problem" if are_problems([table.folder]) and not are_problems([name]) else "optimizer"
-    return {of_folder: table.folder or of_folder, ({"problem", "optimizer"} - {of_folder}).pop(): name or "problem"}
+    if are_problems([table.folder]) and not are_problems([name]):
+        return {"optimizer": name or "optimizer", "problem": table.folder}
+    return {"optimizer": table.folder or "optimizer", "problem": name or "problem"}
 
 
 def _by_run(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     """Return rows with runs as numbers from 0, those of a run in order of evaluations; and what is to be said."""
-    cell = ["problem", "optimizer"]
-    notes: list[str] = []
-    for name in ("run", "seed", "evaluations", "iteration"):
-        if name in rows and rows[name].isna().any():
-            rows = rows.drop(columns=name)
+    cell, notes = ["problem", "optimizer"], []
+    partly = [name for name in ("run", "seed", "evaluations", "iteration") if name in rows and rows[name].isna().any()]
+    rows = rows.drop(columns=partly)
     key = next((name for name in ("run", "seed") if name in rows), "")
-    texts = rows[key] if key else None
+    numbered = rows[key] if key else rows.groupby(cell, sort=False).cumcount()
     if "seed" in rows:
         seeds = rows["seed"]
         whole = (seeds % 1 == 0) & (seeds >= 0) & (seeds < 2**53)
         rows = rows.assign(seed=seeds.astype("int64")) if whole.all() else rows.drop(columns="seed")
-    if texts is None:
-        rows = rows.assign(run=rows.groupby(cell, sort=False).cumcount())
-        return rows.drop(columns="iteration", errors="ignore"), notes
-    order = pd.to_numeric(texts, errors="coerce")
-    codes = pd.factorize(order if order.notna().all() else texts.astype(str), sort=True)[0]
-    rows = rows.assign(run=codes)
-    if rows["problem"].nunique() > 1 and rows.groupby("run")["problem"].nunique().max() > 1 and key == "seed":
-        notes.append("runs on different problems share seeds: they may depend on each other")
-    elif rows["problem"].nunique() > 1:
-        notes.append("runs on different problems share numbers: where these are seeds, they may depend on each other")
-    if rows.duplicated([*cell, "run"]).any():
-        if step := next((name for name in ("evaluations", "iteration") if name in rows), ""):
-            rows = rows.sort_values([*cell, "run", step], kind="stable")
+    order = pd.to_numeric(numbered, errors="coerce")
+    numbered = order if order.notna().all() else numbered.astype(str)
+    rows = rows.assign(run=pd.factorize(numbered, sort=True)[0] if key else numbered)
+    one = [*cell, "run"]
+    if key and rows["problem"].nunique() > 1:
+        shared = key == "seed" and rows.groupby("run")["problem"].nunique().max() > 1
+        what = "seeds: they" if shared else "numbers: where these are seeds, they"
+        notes.append(f"runs on different problems share {what} may depend on each other")
+    step = next((name for name in ("evaluations", "iteration") if name in rows), "")
+    if key and rows.duplicated(one).any():
         if step == "iteration":
             notes.append("the best of the iterations of a run counts")
-            rows = rows.groupby([*cell, "run"], sort=False, as_index=False).agg(
-                {"value": "min"} | dict.fromkeys({"seed", "more"} & {*rows}, "first")
-            )
-        elif not step or rows.duplicated([*cell, "run", step]).any():
-            twice = rows[rows.duplicated([*cell, "run"] + ([step] if step else []))].iloc[0]
+            rows = rows.sort_values("value", kind="stable").drop_duplicates(one).sort_index()
+        elif rows.duplicated(within := [*one, step] if step else one).any():
+            twice = rows[rows.duplicated(within)].iloc[0]
             raise BenchError(
                 f"several rows are of one run of {twice['optimizer']} on {twice['problem']}; name the column that "
                 "separates runs by --column run=NAME, or that of the evaluations of a course by --column "
                 "evaluations=NAME"
             )
+        else:
+            rows = rows.sort_values(within, kind="stable")
     return rows.drop(columns="iteration", errors="ignore"), notes

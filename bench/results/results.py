@@ -395,9 +395,9 @@ def load_results(path: AnyPath | pd.DataFrame, *others: AnyPath) -> pd.DataFrame
 def _of_frame(table: pd.DataFrame) -> pd.DataFrame:
     """Return the tidy frame of another tool's results, one row a run."""
     cells = table if isinstance(table.index, pd.RangeIndex) else table.reset_index()
-    found = recognised([Table(cells, where="the frame")])
-    warnings.warn("; ".join(found.said), stacklevel=3)
-    rows = found.rows.rename(columns={"run": "trial", "value": "fun", "evaluations": "nfev"})
+    rows, said = recognised([Table(cells, where="the frame")])
+    warnings.warn("; ".join(said), stacklevel=3)
+    rows = rows.rename(columns={"run": "trial", "value": "fun", "evaluations": "nfev"})
     runs = rows.groupby(["problem", "optimizer", "trial"], sort=False)
     last = runs.last().assign(fun=runs["fun"].min(), study="frame", status="ok").reset_index()
     return last.reindex(columns=[column.name for column in FRAME])

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Mapping, Sequence
-from io import BytesIO, StringIO
+from io import BytesIO
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -39,121 +40,95 @@ def runs(source: Source, files: Sequence[PurePosixPath], reading: Reading) -> It
     tables = list(reading.each(files, lambda file: _tables(source, file)))
     if not tables:
         return
-    found = recognised(tables, reading.columns, maximise=reading.maximise)
-    reading.notes.extend(found.said)
-    yield from _imported(found.rows, str(files[0]))
-
-
-def _imported(rows: pd.DataFrame, where: str) -> Iterator[ImportedRun]:
-    labels = {
-        name: {text: label(text, f"{where}, {name},") for text in rows[name].unique()}
-        for name in ("problem", "optimizer")
-    }
-    counted = "evaluations" in rows
+    rows, said = recognised(tables, reading.columns, maximise=reading.maximise)
+    reading.notes.extend(said)
+    for name in ("problem", "optimizer"):
+        rows[name] = rows[name].map({text: label(text, f"{files[0]}, {name},") for text in rows[name].unique()})
     rows, runs_of = by_run(rows, ("problem", "optimizer", "run"))
-    values = rows["value"].to_numpy(float)
-    evaluations = rows["evaluations"].to_numpy(float).astype(np.int64) if counted else np.zeros(len(rows), np.int64)
-    seeds = rows["seed"].tolist() if "seed" in rows else [None] * len(rows)
+    values, seeds = rows["value"].to_numpy(float), rows.get("seed")
+    evaluations = rows["evaluations"].to_numpy(np.int64) if "evaluations" in rows else None
     for (problem, optimizer, number), run in runs_of:
-        columns: dict[str, Any] = {} if seeds[run.start] is None else {"seed": seeds[run.start]}
+        columns: dict[str, Any] = {} if seeds is None else {"seed": int(seeds.iloc[run.start])}
         nfev, trace = 0, NO_TRACE
-        if counted:
-            require_increasing(evaluations[run], range(run.start + 2, run.stop + 2), where)
-            nfev = int(evaluations[run.stop - 1])
-            trace = improvements(evaluations[run], values[run])
+        if evaluations is not None:
+            require_increasing(evaluations[run], range(run.start + 2, run.stop + 2), str(files[0]))
+            nfev, trace = int(evaluations[run.stop - 1]), improvements(evaluations[run], values[run])
         else:
             columns |= {"fun": float(values[run.start]), "nfev": None}
-        name = labels["problem"][problem]
-        yield ImportedRun(name, labels["optimizer"][optimizer], naming.dimension_of(name), nfev, trace, number, columns)
+        yield ImportedRun(problem, optimizer, naming.dimension_of(problem), nfev, trace, number, columns)
 
 
 def _tables(source: Source, file: PurePosixPath) -> list[Table]:
     """Return the tables of a file: one, or one a sheet."""
-    content, kind = source.bytes(file), file.suffix.lower()
-    folder = file.parent.name
+    content, kind = BytesIO(source.bytes(file)), file.suffix.lower()
     try:
         if kind == ".xlsx":
-            sheets = pd.read_excel(BytesIO(content), sheet_name=None, header=None, dtype=object, engine="calamine")
-            filled = {name: cells for name, cells in sheets.items() if cells.size}
+            sheets = pd.read_excel(content, sheet_name=None, header=None, dtype=object, engine="calamine")
+            filled = {str(name): _headed(cells) for name, cells in sheets.items() if cells.size}
             if len(filled) > 1:
-                return [Table(_headed(c), str(n), file.stem, f"{file}, sheet {n},") for n, c in filled.items()]
-            cells = _headed(next(iter(filled.values()), pd.DataFrame()))
+                return [Table(cells, name, file.stem, f"{file}, sheet {name},") for name, cells in filled.items()]
+            cells = next(iter(filled.values()), pd.DataFrame())
         elif kind == ".parquet":
-            cells = pd.read_parquet(BytesIO(content)).reset_index()
-        elif kind in (".json", ".jsonl"):
-            cells = _json(content.decode("utf-8-sig"), lines=kind == ".jsonl")
+            cells = pd.read_parquet(content).reset_index()
+        elif kind == ".jsonl":
+            cells = pd.DataFrame([json.loads(line) for line in content if line.strip()])  # with every digit
+        elif kind == ".json":
+            cells = _records(json.load(content))
         else:
-            cells = _headed(_separated(_decoded(content)))
-    except BenchError:
-        raise
+            cells = _headed(_separated(content.read()))
     except ImportError as error:
         raise BenchError(f"{file} needs pip install 'backlash-bench[parquet]'") from error
     except Exception as error:  # what the libraries raise for damaged files is of many kinds
         why = (str(error).strip() or repr(error)).splitlines()[0]
         raise BenchError(f"{file} cannot be read as a table: {why}") from error
-    return [Table(cells, file.stem, folder, str(file))]
+    return [Table(cells, file.stem, file.parent.name, str(file))]
 
 
-def _decoded(content: bytes) -> str:
-    for encoding in ("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig", "cp1252"):
-        try:
-            return content.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    return content.decode("utf-8", errors="replace")
-
-
-def _separated(text: str) -> pd.DataFrame:
+def _separated(content: bytes) -> pd.DataFrame:
     """Return the cells of a text; semicolons and tabs go before commas, which may be decimal."""
+    try:
+        text = content.decode("utf-16" if content[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("cp1252", errors="replace")
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "%"))]
     separator = next((each for each in ";\t," if lines and all(each in line for line in lines[:2])), None)
-    if separator is None:
-        rows = [line.split() for line in lines]
-        if lines and (any(c.isalpha() for c in lines[0]) and len({len(row) for row in rows[:50]}) > 1):
-            rows = [[line] for line in lines]
+    if separator is not None:
+        rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
+    elif any(map(str.isalpha, "".join(lines[:1]))) and len({len(line.split()) for line in lines[:50]}) > 1:
+        rows = [[line] for line in lines]  # a column under a head of several words
     else:
-        rows = list(csv.reader(StringIO("\n".join(lines)), delimiter=separator, skipinitialspace=True))
+        rows = [line.split() for line in lines]
     return pd.DataFrame(rows, dtype=object)
 
 
 def _headed(cells: pd.DataFrame) -> pd.DataFrame:
     """Return cells under their heads; those of a file without heads are runs, or values where they are one column."""
-    while len(cells) > 1 and cells.shape[1] > 2 and cells.iloc[0].fillna("").astype(str).str.strip().ne("").sum() < 2:
-        cells = cells.iloc[1:]
+    while len(cells) > 1 and cells.shape[1] > 2 and (cells.iloc[0].fillna("").astype(str).str.strip() != "").sum() < 2:
+        cells = cells.iloc[1:]  # a title
     cells = cells.dropna(how="all", axis=1)
     if not cells.size:
         return pd.DataFrame()
-    first = cells.iloc[0].fillna("").astype(str).str.strip()
-    heads = pd.to_numeric(first.str.replace(",", "."), errors="coerce")
-    counting = len(heads) > 2 and bool((heads.iloc[1:].diff().iloc[1:] == 1).all() and heads.iloc[1] % 1 == 0)
-    if heads.notna().all() and not counting:
-        body = cells
-        names = ["value"] if cells.shape[1] == 1 else [f"run{place}" for place in range(1, cells.shape[1] + 1)]
-    else:
-        body = cells.iloc[1:]
-        names = [f"{text.removesuffix('.0')}" or f"Unnamed {place}" for place, text in enumerate(first)]
-    return body.set_axis(names, axis=1).reset_index(drop=True)
+    heads = cells.iloc[0].fillna("").astype(str).str.strip()
+    numbers = pd.to_numeric(heads.str.replace(",", "."), errors="coerce")
+    counting = len(heads) > 2 and bool((numbers.iloc[1:].diff().iloc[1:] == 1).all() and numbers.iloc[1] % 1 == 0)
+    if numbers.notna().all() and not counting:
+        names = ["value"] if len(heads) == 1 else [f"run{place}" for place in range(1, len(heads) + 1)]
+        return cells.set_axis(names, axis=1).reset_index(drop=True)
+    names = [text.removesuffix(".0") or f"Unnamed {place}" for place, text in enumerate(heads)]
+    return cells.iloc[1:].set_axis(names, axis=1).reset_index(drop=True)
 
 
-def _json(text: str, *, lines: bool) -> pd.DataFrame:
+def _records(found: Any) -> pd.DataFrame:
     """Return records, columns, or the runs of dictionaries of optimizers and problems."""
-    found = [json.loads(line) for line in text.splitlines() if line.strip()] if lines else json.loads(text)
-    if isinstance(found, Mapping) and len(found) == 1 and isinstance(next(iter(found.values())), list):
-        (only,) = found.values()
-        found = only if only and isinstance(only[0], Mapping) else found
-    if isinstance(found, Mapping) and all(isinstance(each, Mapping) for each in found.values()):
-        rows = [
-            {"outer": outer, "inner": inner, "run": place, "value": _value(value)}
-            for outer, within in found.items()
-            for inner, values in within.items()
-            if isinstance(values, list)
-            for place, value in enumerate(values)
-        ]
-        if rows:
-            outer = "problem" if are_problems(found) else "optimizer"
-            inner = "optimizer" if outer == "problem" else "problem"
-            return pd.DataFrame(rows).rename(columns={"outer": outer, "inner": inner})
-    return pd.DataFrame(found)
+    values = [*found.values()] if isinstance(found, Mapping) else []
+    if len(values) == 1 and isinstance(values[0], list) and values[0] and isinstance(values[0][0], Mapping):
+        return pd.DataFrame(values[0])
+    nested = found.items() if values and all(isinstance(each, Mapping) for each in values) else ()
+    runs = pd.Series({(outer, inner): cell for outer, within in nested for inner, cell in within.items()}, dtype=object)
+    if not any(isinstance(cell, list) for cell in runs):
+        return pd.DataFrame(found)
+    roles = ["problem", "optimizer"] if are_problems(found) else ["optimizer", "problem"]
+    return runs.rename_axis(roles).explode().map(_value).reset_index(name="value")
 
 
 def _value(found: Any) -> Any:

@@ -164,6 +164,7 @@ SHAPES = {
     "JSON records": {
         "r.json": json.dumps(records(problem="benchmark", optimizer="solver", run="repetition", value="cost"))
     },
+    "JSON as pandas writes it": {"r.json": pd.DataFrame(records(value="Fitness")).to_json()},
     "runs in columns": {
         "r.csv": "Algorithm,Function,Run 1,Run 2,Run 3,Run 4\n"
         + "".join(
