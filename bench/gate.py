@@ -221,7 +221,6 @@ def _worded(
         trials_of = frame[frame["optimizer"] == label]
         if lost := int((trials_of["status"] != "ok").sum()):
             notes.append(f"{lost:,} of {count(len(trials_of), 'trial')} of {label} failed, and count as the worst.")
-    notes += findings.results.damage
     ordered = problems.sort_values(["worse", "low", "a12"], ascending=False, kind="stable")
     shown = _shown(test.worse_overall, test.high <= test.bound or identical)
     rows = [("all problems", "", *_measured(test.a12, test.low, test.high), "", shown)]

@@ -51,7 +51,7 @@ class Results(StoredResults):
         return answer(findings, lines(findings))
 
     def _counts(self) -> str:
-        """Return the numbers of trials as a table; damaged trials are counted as they are stored."""
+        """Return the numbers of trials as a table."""
         problems = {entry.label for entry in self.study.problems}
         found: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.optimizers}
         for source in self._sources:

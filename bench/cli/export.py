@@ -37,7 +37,6 @@ def command(
     from bench.results.results import StoredResults
 
     output, results = output or folder / "export" / kind, StoredResults(folder)
-    results.note_stores()
     for note in export(results, kind, output):
         print_line(f"note: {note}", "yellow")
     print_line(f"export: {output}")

@@ -24,6 +24,4 @@ def command(
     from bench.storage.merge import merge
 
     merged = merge(folders, output)
-    for note in merged.notes:
-        print_line(note, "red")
     print_line(f"{merged.rows} trials in {output}: {merged.added} added, {merged.same} held by more than one folder")

@@ -96,13 +96,9 @@ def published(names: list[str] | None) -> tuple[list[Path], bool]:
 def report_on(folders: list[Path], console: Console, **settings: Any) -> None:
     """Write the report with settings of :func:`bench.write_report`, and print its answer and its path."""
     from bench.cli.answer import as_lines, read
-    from bench.storage.folder import STORE, Folder
     from bench.topics.write import write_report
 
     with steps(console, "report") as on_progress:
         page = write_report(*folders, on_progress=on_progress, **settings)
-    for folder in folders:
-        if (noted := Folder(folder).noted(STORE)) and not noted.get("sound"):
-            print_line(f"{folder}: {noted.get('sentence')}", "red", console)
     console.print(as_lines(read(page.parent)))
     print_line(f"report: {page}", console=console)

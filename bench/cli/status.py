@@ -33,8 +33,7 @@ def command(
 ) -> None:
     """Print the progress, failures and environments of a study's folder, also while a run writes to it.
 
-    It also prints when the trials were last compared with the digests that were stored with them, and the outcome. With
-    --check, the exit code is 1 where a trial is damaged or missing.
+    With --check, the exit code is 1 where a trial is damaged or missing.
     """
     from bench.cli import answer
     from bench.storage.folder import Folder
@@ -46,10 +45,10 @@ def command(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
-    store = folder.check_store() if check else folder.store.check_count()
+    store = folder.store.check() if check else folder.store.check_count()
     console.print(summary(folder))
-    if not check and not store.sound:
-        print_line(f"store: {store.sentence}", "red", console)
+    if check or not store.sound:
+        print_line(f"store: {store.sentence}", None if store.sound else "red", console)
     noted = {} if folder.running() else answer.read(folder.path)
     if noted and noted.get("trials") == sum(cell.done + cell.failed for cell in folder.store.cells()):
         console.print(answer.as_lines(noted))
@@ -63,12 +62,8 @@ def command(
 
 def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
     """Yield a line on each check, failure, killed run and environment of a folder, with its colour."""
-    from bench.storage.folder import AT_ENDS, STORE
+    from bench.storage.folder import AT_ENDS
 
-    if noted := folder.noted(STORE):
-        yield f"store checked {noted.get('checked')}: {noted.get('sentence')}", None if noted.get("sound") else "red"
-    else:
-        yield "store not checked yet: a report, 'bench verify' or 'bench status --check' does it", None
     for label, names in folder.changed().items():
         what = listed(list(map(shown, names)), 5)
         yield f"{label} changed since its trials were made ({what}): 'bench run' makes those of it now", "yellow"
@@ -83,8 +78,7 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
         yield line, "red" if verified.get("different") else None
     made = folder.store.made()
     for number, record in folder.store.environments().items():
-        lines = _environment(record, made.get(number, 0)) if record else [f"environment {number}: damaged record"]
-        yield from ((line, None) for line in lines)
+        yield from ((line, None) for line in _environment(record, made.get(number, 0)))
 
 
 def summary(folder: Folder) -> Group:

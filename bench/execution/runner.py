@@ -30,7 +30,6 @@ from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance
 from bench.storage.folder import DESCRIPTIONS, Folder, default_path, difference_line
 from bench.storage.merge import Reusable, reusable, take
-from bench.storage.reading import StoreCheck
 from bench.storage.selection import Selection
 from bench.study import Study
 from bench.trial import Trial
@@ -94,7 +93,6 @@ class Chosen:
         loaded: what was found when its plug-ins were loaded.
         verify: whether one trial of each optimizer is made again at the end.
         others: the folders to be reused.
-        sound: the check of the folder's store.
         selection: the study's cells in the folder, with what they are made from.
         notes: sentences on what was found, and on what changed since the last run.
         reused: what other folders hold of the cells, and is not taken yet.
@@ -106,7 +104,6 @@ class Chosen:
     loaded: Loaded
     verify: bool
     others: Sequence[Folder]
-    sound: StoreCheck = field(default_factory=StoreCheck)
     selection: Selection = field(default_factory=lambda: Selection({}))
     notes: Sequence[str] = ()
     reused: Sequence[tuple[Folder, Reusable]] = ()
@@ -260,18 +257,17 @@ def selected(chosen: Chosen) -> Chosen:
         BenchError: where the folder is damaged, or another one holds none of the cells.
     """
     folder, found = chosen.folder, chosen.loaded
-    sound = folder.require_sound()
+    folder.require_sound()
     study, selection = folder.select(chosen.study, found.dimensions, found.present)
     reused = [(other, reusable(other, selection.cells, found.present)) for other in chosen.others]
     notes = [*(each.sentence for _, each in reused), *selection.notes]
     task = replace(chosen.task, study=study)
-    return replace(chosen, sound=sound, task=task, selection=selection, notes=notes, reused=reused)
+    return replace(chosen, task=task, selection=selection, notes=notes, reused=reused)
 
 
 def taken(chosen: Chosen) -> Chosen:
     """Make the study the one of its folder, which must be locked, and take the trials of other folders."""
     folder = chosen.folder
-    folder.note_store(chosen.sound)
     folder.claim(chosen.study, chosen.selection)
     folder.note_selected(chosen.study)
     for other, found in chosen.reused:

@@ -19,7 +19,6 @@ from bench.numbers import require_whole
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder, difference_line
-from bench.storage.reading import StoreCheck
 from bench.study import Study
 from bench.trial import Trial
 
@@ -35,7 +34,7 @@ class Verification:
     jobs: int
     different: dict[Trial, str] = field(default_factory=dict)  # the trials that differ, each with the difference
     notes: tuple[str, ...] = ()  # differences between this environment and the one that made the trials
-    store: StoreCheck = field(default_factory=StoreCheck)  # of all stored trials, made again or not
+    stored: str = ""  # what the digests of all stored trials say
 
     @property
     def sentence(self) -> str:
@@ -70,7 +69,7 @@ def verify(
     found out, too.
 
     Trials that a limit of time has ended (``time`` of a study) cannot be repeated, and are left out. All stored trials
-    are compared with their digests; damaged ones are not made again.
+    are compared with their digests; a store with a damaged one is refused.
 
     Args:
         path: the folder that ``bench.run`` wrote.
@@ -84,10 +83,10 @@ def verify(
     """
     folder = Folder(path)
     study = folder.study()
-    store = folder.check_store()
+    store = folder.require_sound()
     found = resolved(study, path, untrusted=untrusted)
     folder.require_unchanged(study, found.loaded.present)
-    chosen = _chosen(folder, study, store, trials)
+    chosen = _chosen(folder, study, trials)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
     cores, noted = int(cpu_count()), [record.get("jobs") for record in folder.environments()]
@@ -109,7 +108,7 @@ def verify(
     different = late | {trial: what for trial, what in compared.items() if what}
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
-    outcome = Verification(cells, len(chosen), pool.jobs, different, notes, store)
+    outcome = Verification(cells, len(chosen), pool.jobs, different, notes, store.sentence)
     about = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
     kept = {key: value for key, value in folder.noted(VERIFICATION).items() if key == AT_ENDS}
     with suppress(BenchError):  # of a folder that cannot be written to, the verdict is what is returned
@@ -117,22 +116,20 @@ def verify(
     return outcome
 
 
-def _chosen(folder: Folder, study: Study, store: StoreCheck, trials: int) -> list[Trial]:
-    """Return up to ``trials`` sound, finished trials of each cell, chosen at random."""
+def _chosen(folder: Folder, study: Study, trials: int) -> list[Trial]:
+    """Return up to ``trials`` finished trials of each cell, chosen at random."""
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
-    with folder.store.reader() as reader:
-        for row in reader.sound("status = 'ok'"):
-            if by_the_clock(row, study):
-                continue
-            cell = cells.setdefault((row["problem"], row["optimizer"]), [])
-            again = not FORKS  # else the problem is kept apart, and nothing is answered from a journal
-            cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"], again))
+    columns = ("problem", "optimizer", "trial", "seed", "status", "stop", "failures")
+    for row in folder.store.rows("status = 'ok'", columns=columns):
+        if by_the_clock(row, study):
+            continue
+        cell = cells.setdefault((row["problem"], row["optimizer"]), [])
+        again = not FORKS  # else the problem is kept apart, and nothing is answered from a journal
+        cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"], again))
     if not cells:
         limits = [limit for limit in (study.time, study.evaluation_timeout) if limit is not None]
         but = ", but of those that a limit of time may have decided" if limits else ""
-        raise BenchError(
-            f"{folder.path} holds no finished trial to verify{but}" + f"; {store.sentence}" * (not store.sound)
-        )
+        raise BenchError(f"{folder.path} holds no finished trial to verify{but}")
     choice = random.Random(study.seed)
     return [trial for cell in cells.values() for trial in choice.sample(cell, min(trials, len(cell)))]

@@ -16,8 +16,8 @@ README = "README.txt"
 def export(results: StoredResults, kind: str, folder: Path) -> list[str]:
     """Write the results into ``folder`` in one of ``bench.formats.EXPORTABLE``; the same results give the same bytes.
 
-    An earlier export of the same format is replaced as a whole. Returns sentences on damaged trials and on what the
-    format could not hold, which the folder's README has too.
+    An earlier export of the same format is replaced as a whole. Returns sentences on what the format could not
+    hold, which the folder's README has too.
 
     Raises:
         BenchError: for an unknown format, for a study without trials or one that the format cannot hold, and for a
@@ -26,10 +26,10 @@ def export(results: StoredResults, kind: str, folder: Path) -> list[str]:
     if kind not in EXPORTABLE:
         raise BenchError(f"unknown export format {kind!r}{nearest(kind, EXPORTABLE)}")
     if results.frame.empty:
-        raise BenchError("; ".join(results.damage) or f"{results.paths[0]} holds no trials yet; run the study first")
+        raise BenchError(f"{results.paths[0]} holds no trials yet; run the study first")
     chosen = FORMATS[kind].writer
     files = chosen.files(results)
-    notes = results.damage + ([] if chosen.holds_failures else omission_notes(results.frame))
+    notes = [] if chosen.holds_failures else omission_notes(results.frame)
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
     readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
     try:

@@ -27,13 +27,12 @@ from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
 from bench.results.compared import Compared
 from bench.results.foreign import Table, recognised
-from bench.results.sources import StudyFolder, by_label, sources
+from bench.results.sources import by_label, sources
 from bench.results.tidy import Tidy
 from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
 from bench.scoring import Scored
 from bench.storage.folder import DESCRIPTIONS, Folder
-from bench.storage.reading import StoreCheck
 from bench.storage.traces import Traces
 from bench.study.selection import Dimensions, Patterns, selected
 
@@ -187,7 +186,7 @@ class StoredResults:
     @property
     def frame(self) -> pd.DataFrame:
         """The tidy frame, one row a sound trial; see :func:`load_results`."""
-        return self._frame_and_origins[0]
+        return self._read[0]
 
     def pooled(self) -> pd.DataFrame:
         """Return the frame that a report ranks and tests, for the functions of :mod:`bench.analysis`.
@@ -201,33 +200,17 @@ class StoredResults:
     @property
     def origins(self) -> pd.Series:
         """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
-        return self._frame_and_origins[1]
+        return self._read[1]
 
     @property
-    def stores(self) -> list[StoreCheck]:
-        """The check of each folder's store; damaged trials are neither in the frame nor among the traces."""
-        return [source.found for source in self._read_sources]
+    def stored(self) -> int:
+        """The number of trials that the folders store, all of which are as they were written."""
+        return self._read[2]
 
     @property
     def histories(self) -> list[list[dict[str, Any]]]:
         """What the runs of each folder selected, oldest first (:meth:`bench.storage.folder.Folder.history`)."""
         return [source.folder.history() for source in self._sources]
-
-    @property
-    def damage(self) -> list[str]:
-        """A sentence for each folder in which trials, or records of environments, are damaged."""
-        return [f"{source.name}: {source.found.sentence}" for source in self._read_sources if not source.found.sound]
-
-    def note_stores(self) -> None:
-        """Note the outcome of the check of its store in each folder that can be written."""
-        for source in self._read_sources:
-            source.folder.note_store(source.found)
-
-    @property
-    def _read_sources(self) -> list[StudyFolder]:
-        """The folders, whose stores are checked while the frame is read."""
-        _ = self._frame_and_origins
-        return self._sources
 
     @cached_property
     def _labels(self) -> tuple[set[str], set[str]]:
@@ -241,40 +224,38 @@ class StoredResults:
         return by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
 
     @cached_property
-    def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
+    def _read(self) -> tuple[pd.DataFrame, pd.Series, int]:
+        """Frame, origins and the number of stored trials, which are compared with their digests."""
         tidy = Tidy()
-        for source in self._sources:
-            source.read(tidy, *self._labels)
+        stored = sum(source.read(tidy, *self._labels) for source in self._sources)
         frame = tidy.frame(
             [entry.label for entry in self.study.problems], [entry.label for entry in self.study.optimizers]
         )
         origins = frame.pop("environment")
         labels = [entry.label for entry in self.study.problems]
         kinds = pd.DataFrame([self._kind(label) for label in labels], index=labels, dtype=object)
-        return _with_features(_with_precision(frame, self._suite_optima()), kinds), origins
+        return _with_features(_with_precision(frame, self._suite_optima()), kinds), origins, stored
 
     @cached_property
     def traces(self) -> Traces:
         """The anytime traces of the frame's trials by (problem, optimizer, trial); failed trials have none."""
-        shared, optimizers = self._labels[0], set(self.planned)
+        _ = self._read  # refuses what is damaged
         return Traces(
             {
                 key: packed
-                for source in self._read_sources
-                for key, packed in source.folder.store.traces(source.cells).packed.items()
-                if key[0] in shared and key[1] in optimizers
+                for source in self._sources
+                for key, packed in source.folder.store.traces(source.shown_cells(*self._labels)).packed.items()
             }
         )
 
     @cached_property
     def logs(self) -> pd.DataFrame:
         """The logs of optimizers (:meth:`bench.Objective.log`): problem, optimizer, trial, name, evaluations, value."""
-        shared, optimizers = self._labels[0], set(self.planned)
+        _ = self._read
         rows = [
-            (problem, optimizer, trial, name, *pair)
-            for source in self._read_sources
-            for problem, optimizer, trial, log in source.folder.store.logs(source.cells)
-            if problem in shared and optimizer in optimizers
+            (*key, name, *pair)
+            for source in self._sources
+            for *key, log in source.folder.store.logs(source.shown_cells(*self._labels))
             for name, pairs in log.items()
             for pair in pairs
         ]
@@ -374,22 +355,18 @@ def load_results(path: AnyPath | pd.DataFrame, *others: AnyPath) -> pd.DataFrame
     ``nfev``, one ``x_<variable>`` per variable and one per domain metric. After ``fun`` comes ``precision``, which is
     ``fun`` less the known optimum, where a problem is of a suite whose optima are known; the features of the problem
     come last (:data:`bench.columns.FEATURES`), missing where it has none or cannot be loaded; a metric of such a name
-    stays. A failed trial's metrics are missing values, and so is what imported results do not say. Damaged trials are
-    left out, with a warning that names them.
+    stays. A failed trial's metrics are missing values, and so is what imported results do not say.
 
     A frame with the results of another tool, in any shape that ``bench import`` knows, gives the same columns, and a
     warning says what was taken for what.
 
     Raises:
-        BenchError: when a frame cannot be recognised, a folder holds no study or no trials, or the folders cannot be
-            compared (:class:`StoredResults`).
+        BenchError: when a frame cannot be recognised, a folder holds no study or no trials, or damaged ones, or the
+            folders cannot be compared (:class:`StoredResults`).
     """
     if isinstance(path, pd.DataFrame):
         return _of_frame(path)
-    results = StoredResults(path, *others)
-    for sentence in results.damage:
-        warnings.warn(sentence, stacklevel=2)
-    return results.frame
+    return StoredResults(path, *others).frame
 
 
 def _of_frame(table: pd.DataFrame) -> pd.DataFrame:

@@ -40,7 +40,6 @@ class StudyFolder:
     versions: dict[str, tuple[int, int]]
     environments: list[dict[str, Any]]
     environment_places: dict[int, int]
-    found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
 
     @cached_property
     def budgets(self) -> dict[str, Budget]:
@@ -64,19 +63,26 @@ class StudyFolder:
                 budgets[self.shown[optimizer]] = whole.spent(most_in)
         return budgets
 
-    def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> None:
-        """Add the sound trials of these problems and shown optimizers, with environments' numbers of all folders."""
-        self.found = StoreCheck()
+    def shown_cells(self, problems: Collection[str], optimizers: Collection[str]) -> dict[int, Labels]:
+        """Return the cells of these problems and shown optimizers."""
+        return {cell: each for cell, each in self.cells.items() if each[0] in problems and each[1] in optimizers}
+
+    def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> int:
+        """Add the trials of these problems and shown optimizers, with environments' numbers of all folders.
+
+        Return the number of all trials that are stored.
+
+        Raises:
+            BenchError: where any of them is not as it was written.
+        """
+        found = StoreCheck()
         self.folder.store.require()
+        cells = {cell: (self.study.name, *labels) for cell, labels in self.shown_cells(problems, optimizers).items()}
         with self.folder.store.reader() as reader:
-            cells = {
-                cell: (self.study.name, problem, optimizer)
-                for cell, (problem, optimizer) in self.cells.items()
-                if problem in problems and optimizer in optimizers
-            }
-            for rows in reader.chunks(self.found):
+            for rows in reader.chunks(found):
                 if chosen := [row for row in rows if row[CELL] in cells]:
                     tidy.add(chosen, cells, reader.names, self.environment_places)
+        return self.folder.require(found).trials
 
 
 def by_label(sources: Iterable[StudyFolder], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:

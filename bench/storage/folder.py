@@ -23,7 +23,7 @@ from bench.plugins.inputs import Inputs, Present, is_data
 from bench.storage import committed, provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.selection import Selection, changed, select
-from bench.storage.store import DamagedStoreError, Store
+from bench.storage.store import Store
 from bench.storage.under_way import UnderWay
 from bench.study import Study
 from bench.trial import Trial
@@ -35,7 +35,6 @@ CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 AT_ENDS = "at_ends"  # its part on the trials that runs make again at their ends
 DESCRIPTIONS = "optimizers.json"
-STORE = "store.json"
 KILLED = "killed.json"
 ANSWER = "answer.json"  # of the report
 SUMS = "SHA256SUMS"  # of the archive that a folder was unpacked from
@@ -191,7 +190,7 @@ class Folder:
         ``problems`` and ``optimizers``, and ``reused``, the name of the folder where it was another one.
         """
         with self.store.reader() as reader:
-            return sorted(reader.history(), key=lambda record: str(record.get("when", "")))
+            return sorted(reader.records("history").values(), key=lambda record: str(record.get("when", "")))
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.
@@ -246,40 +245,24 @@ class Folder:
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.
 
-        Each has all keys of :class:`bench.check.verdict.Verdict`, and ``code``, a hash of the code and the parameters
-        that it is true of; keys missing in an older file are filled in.
+        Each has the keys of :class:`bench.check.verdict.Verdict`, and ``code``, a hash of the code and the parameters
+        that it is true of.
         """
-        return {
-            label: [whole for record in those if (whole := _verdict(record))]
-            for label, those in self.noted(CHECKS).items()
-            if isinstance(those, list) and all(isinstance(record, dict) for record in those)
-        }
-
-    def check_store(self) -> StoreCheck:
-        """Compare every row of the store with its digest, and note the outcome."""
-        try:
-            check = self.store.check()
-        except DamagedStoreError as error:
-            self.note_store(StoreCheck(structure=str(error.__cause__)))
-            raise
-        self.note_store(check)
-        return check
+        noted = self.noted(CHECKS).items()
+        return {label: [*filter(_is_verdict, those)] for label, those in noted if isinstance(those, list)}
 
     def require_sound(self) -> StoreCheck:
-        """Check the store; raise BenchError where any row is not as it was written: no run adds to it then."""
-        if not (found := self.store.check(structure=True)).sound:
+        """Check the store; raise BenchError where any row is not as it was written: nothing reads it or adds to it."""
+        return self.require(self.store.check(structure=True))
+
+    def require(self, found: StoreCheck) -> StoreCheck:
+        """Return the outcome of a check of the store; raise BenchError where it is not sound."""
+        if not found.sound:
             raise BenchError(
                 f"{self.path}: {found.sentence}; restore {self.store.path.name} from a copy, or run the study into "
                 f"another folder with --reuse {self.path}, which takes the trials that are as they were written"
             )
         return found
-
-    def note_store(self, check: StoreCheck) -> None:
-        """Note the outcome of a check, unless there is nothing to check or the folder cannot be written."""
-        noted = {"checked": provenance.now(), "sound": check.sound, "sentence": check.sentence}
-        if check != StoreCheck() and os.access(self.path, os.W_OK):
-            with suppress(BenchError):  # as on a full disk
-                self.note(STORE, noted)
 
     @contextmanager
     def lock(self) -> Iterator[UnderWay]:
@@ -344,8 +327,7 @@ class Folder:
         return BenchError(f"another run {who}is writing to {self.path}; wait for its end or give another --output")
 
     def _damaged(self, name: str) -> BenchError:
-        why = ": 'bench status --check' writes it again" if name == STORE else ""
-        return BenchError(f"{self.path / name} is damaged; restore it from a copy, or remove it{why}")
+        return BenchError(f"{self.path / name} is damaged; restore it from a copy, or remove it")
 
     def _write(self, name: str, text: str) -> None:
         with replacing(self.path / name) as temporary:
@@ -357,10 +339,9 @@ def difference_line(trial: Trial, what: str) -> str:
     return what and f"different: {trial.optimizer} on {trial.problem}, trial {trial.number}: {what}"
 
 
-def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
-    """Return a noted verdict with all its keys, empty where it is malformed."""
-    whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "remedy": "", "figure": None, "code": ""}
-    whole |= {key: value for key, value in noted.items() if key in whole}
-    kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "remedy": str, "code": str}
-    kinds["figure"] = (int, float, type(None))
-    return whole if all(isinstance(whole[key], kind) for key, kind in kinds.items()) else {}
+_VERDICT: dict[str, Any] = dict.fromkeys(("check", "kind", "finding", "remedy", "code"), str)
+_VERDICT |= {"passed": bool, "figure": (int, float, type(None))}
+
+
+def _is_verdict(noted: Any) -> bool:
+    return isinstance(noted, dict) and all(isinstance(noted.get(key, ...), kind) for key, kind in _VERDICT.items())

@@ -23,15 +23,11 @@ AnyPath = str | PathLike[str]
 
 @dataclass(frozen=True)
 class Merged:
-    """The numbers of trials in the merged store, of those added, and of those that it held already.
-
-    ``notes`` names, in a sentence for each folder that has any, the damaged trials that were left out.
-    """
+    """The numbers of trials in the merged store, of those added, and of those that it held already."""
 
     rows: int
     added: int
     same: int
-    notes: tuple[str, ...] = ()
 
 
 def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
@@ -39,34 +35,28 @@ def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
 
     The study is that of the first folder, with the problems and optimizers of all. The folders' numbers of trials may
     differ. The output may hold some of the trials already: a merge that was interrupted is continued by the same call.
-    Every trial is compared with its digest; damaged ones are left out.
+    Every trial is compared with its digest.
 
     Raises:
-        BenchError: when a label means different cells in two folders, or one trial has different outcomes, and when the
-            output holds damaged trials.
+        BenchError: when a label means different cells in two folders, or one trial has different outcomes, and when a
+            folder holds damaged trials.
     """
     sources, target = [Folder(path) for path in folders], Folder(output)
     if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
         raise BenchError("a folder is given twice; give folders that differ, and another one to write")
     study, cells = _common([(source, source.study()) for source in sources])
+    for source in sources:
+        source.require_sound()
     with target.lock():
-        if not (present := target.store.check(structure=True)).sound:
-            raise BenchError(f"{target.path}: {present.sentence}")
+        target.require_sound()
         target.claim(study, Selection(cells))
-        added = same = 0
-        notes = []
         with target.store.writer() as writer:
-            for source in sources:
-                check = source.check_store()
-                new, old = take(source, writer)
-                added, same = added + new, same + old
-                if not check.sound:
-                    notes.append(f"{source.path}: {check.sentence}")
+            added, same = map(sum, zip(*(take(source, writer) for source in sources), strict=True))
         target.write_environments()
         if described := {label: about for source in sources for label, about in source.noted(DESCRIPTIONS).items()}:
             target.note(DESCRIPTIONS, described)
         rows = sum(target.store.trials().values())
-    return Merged(rows, added, same, tuple(notes))
+    return Merged(rows, added, same)
 
 
 def _common(studies: list[tuple[Folder, Study]]) -> tuple[Study, dict[Labels, Cell]]:
@@ -164,16 +154,16 @@ def take(source: Folder, writer: Writer, wanted: Mapping[Cell, Cell] | None = No
                 theirs = there.made_from(cell)
                 chosen[number] = writer.cells.fitting(cell.bare, theirs, cell) if wanted is None else wanted[cell]
                 writer.cells.add(chosen[number], theirs)
-        rows = ((cell, row) for cell, row in reader.whole() if cell in chosen)
+        rows = ((cell, row) for cell, row in reader.sound() if cell in chosen)
         made = {environment for cell, environment in reader.made_by() if cell in chosen}
-        environments = {number: record for number, record in reader.environments().items() if number in made}
+        environments = {number: record for number, record in reader.records("environments").items() if number in made}
         if where:
             environments = {number: record | {"reused": where} for number, record in environments.items() if record}
         renumbered = {
             "environment": {n: writer.environment(record) for n, record in environments.items() if record},
-            "inputs": {n: writer.inputs(record) for n, record in reader.inputs().items() if record},
+            "inputs": {n: writer.inputs(record) for n, record in reader.records("inputs").items() if record},
         }
-        for record in reader.history():
+        for record in reader.records("history").values():
             writer.history(record | ({"reused": where} if where else {}))
         return _copy(rows, chosen, renumbered, writer, source)
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import islice
 from typing import Any
 
-from bench.helpers.text import printable
+from bench.helpers.text import listed, printable
 from bench.storage.cells import binding_of, read, records_of
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
 from bench.storage.traces import Key
-from bench.study.cell import Cell, Labels
+from bench.study.cell import Cell
 
 NAMED = 3  # damaged trials that a sentence names
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
@@ -24,20 +24,17 @@ LONGEST = 100  # characters of a label, which may be damaged too
 READ = ("digest", "cell", "names", "trial", *VALUES)
 """The columns of the rows that are read to be compared with their digests."""
 
-_ENVIRONMENT, _INPUTS = READ.index("environment"), READ.index("inputs")
-
 
 @dataclass
 class StoreCheck:
     """The outcome of reading a store's rows: which of them are not as they were written.
 
-    A damaged trial is left out of results, and no run adds to a store that has one.
+    Nothing is read of a store that is not sound but its sound rows, by another folder (``--reuse``).
     """
 
     trials: int = 0  # rows read, damaged ones included
     damaged: dict[Key, None] = field(default_factory=dict)  # trials, in the order in which they were found
-    environments: list[int] = field(default_factory=list)  # numbers of damaged records
-    inputs: list[int] = field(default_factory=list)  # likewise
+    records: list[str] = field(default_factory=list)  # damaged ones, such as "environment 3"
     missing: int = 0  # rows that were committed and are not there
     lost: int = 0  # commits that the store lacks
     structure: str = ""  # SQLite's words on damage of the file's structure
@@ -45,7 +42,7 @@ class StoreCheck:
     @property
     def sound(self) -> bool:
         """Whether no damage was found."""
-        return not (self.damaged or self.environments or self.inputs or self.missing or self.lost or self.structure)
+        return not (self.damaged or self.records or self.missing or self.lost or self.structure)
 
     @property
     def sentence(self) -> str:
@@ -59,10 +56,8 @@ class StoreCheck:
             parts.append(f"{self.missing:,} of {self.trials + self.missing:,} committed trials are missing")
         elif self.lost:
             parts.append(f"the last {self.lost:,} commits are lost")
-        if self.environments:
-            parts.append(f"the record of environment {', '.join(map(str, self.environments))} is damaged")
-        if self.inputs:
-            parts.append(f"the record of inputs {', '.join(map(str, self.inputs))} is damaged")
+        if self.records:
+            parts.append(f"the record of {listed(self.records, NAMED)} is damaged")
         if self.structure:
             parts.append(f"the structure of the file is damaged ({self.structure})")
         if not parts:
@@ -148,67 +143,39 @@ class Reader:
         """
         cursor = self._rows()
         rows = 0
-        referred: dict[int, set[Any]] = {_ENVIRONMENT: set(), _INPUTS: set()}
+        referred: dict[str, set[Any]] = {"environment": set(), "inputs": set()}
         while fetched := cursor.fetchmany(FETCHED):
             rows += len(fetched)
             sound = [row for row in fetched if self._fits(*row)]
             if len(sound) < len(fetched):
                 check.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
-            for place, numbers in referred.items():
-                numbers.update(row[place] for row in sound)
+            for column, numbers in referred.items():
+                numbers.update(row[READ.index(column)] for row in sound)
             yield sound
-        check.environments = _damaged(self.environments(), referred[_ENVIRONMENT])
-        check.inputs = _damaged(self.inputs(), referred[_INPUTS])
+        for what, table in (("environment", "environments"), ("inputs", "inputs")):
+            records = self.records(table)
+            numbers = {*records, *referred[what]} - {None}
+            check.records += [f"{what} {number}" for number in sorted(numbers) if not records.get(number)]
         self.check_count(check, rows)
 
-    def sound(
-        self, where: str = "", *values: object, shown: Mapping[int, Labels] | None = None
-    ) -> Iterator[dict[str, Any]]:
-        """Yield every row that meets an SQL condition and fits its digest, as a dictionary of ``COLUMNS``.
-
-        ``shown`` are the labels of the cells that count, by their numbers; by default those selected.
+    def sound(self) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield the number of its cell and the ``COLUMNS`` of every row that fits its digest, selected or not.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        labels = self.cells.selected if shown is None else shown
-        return (row for _, row in self.whole(where, *values, labels_of=labels.get))
-
-    def whole(
-        self, where: str = "", *values: object, labels_of: Callable[[int], Labels | None] | None = None
-    ) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Yield the cell and the columns of the rows that meet a condition and fit their digests, selected or not.
-
-        ``labels_of`` returns the labels of a cell, None where it does not count; by default all cells count.
-
-        Raises:
-            sqlite3.Error: where a part of the rows cannot be read.
-        """
-        for row in self._rows(where, *values):
+        for row in filter(lambda row: self._fits(*row), self._rows()):
             _, cell, names, trial, *measured = row
-            labels = (labels_of or self.cells.display_labels)(cell)
-            if labels is not None and self._fits(*row):
-                known = *labels, trial, *self.names.get(names, (None, None)), *measured
-                columns = dict(zip(COLUMNS, known, strict=True))
-                yield cell, columns | {name: decoded(columns[name]) for name in TEXTS if columns[name] is not None}
+            known = *self.cells.display_labels(cell), trial, *self.names.get(names, (None, None)), *measured
+            columns = dict(zip(COLUMNS, known, strict=True))
+            yield cell, columns | {name: decoded(columns[name]) for name in TEXTS if columns[name] is not None}
 
-    def environments(self) -> dict[int, dict[str, Any]]:
-        """Return the environments' records by number, oldest first; a damaged one is empty."""
-        return records_of(self._connection, "environments")
+    def records(self, table: str) -> dict[int, dict[str, Any]]:
+        """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
+        return records_of(self._connection, table)
 
-    def inputs(self) -> dict[int, dict[str, Any]]:
-        """Return the records of what trials were made from, likewise."""
-        return records_of(self._connection, "inputs")
-
-    def history(self) -> list[dict[str, Any]]:
-        """Return the records of what runs selected, oldest first."""
-        return [*records_of(self._connection, "history").values()]
-
-    def _rows(self, where: str = "", *values: object) -> sqlite3.Cursor:
-        condition = f"WHERE {where}" if where else ""
-        return self._connection.execute(
-            f"SELECT {', '.join(READ)} FROM results {condition} ORDER BY cell, trial", values
-        )
+    def _rows(self) -> sqlite3.Cursor:
+        return self._connection.execute(f"SELECT {', '.join(READ)} FROM results ORDER BY cell, trial")
 
     def _fits(self, noted: object, cell: object, names: object, *values: Any) -> bool:
         bound = self._bound(cell, names)
@@ -224,7 +191,3 @@ def bound(cells: Mapping[int, Cell], names: Mapping[Any, Sequence[bytes]], cell:
     if cell not in cells or not (number is None or number in names):
         return None
     return binding_of(cells[cell], names.get(number, (None, None)))
-
-
-def _damaged(records: Mapping[int, dict[str, Any]], referred: set[Any]) -> list[int]:
-    return sorted(number for number in {*records, *referred} - {None} if not records.get(number))

@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.helpers.text import printable
-from bench.objective import Logs
+from bench.objective import IMPROVEMENT, Logs
 from bench.storage import committed
 from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
@@ -52,10 +52,6 @@ class CellCounts:
         return sum(self.status.values()) - self.done
 
 
-class DamagedStoreError(BenchError):
-    """SQLite cannot read the structure of a part of the store."""
-
-
 class Store:
     """The trials of one study, in ``trials.sqlite`` of its folder, whose view ``trials`` joins all tables.
 
@@ -76,7 +72,7 @@ class Store:
         """Compare every row with its digest; with ``structure``, SQLite also checks the file.
 
         Raises:
-            DamagedStoreError: when SQLite cannot read all rows.
+            BenchError: when SQLite cannot read all rows.
         """
         with self.reader() as reader:
             return reader.check(structure=structure)
@@ -91,35 +87,33 @@ class Store:
         """Open the store to read its rows at one moment; a missing one has none.
 
         Raises:
-            DamagedStoreError: when SQLite cannot read all rows.
+            BenchError: when SQLite cannot read all rows.
         """
         noted = committed.read(self.path.parent)  # before the store is opened, which a run may write to
         with self._read() as connection:
             yield Reader(connection, noted)
 
-    def traces(self, shown: Mapping[int, Labels] | None = None) -> Traces:
-        """Return the anytime traces of sound trials by (problem, optimizer, trial); failed trials have none.
-
-        ``shown`` are the labels of the cells that count, by their numbers; by default those selected.
-        """
-        try:
-            with self.reader() as reader:
-                return Traces.read(reader.sound(shown=shown))
-        except ValueError as error:
-            raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
-
-    def logs(self, shown: Mapping[int, Labels] | None = None) -> Iterator[tuple[str, str, int, Logs]]:
-        """Yield problem, optimizer and number of the sound trials with a log, and the log; ``shown`` as for traces."""
-        with self.reader() as reader:
-            for row in reader.sound("log IS NOT NULL", shown=shown):
-                yield row["problem"], row["optimizer"], row["trial"], json.loads(row["log"])
-
     def environments(self) -> dict[int, dict[str, Any]]:
         """Return the environments that rows refer to by number, oldest first; a damaged record is empty."""
         with self.reader() as reader:
-            return reader.environments()
+            return reader.records("environments")
 
     # what is stored, compared or not
+
+    def traces(self, shown: Mapping[int, Labels] | None = None) -> Traces:
+        """Return the anytime traces of trials by (problem, optimizer, trial); failed trials have none.
+
+        ``shown`` are the labels of the cells that count, by their numbers; by default those selected.
+        """
+        packed = {(*key,): trace for *key, trace in self._of_cells("trial, trace", shown, "trace IS NOT NULL")}
+        if not all(isinstance(trace, bytes) and len(trace) % IMPROVEMENT == 0 for trace in packed.values()):
+            raise BenchError(f"the store {self.path} is damaged: a trace cannot be read; {RESTORE}")
+        return Traces(packed)
+
+    def logs(self, shown: Mapping[int, Labels] | None = None) -> Iterator[tuple[str, str, int, Logs]]:
+        """Yield problem, optimizer and number of the trials with a log, and the log; ``shown`` as for traces."""
+        for *key, log in self._of_cells("trial, log", shown, "log IS NOT NULL"):
+            yield *key, json.loads(log)
 
     def rows(
         self, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
@@ -140,28 +134,26 @@ class Store:
             return read(connection)
 
     def keys(self, *, finished_only: bool = False, shown: Mapping[int, Labels] | None = None) -> set[Key]:
-        """Return the stored trials, or the finished ones only, damaged or not; ``shown`` as in :meth:`traces`."""
-        labels = self.held().selected if shown is None else shown
-        query = "SELECT cell, trial FROM results WHERE typeof(trial) = 'integer'"  # damage may leave a text
-        stored = self._select(query + " AND status = 'ok'" * finished_only)
-        return {(*labels[cell], trial) for cell, trial in stored if cell in labels}
+        """Return the stored trials, or the finished ones only; ``shown`` as in :meth:`traces`."""
+        return {(*key,) for key in self._of_cells("trial", shown, "status = 'ok'" if finished_only else "1")}
 
     def cells(self, shown: Mapping[int, Labels] | None = None) -> list[CellCounts]:
         """Return the counts of each cell that has trials; ``shown`` as in traces."""
-        labels = self.held().selected if shown is None else shown
-        cells: dict[int, CellCounts] = {}
-        for number, status, count, wall in self._select(
-            "SELECT cell, status, count(*), coalesce(sum(wall_s), 0) FROM results GROUP BY cell, status"
-        ):
-            if number in labels:
-                cell = cells.setdefault(number, CellCounts(*labels[number]))
-                cell.status[status] = count
-                cell.wall_s += wall
+        cells: dict[Labels, CellCounts] = {}
+        counted = "status, count(*), coalesce(sum(wall_s), 0)"
+        for *labels, status, count, wall in self._of_cells(counted, shown, "1 GROUP BY cell, status"):
+            cell = cells.setdefault((*labels,), CellCounts(*labels))
+            cell.status[status] = count
+            cell.wall_s += wall
         return list(cells.values())
 
     def trials(self) -> dict[int, int]:
         """Return the number of rows of each cell that has any, selected or not, by the cell's number."""
-        return dict(self._select("SELECT cell, count(*) FROM results GROUP BY cell"))
+        return self._numbers("cell")
+
+    def made(self) -> dict[int, int]:
+        """Return the number of rows that each environment made, by the environment's number."""
+        return self._numbers("environment")
 
     def spent(self) -> list[tuple[str, str, int, bool]]:
         """Return problem, optimizer, the most evaluations of a finished trial, and whether any declared its end."""
@@ -182,11 +174,6 @@ class Store:
             )
         )
 
-    def made(self) -> dict[int, int]:
-        """Return the number of rows that each environment made, by the environment's number."""
-        query = "SELECT environment, count(*) FROM results WHERE environment IS NOT NULL GROUP BY environment"
-        return {int(number): int(count) for number, count in self._select(query)}
-
     # opening it
 
     @contextmanager
@@ -194,11 +181,10 @@ class Store:
         """Open the store for writing, creating it where it is missing; every row is committed as it is added.
 
         Raises:
-            DamagedStoreError: when committed trials are missing.
-            BenchError: when it cannot be written.
+            BenchError: when committed trials are missing, and when it cannot be written.
         """
         if not (counted := self.check_count()).sound:
-            raise DamagedStoreError(f"the store {self.path} cannot be written: {counted.sentence}")
+            raise BenchError(f"the store {self.path} cannot be written: {counted.sentence}")
         with self._open() as connection:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
@@ -211,8 +197,7 @@ class Store:
         The same rows give the same bytes, wherever they lie in this store.
 
         Raises:
-            BenchError: when there is no store.
-            DamagedStoreError: when SQLite cannot read all of it.
+            BenchError: when there is no store, or SQLite cannot read all of it.
         """
         self.require()
         with self._open() as connection:
@@ -265,15 +250,21 @@ class Store:
         with self._read() as connection:
             yield from connection.execute(query)
 
+    def _of_cells(self, columns: str, shown: Mapping[int, Labels] | None, where: str) -> Iterator[Any]:
+        """Yield problem, optimizer and columns of the rows of shown cells, by default of those selected."""
+        labels = self.held().selected if shown is None else shown
+        rows = self._select(f"SELECT cell, {columns} FROM results WHERE {where} ORDER BY cell, trial")
+        return ((*labels[cell], *rest) for cell, *rest in rows if cell in labels)
+
+    def _numbers(self, column: str) -> dict[int, int]:
+        return dict(self._select(f"SELECT {column}, count(*) FROM results WHERE {column} IS NOT NULL GROUP BY 1"))
+
 
 def _refusal(path: Path, error: Exception) -> BenchError:
     sentence = f"the store {path} cannot be used: {printable(str(error), LONGEST)}"
-    code = getattr(error, "sqlite_errorcode", None)
-    if code is not None and code & 0xFF == sqlite3.SQLITE_CORRUPT:
-        return DamagedStoreError(f"{sentence}; {RESTORE}")
-    if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no such table, another file
-        return BenchError(f"{sentence}; {RESTORE}")
-    return BenchError(f"{sentence}; what it holds is kept")
+    code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF  # no such table, another file
+    damaged = code in (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+    return BenchError(f"{sentence}; {RESTORE if damaged else 'what it holds is kept'}")
 
 
 @contextmanager

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
 
-from bench.objective import IMPROVEMENT, Trace
+from bench.objective import Trace
 
 Key = tuple[str, str, int]
 """Problem label, optimizer label and number of a trial."""
@@ -19,21 +18,6 @@ class Traces(Mapping[Key, Trace]):
 
     def __init__(self, packed: Mapping[Key, bytes]) -> None:
         self.packed = packed
-
-    @classmethod
-    def read(cls, rows: Iterable[Mapping[str, Any]]) -> Traces:
-        """Gather the traces of a store's rows; a row without one is left out.
-
-        Raises:
-            ValueError: when a trace is damaged.
-        """
-        packed: dict[Key, bytes] = {}
-        for row in rows:
-            if (trace := row["trace"]) is not None:
-                if not isinstance(trace, bytes) or len(trace) % IMPROVEMENT:
-                    raise ValueError(f"the trace of trial {row['trial']} is damaged")
-                packed[row["problem"], row["optimizer"], row["trial"]] = trace
-        return cls(packed)
 
     def __getitem__(self, key: Key) -> Trace:
         return Trace.unpacked(self.packed[key])

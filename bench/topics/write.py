@@ -47,8 +47,7 @@ def write_report(
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
 
     Several folders are compared as one study (:class:`bench.Results`). The same results give the same bytes. A
-    plug-in's section that fails becomes a warning on the page, and so do damaged trials, which are left out. Files
-    that only an earlier report had are removed.
+    plug-in's section that fails becomes a warning on the page. Files that only an earlier report had are removed.
 
     Args:
         path: a study's folder.
@@ -101,7 +100,6 @@ def write_report(
             page = draft.write(title, lead(findings), chapters(findings), partial(answer_file, findings))
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {reason(error)}") from error
-    results.note_stores()
     return page
 
 

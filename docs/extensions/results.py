@@ -69,7 +69,7 @@ def site_of(page: Path) -> Path:
 def publish(folder: Path, site: Path) -> None:
     """Copy the reports of a page with the files that they link, and its other pages of HTML, into the site."""
     for report in folder.glob("results/runs/*/report.html"):
-        unlinked = shutil.ignore_patterns(".*", "*.sqlite", "committed.json", "store.json")
+        unlinked = shutil.ignore_patterns(".*", "*.sqlite", "committed.json")
         shutil.copytree(report.parent, site / report.parent.name, ignore=unlinked)
     for page in folder.glob("*.html"):
         site.mkdir(parents=True, exist_ok=True)

@@ -15,8 +15,7 @@ PAGE, MANIFEST = "report.html", ".report.json"  # as bench.report writes them
 
 REQUIRED = (notes.STUDY, TRIALS, notes.ENVIRONMENT)
 NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED)
-"""Notes that belong in an archive. Those on one moment of one machine do not: when the store was last checked, who is
-writing, and the lock."""
+"""Notes that belong in an archive. Those on one moment of one machine do not: who is writing, and the lock."""
 
 REPORT = (PAGE, MANIFEST, "CONTENTS.md", "methods.md", "methods.tex", "references.bib", "answer.json")
 """The files of a report but its tables and figures."""

@@ -118,5 +118,4 @@ def _read_whole(temporary: Path, source: Path) -> tuple[int, str]:
     if strange := [cell for cell in cells if cell.problem not in problems or cell.optimizer not in optimizers]:
         where = printable(f"{strange[0].optimizer} on {strange[0].problem}", LONGEST)
         raise BenchError(f"{source}: it holds trials of {where}, which its study does not name")
-    folder.note_store(health)
     return health.trials, health.sentence

@@ -39,5 +39,5 @@ def checks(findings: Findings) -> pd.DataFrame:
         optima={label: of_problem.optimum for label, of_problem in facts.items() if of_problem.optimum is not None},
         diagnoses=results.checks,
         verifications=results.verifications,
-        stores=results.stores,
+        stored=results.stored,
     )

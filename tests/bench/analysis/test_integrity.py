@@ -11,7 +11,6 @@ import pytest
 from bench.analysis.cells import in_study_order
 from bench.analysis.integrity import TRAITS, integrity
 from bench.objective import Trace
-from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
 
 BUDGET, TRIALS = 1_000, 6
@@ -57,7 +56,7 @@ class Sound:
         }
 
         self.verifications = [{"sentence": "12 of 12 trials of 6 cells are the same", "different": []}]
-        self.stores = [StoreCheck(n)]
+        self.stored = n
 
     def diagnose(self, optimizer, check, figure):
         """Have an optimizer found to have a trait."""
@@ -92,7 +91,7 @@ class Sound:
             "optima": OPTIMA,
             "diagnoses": self.diagnoses,
             "verifications": self.verifications,
-            "stores": self.stores,
+            "stored": self.stored,
         }
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -115,7 +114,7 @@ def test_sound_results_pass_every_check(sound):
 
 
 def test_what_cannot_be_checked_says_so(sound):
-    verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[], stores=[])["verdict"]
+    verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[], stored=0)["verdict"]
     unchecked = ["storage", "repeatability", *TRAITS, "same algorithm"]
     assert list(verdicts.index[verdicts == "not checked"]) == unchecked
     assert set(verdicts.drop(unchecked)) == {"pass"}
@@ -165,16 +164,6 @@ def a_trial_that_is_not_repeated(s):
 @trap("repeatability", "not checked", "Run 'bench verify'")
 def one_of_two_folders_not_verified(s):
     s.verifications += [{}]
-
-
-@trap("storage", "error", "2 of 36 trials are damaged (a on p, trial 1; b on q, trial 5).", cells="a on p; b on q")
-def trials_that_were_changed(s):
-    s.stores[0].damaged = {("p", "a", 1): None, ("q", "b", 5): None}
-
-
-@trap("storage", "error", "3 of 39 committed trials are missing", cells="")
-def trials_that_were_lost(s):
-    s.stores += [StoreCheck(36, missing=3)]
 
 
 @trap("failures", "error", "2 of 36 trials did not finish (", "failed 1", "timeout 1", "in a on p, b on q. They")
@@ -331,7 +320,8 @@ def test_a_trap_is_found_by_its_own_check_only(sound, name):
 
 
 def test_every_check_has_a_trap():
-    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS)
+    storage = {"storage"}  # nothing is read of a damaged store
+    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS) - storage
     assert len(CHECKS) <= 16  # as many as a reader takes in
 
 
@@ -418,14 +408,14 @@ class TestWithoutTrials:
         sound.frame = sound.frame.iloc[:0]
         if categories:
             sound.frame = in_study_order(sound.frame, Study("s", *map(tuple, entries), trials=TRIALS))
-        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stores=[])["verdict"]
+        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stored=0)["verdict"]
         assert verdicts["completeness"] == "warning"
         assert set(verdicts.drop("completeness")) == {"not checked"}
 
     def test_nothing_but_failures(self, sound):
         numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
         sound.frame = sound.frame.assign(status="failed", **numbers)
-        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stores=[])["verdict"]
+        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stored=0)["verdict"]
         assert verdicts[["completeness", "failures"]].tolist() == ["pass", "error"]
         assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
 

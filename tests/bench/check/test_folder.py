@@ -128,27 +128,13 @@ def test_what_was_diagnosed_before_an_interrupt_is_kept(made, asked, monkeypatch
     ]  # fmt: skip
 
 
-def test_notes_of_older_versions_are_read_and_what_is_no_verdict_is_passed_over(tmp_path, small_study):
+def test_what_is_no_verdict_is_passed_over(tmp_path, small_study):
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
-    old = {"check": "centre bias", "passed": False, "figure": 50.0, "finding": "worse off the centre"}
-    new = Verdict("starts and seeds", "bias", True, "every run starts at the same point").as_dict()
-    notes = {
-        "scatter": [
-            old,
-            new | {"code": "12ab"},
-            old | {"check": 3},
-            old | {"passed": "no"},
-            old | {"figure": "50"},
-            {},
-        ],
-        "early": 5,
-        "hill-climber": [old, 5],
-        "stranger": [old],
-    }  # fmt: skip
+    one = Verdict("starts and seeds", "bias", True, "every run starts at the same point").as_dict() | {"code": "12ab"}
+    others = [one | {"check": 3}, one | {"passed": "no"}, one | {"figure": "50"}, {}, 5]
+    notes = {"scatter": [one, *others], "early": 5, "stranger": [one]}
     (tmp_path / "out" / "checks.json").write_text(json.dumps(notes))
-    assert Results(tmp_path / "out").checks == {
-        "scatter": [old | {"kind": "bias", "remedy": "", "code": ""}, new | {"code": "12ab"}]
-    }
+    assert Results(tmp_path / "out").checks == {"scatter": [one]}
 
 
 def test_an_optimizer_that_fails_costs_the_others_nothing(made, asked):

@@ -34,7 +34,7 @@ def values_by_version(path):
     """Return the values of every stored cell, selected or not, each as a set."""
     found = {}
     with Folder(path).store.reader() as reader:
-        for cell, row in reader.whole():
+        for cell, row in reader.sound():
             found.setdefault(cell, set()).add(row["fun"])
     return list(found.values())
 

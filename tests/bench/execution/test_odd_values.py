@@ -74,7 +74,7 @@ def test_values_of_a_subclass_are_those_of_its_base(folder, frame, kind):
 
 
 def test_minus_zero_is_stored_as_zero_and_damages_no_row(folder, frame):
-    assert Folder(folder).check_store().sound
+    assert Folder(folder).require_sound().sound
     assert np.copysign(1, frame.loc["zero", "fun"]).tolist() == [1, 1]
 
 

@@ -75,7 +75,7 @@ def test_damage_of_the_log_is_noticed(damage, seeds, killed, filled, tmp_path):
         spoilt = copied(killed, tmp_path / "copy")
         damage(spoilt.path / "trials.sqlite-wal", random.Random(seed))
         said = damage_of(spoilt, original, frame, known)
-        assert said in ("", spoilt.store.check().sentence) or "copy: " in said, seed
+        assert not said or "copy" in said, seed
         noticed += bool(said)
     assert noticed
 
@@ -84,13 +84,11 @@ def test_the_number_of_lost_trials_is_reported(left):
     (left.path / "trials.sqlite-wal").unlink()
     sentence = f"{MORE} of 120 committed trials are missing"
     assert left.store.check_count().sentence == left.store.check().sentence == sentence
-    assert Results(left.path).damage == [f"left: {sentence}"]
-    with pytest.warns(UserWarning, match=f"{MORE} of 120 committed trials are missing"):
-        assert len(load_results(left.path)) == 120 - MORE
     with pytest.raises(BenchError, match=f"cannot be written: {MORE} of 120"), left.store.writer():
         pass
-    with pytest.raises(BenchError, match=f"{sentence}; restore trials.sqlite from a copy"):
-        left.require_sound()
+    for read_by in (left.require_sound, lambda: load_results(left.path)):
+        with pytest.raises(BenchError, match=f"{sentence}; restore trials.sqlite from a copy"):
+            read_by()
 
 
 @pytest.mark.parametrize("what", ["emptied", "removed"])

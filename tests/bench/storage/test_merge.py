@@ -7,7 +7,6 @@ import pytest
 
 from bench import BenchError, Results, Study, load_results, run
 from bench.execution.verify import verify
-from bench.storage.folder import Folder
 from bench.storage.merge import merge
 from bench.storage.store import Store
 from tests.bench.storage.changes import SCATTER, change, forge
@@ -183,20 +182,11 @@ def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
         verify(tmp_path / "none")
 
 
-def test_damaged_trials_are_left_out_and_named(copied, tmp_path):
+@pytest.mark.parametrize("damaged", ["shard-2", "united"])
+def test_damaged_trials_are_refused_and_named(damaged, copied):
     _, place = copied
     shards = [place / f"shard-{number}" for number in (1, 2, 3)]
-    change(shards[1] / "trials.sqlite", "UPDATE results SET nfev = nfev - 1 WHERE cell = 1")
-    damaged = Store(shards[1]).check().damaged
-    assert damaged
-    merged = merge(shards, tmp_path / "united")
-    assert merged.rows == merged.added == 18 - len(damaged)
-    (note,) = merged.notes
-    assert note.startswith(f"{shards[1]}: {len(damaged)} of 6 trials are damaged (")
-    assert not {*damaged} & {
-        *load_results(tmp_path / "united")[["problem", "optimizer", "trial"]].itertuples(index=False)
-    }
-    assert Folder(shards[1]).noted("store.json")["sound"] is False
-    change(tmp_path / "united" / "trials.sqlite", "UPDATE results SET fun = 0 WHERE cell = 1")
-    with pytest.raises(BenchError, match=r"united: .* are damaged"):
-        merge(shards, tmp_path / "united")
+    merge(shards, place / "united")
+    change(place / damaged / "trials.sqlite", "UPDATE results SET nfev = nfev - 1 WHERE cell = 1")
+    with pytest.raises(BenchError, match=rf"{damaged}: \d of \d+ trials are damaged \(.* trial \d"):
+        merge(shards, place / "united")

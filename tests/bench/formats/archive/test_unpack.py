@@ -9,7 +9,6 @@ import pytest
 from bench import BenchError, load_results, run
 from bench.formats import unpacking
 from bench.formats.archive import pack, unpack
-from bench.storage.folder import Folder
 
 reading = import_module("bench.formats.archive.unpack")  # whose name in the package is the function's
 
@@ -41,10 +40,9 @@ def assert_refused(path, match, **options):
 def test_what_was_packed_is_unpacked(packed, content, whole, tmp_path):
     found = unpack(packed, tmp_path / "there")
     files = {each.relative_to(found.path).as_posix(): each for each in found.path.rglob("*") if each.is_file()}
-    assert {name: each.read_bytes() for name, each in files.items() if name != "store.json"} == content
+    assert {name: each.read_bytes() for name, each in files.items()} == content
     assert (found.files, found.trials) == (len(content), 120)
     assert found.sentence == "all 120 trials are as they were written"
-    assert Folder(found.path).noted("store.json")["sound"]
     pd.testing.assert_frame_equal(load_results(found.path), load_results(whole.path), check_exact=True)
 
 
