@@ -19,7 +19,7 @@ from sphinx.application import Sphinx
 
 Signature = tuple[object, object]
 
-ICONS = {"Repository": "code-branch", "Issues": "circle-dot", "Documentation": "book", "Changelog": "list"}
+ICONS = {"Repository": "code-branch", "Issues": "circle-dot", "Documentation": "book"}
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # the extensions, blocks.py and the figures
 
@@ -71,7 +71,7 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": [], "gallery": [], "help": [], "explanation/comparison": [], "explanation/atlas/*": []}
+html_sidebars = {"index": [], "gallery": [], "explanation/comparison": [], "explanation/atlas/*": []}
 
 linkcheck_anchors = False
 linkcheck_timeout = 20
