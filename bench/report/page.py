@@ -13,9 +13,9 @@ from typing import NamedTuple
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from bench.report.documentation import Documentation, site
 from bench.report.library import as_json, digest, library
 from bench.report.parts import Figure, Part, Section, Table, TableCell
-from bench.report.wording import clause
 
 UPRIGHT, WIDE = 12, 50  # columns of a shaded table, and letters of their titles, above which these stand upright
 SIGN = 2  # characters that the sign of sorting takes beside a title
@@ -97,19 +97,20 @@ def render(
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"as_json": as_json, "clause": clause}
+    anchors, guide = _anchors(views), Documentation(site())
+    environment.filters |= {"as_json": as_json, "terms": guide.terms}
+    environment.filters["address"] = lambda part: f"#{anchors[part]}" if part in anchors else guide.address(part)
     figures = [item.part for item in _items(views) if isinstance(item.part, Figure)]
     scripts = [library()] if any(figure.live for figure in figures) else []
     scripts.append(_asset("page.js"))
     return environment.get_template("page.html.j2").render(
         title=title, lead=lead, views=views, style=_asset("page.css"), scripts=scripts,
         hashes=[digest(script) for script in scripts], widest=_widest(views),
-        anchors=_anchors(views),
     )  # fmt: skip
 
 
 def _anchors(views: list[View]) -> dict[str, str]:
-    """Return the ids that a line of the first section can link to, by the titles of sections and their parts."""
+    """Return the ids that a line can link to, by the titles of sections and their parts."""
     shown = [view for outer in views for view in (outer, *outer.views)]
     return {view.section.title: view.anchor for view in shown}
 

@@ -10,6 +10,7 @@ import matplotlib.figure
 import pandas as pd
 from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
+from bench.helpers.text import slug
 from bench.report.wording import cell_text, usual_decimals
 
 SHADES = 8  # steps of a table's background
@@ -176,11 +177,23 @@ class File(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A short answer below the pictures of the first section: a few words, a text, and the part that has the rest."""
+    """A short answer or warning: a few words and a text.
+
+    Attributes:
+        label: the few words.
+        text: a sentence.
+        part: what the label links to: the title of the section that has the rest, or a place in the reference of the
+            documentation, such as ``"warnings#ties"``.
+    """
 
     label: str
     text: str
     part: str = ""
+
+
+def warning(label: str, text: str) -> Line:
+    """Return a line whose label is the title of an entry of the page of warnings, and links to it."""
+    return Line(label, text, f"warnings#{slug(label)}")
 
 
 @dataclass(frozen=True)
@@ -188,21 +201,13 @@ class Card:
     """A framed statement at the head of a section.
 
     Attributes:
-        title: a few words; "" where the text needs none.
-        text: paragraphs of plain text; the first one of a card with lines is its headline.
+        text: a sentence.
         tone: "claim" for a statement that the results support, "open" for one that leaves the question open, "limit"
             for a limit of the results.
-        lines: short answers, each with a label; those of the first section of a page stand below its pictures.
     """
 
-    title: str
-    text: tuple[str, ...]
+    text: str
     tone: Literal["claim", "open", "limit"]
-    lines: tuple[Line, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Raise TypeError for a text that the page cannot show."""
-        _check_texts("card", self.title, *_sequence(self.text), *(text for line in self.lines for text in line))
 
 
 @dataclass(frozen=True)
@@ -213,8 +218,9 @@ class Section:
         title: its heading.
         text: paragraphs of plain text.
         items: tables and figures.
-        warnings: sentences that the reader must not miss.
-        cards: framed statements, side by side above everything else.
+        cards: framed statements above everything else.
+        lines: short answers and warnings, each with a label; those of the first section of a page stand below its
+            pictures.
         lost: a sentence on how many trials failed, shown in red with a sign.
         folded: whether a reader opens this subsection to see more than its title; it is printed only when it is open.
         sections: subsections, one level deep.
@@ -225,8 +231,8 @@ class Section:
     title: str
     text: tuple[str, ...] = ()
     items: tuple[Part, ...] = ()
-    warnings: tuple[str, ...] = ()
     cards: tuple[Card, ...] = ()
+    lines: tuple[Line, ...] = ()
     sections: tuple[Section, ...] = ()
     lost: str = ""
     folded: bool = False
@@ -235,11 +241,15 @@ class Section:
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
-        _check_texts("section", self.title, self.lost, *_sequence(self.text), *_sequence(self.warnings))
-        if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
-            raise TypeError("a section's items must be Table or Figure")
         if not all(isinstance(card, Card) for card in _sequence(self.cards)):
             raise TypeError("a section's cards must be Card")
+        if not all(isinstance(line, Line) for line in _sequence(self.lines)):
+            raise TypeError("a section's lines must be Line")
+        short = (*(card.text for card in self.cards), *(text for line in self.lines for text in line))
+        if not all(isinstance(text, str) for text in (self.title, self.lost, *short, *_sequence(self.text))):
+            raise TypeError("a section's title, paragraphs, cards and lines must be texts")
+        if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
+            raise TypeError("a section's items must be Table or Figure")
         if any(not isinstance(section, Section) or section.sections for section in _sequence(self.sections)):
             raise TypeError("a section's sections must be Section, without sections of their own")
         if not all(isinstance(file, File) for file in _sequence(self.files)):
@@ -247,15 +257,10 @@ class Section:
 
     def joined(self, other: Section) -> Section:
         """Return this section with the parts of another one after its own."""
-        several = ("text", "items", "warnings", "cards", "sections", "files")
+        several = ("text", "items", "cards", "lines", "sections", "files")
         parts: dict[str, Any] = {name: (*getattr(self, name), *getattr(other, name)) for name in several}
         lost = "\n".join(filter(None, (self.lost, other.lost)))
         return replace(self, lost=lost, lists_files=self.lists_files or other.lists_files, **parts)
-
-
-def _check_texts(of: str, *texts: Any) -> None:
-    if not all(isinstance(text, str) for text in texts):
-        raise TypeError(f"a {of}'s title, paragraphs and warnings must be texts")
 
 
 def _sequence(several: Any) -> Sequence[Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -16,7 +15,6 @@ from bench.helpers.text import option
 
 MISSING = "–"
 MOST_LEADERS = 8  # optimizers that a sentence names
-CLAUSE = 30  # letters
 
 
 def cell_text(value: Any, decimals: int | None = None) -> str:
@@ -122,15 +120,3 @@ def unfinished_trials(frame: pd.DataFrame) -> str:
 def seconds(value: float) -> str:
     """Return a duration with its unit, such as ``"12 ms"`` or ``"3.4 s"``."""
     return f"{1000 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
-
-
-def clause(text: str) -> str:
-    """Return the beginning of a text that has a meaning by itself: up to a colon, bracket or full stop; or all of it.
-
-    A clause has at least :data:`CLAUSE` letters, so that more than the name of a check remains.
-    """
-    for end in re.finditer(r"(?=[:;] | \(|\. )", text):
-        start = text[: end.start()]
-        if len(start) >= CLAUSE and start.count("(") == start.count(")"):
-            return start
-    return text

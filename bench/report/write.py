@@ -17,7 +17,7 @@ from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.latex import ONE_COLUMN, Layout, to_latex
 from bench.report.page import Item, View, file_rows, inline, render
-from bench.report.parts import Figure, File, Part, Section, Table
+from bench.report.parts import Figure, File, Part, Section, Table, warning
 
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
 TABLES, FIGURES = "tables", "figures"
@@ -140,7 +140,7 @@ class Draft:
                 (self.folder / path).unlink()
             self.views, self.files = views, files
             reason = f"The report section {chapter.name!r} failed and is left out: {type(error).__name__}: {error}"
-            self.append(Section(chapter.title, warnings=(reason,)))
+            self.append(Section(chapter.title, lines=(warning("section failed", reason),)))
 
     def append(self, section: Section) -> None:
         """Add a section, or its parts to the section of the same title."""

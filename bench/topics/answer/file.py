@@ -19,7 +19,7 @@ LONGEST = 36  # letters of an optimizer's name
 
 def answer_file(findings: Findings, first: Section) -> File:
     """Return the answer as a file, with the lines of the first section as the page shows it."""
-    content = answer(findings, [line for card in first.cards for line in card.lines])
+    content = answer(findings, first.lines)
     return File(ANSWER, "The answer in a few lines, as JSON.", json.dumps(content, ensure_ascii=False, indent=1))
 
 

@@ -22,8 +22,8 @@ def section(findings: Findings) -> Section:
     known = findings.of(facts)
     shown = bool(known.of("better")) if known.is_subject else known.wins
     clear = shown and not known.unlike and not findings.of(changes).made
-    card = Card("", (headline(findings),), "claim" if clear else "open", lines=lines(findings))
-    return Section(TITLE, items=(chance_figure(known), rank_map(findings)), cards=(card,))
+    card = Card(headline(findings), "claim" if clear else "open")
+    return Section(TITLE, items=(chance_figure(known), rank_map(findings)), cards=(card,), lines=lines(findings))
 
 
 def nothing_to_compare(findings: Findings) -> str:

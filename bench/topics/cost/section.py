@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pandas as pd
 
 from bench.report.parts import Section, Table
@@ -28,25 +26,8 @@ def section(findings: Findings) -> Section | None:
         return None
     fastest, slowest = (known.iloc[place] for place in (0, -1))
     text = words.fastest(fastest["optimizer"], fastest["wall_median"], slowest["optimizer"], slowest["wall_median"])
-    warnings = (
-        words.unknown([*timing.loc[timing["wall_median"].isna(), "optimizer"]]),
-        words.waited([*known.loc[known["contention"], "optimizer"]]),
-        words.several_cores([*known.loc[known["hidden_threads"], "optimizer"]]),
-        words.crowded() if crowded(findings) else "",
-    )
-    return Section(TITLE, (text,), (_table(known, timing),), tuple(filter(None, warnings)))
-
-
-def crowded(findings: Findings) -> bool:
-    """Return whether more trials ran at a time than there were cores; False where that was not recorded."""
-    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine of a run
-    for record in findings.results.environments:
-        run = tuple(record.get(key) for key in ("folder", "started", "command", "shard"))
-        runs.setdefault(run, {})[record.get("host")] = record.get("jobs"), record.get("cores")
-    noted = [list(machines.values()) for machines in runs.values()]
-    if not all(isinstance(number, int) for run in noted for machine in run for number in machine):
-        return False
-    return any(max(jobs for jobs, _ in run) > sum(cores for _, cores in run) for run in noted)
+    unknown = words.unknown([*timing.loc[timing["wall_median"].isna(), "optimizer"]])
+    return Section(TITLE, tuple(filter(None, (text, unknown))), (_table(known, timing),))
 
 
 def _table(known: pd.DataFrame, timing: pd.DataFrame) -> Table:

@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench.helpers.text import listed
 from bench.plugins.inputs import shown
-from bench.report.parts import File, Table
+from bench.report.parts import File, Line, Table, warning
 from bench.report.wording import count, listing, options
 from bench.results.results import StoredResults
 from bench.storage.provenance import differences
@@ -56,16 +56,18 @@ class Environments:
         """The letter of each record's environment, by its number."""
         return {place + 1: letter for letter, group in self.groups.items() for place in group}
 
-    def warnings(self) -> Iterator[str]:
-        """Yield sentences on what changed since, what an import left out, and trials of several environments."""
+    def warnings(self) -> Iterator[Line]:
+        """Yield lines on what changed since, what an import left out, and trials of several environments."""
         for label, names in self.results.changed.items():
             what = listing(list(map(shown, names)), at_most=5)
-            yield f"{label} changed since its trials were made ({what}); the report is of what it was."
+            text = f"{label} changed since its trials were made ({what}); the report is of what it was."
+            yield warning("changed since its trials were made", text)
         if not self.records:
-            yield "The folder has no record of the machine that ran it."
+            yield warning("machine not known", "The folder has no record of the machine that ran it.")
         for record in self.records:
             if lost := record.get("left_out"):
-                yield f"The import of {record['imported']} left out what cannot be read: {listed(lost, between='; ')}."
+                text = f"The import of {record['imported']} left out what cannot be read: {listed(lost, between='; ')}."
+                yield warning("left out by the import", text)
         made = set(self.numbers.dropna())
         used = [letter for letter, group in self.groups.items() if not made or made & {place + 1 for place in group}]
         if len(used) < 2:
@@ -76,7 +78,8 @@ class Environments:
             for letter, record in others[:NAMED]
         )
         rest = f"; and {len(others) - NAMED} more" if len(others) > NAMED else ""
-        yield f"The trials come from {len(used)} different environments; compare times with care. {changes}{rest}."
+        text = f"The trials come from {len(used)} different environments; compare times with care. {changes}{rest}."
+        yield warning("several environments", text)
 
     def table(self) -> Table:
         """Return the table of the environments, a column each; the file has every item and all of them."""

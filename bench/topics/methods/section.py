@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bench.analysis.customary import customary, friedman
-from bench.report.parts import File, Section
+from bench.report.parts import File, Section, warning
 from bench.topics.conditions.conditions import conditions_table
 from bench.topics.findings import Findings
 from bench.topics.methods.environment import Environments
@@ -26,13 +26,13 @@ def section(findings: Findings) -> Section:
     """Return the paragraph that is true of this run, the environment and the list of all files."""
     environments = Environments(findings.results)
     tables = (environments.table(),) if environments.records else ()
-    warnings = tuple(environments.warnings())
     if findings.trials.whole.empty:
         text = ("The study has no trial yet, so there are no methods to describe.",)
-        return Section(TITLE, text, tables, warnings, lists_files=True)
+        return Section(TITLE, text, tables, lists_files=True)
     stated = findings.of(methods)
     written = (*texts(findings), *frames(findings), *environments.files())
-    return Section(TITLE, (stated.text,), tables, (*stated.warnings, *warnings), files=written, lists_files=True)
+    lines = tuple(warning("not cited", text) for text in stated.warnings)
+    return Section(TITLE, (stated.text,), tables, lines=lines, files=written, lists_files=True)
 
 
 def texts(findings: Findings) -> Iterator[File]:

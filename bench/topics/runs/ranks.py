@@ -23,7 +23,7 @@ def rank_map(findings: Findings) -> Table:
     marked = marks(findings.final, places).reindex(index=ranks.index, columns=shown).fillna("")
     near = marked == NEAR
     every = len(trials.optimizers)
-    notes = ["Bold: the first. Ties share their mean rank."]
+    notes = ["Bold: the first. Equal optimizers get the mean of their ranks."]
     notes += [f"{NEAR}: no test separates it from the first."] if near.any(axis=None) else []
     notes += [f"The file has all {every} optimizers."] if len(shown) < every else []
     found = Table(

@@ -16,19 +16,8 @@ def section(findings: Findings) -> Section | None:
     if not findings.trials.problems:
         return None
     figure = runs_figure(findings, comparison(findings))
-    return Section(TITLE, tuple(filter(None, _text(findings))), (figure,), files=files(findings))
-
-
-def _text(findings: Findings) -> list[str]:
-    tests, trials = findings.final.on_problems, findings.trials
+    tests = findings.final.on_problems
     tests = tests[tests["p_holm"].notna()]
-    text = []
-    if tests["problem"].nunique():
-        text.append(words.differences(tests["problem"].nunique(), tests.loc[tests["lower"] != "", "problem"].nunique()))
-    empty = trials.coverage[trials.coverage["stored"] == 0]
-    if gaps := empty.loc[empty["problem"].isin(trials.problems), "problem"].nunique():
-        text.append(words.gaps(gaps))
-    cells = trials.feasible
-    if len(cells) and (lost := int((cells["trials"] - cells["feasible"]).sum())):
-        text.append(words.infeasible(lost, int(cells["trials"].sum()), findings.study.constraints))
-    return text
+    tested, shown = (each["problem"].nunique() for each in (tests, tests[tests["lower"] != ""]))
+    text = (words.differences(tested, shown),) if tested else ()
+    return Section(TITLE, text, (figure,), files=files(findings))

@@ -24,19 +24,6 @@ def differences(problems: int, found: int) -> str:
     )
 
 
-def gaps(problems: int) -> str:
-    """Return a sentence on problems on which an optimizer has no run."""
-    return f"On {count(problems, 'problem')} at least one optimizer has no run; nothing is compared with it there."
-
-
-def infeasible(lost: int, runs: int, handling: str) -> str:
-    """Return a sentence on runs that found no feasible point."""
-    return (
-        f"{lost:,} of {count(runs, 'run')} under constraints (handled by {handling}) found no feasible point and rank "
-        "below all others."
-    )
-
-
 def table_note(leader: str, subject: bool, precise: bool) -> str:
     """Return the note below the table of medians."""
     values = " Values are precisions where instances are pooled." if precise else ""

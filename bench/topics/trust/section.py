@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 
 from bench.analysis.comparison import shared_by
 from bench.objective import ON_TARGET, OUT_OF_TIME
-from bench.report.parts import Card, File, Line, Section, Table
+from bench.report.parts import Card, File, Line, Section, Table, warning
 from bench.report.wording import count, listing, unfinished_trials
 from bench.topics.answer.changes import changes
 from bench.topics.answer.facts import facts
 from bench.topics.answer.section import nothing_to_compare
 from bench.topics.findings import Findings, Trials
+from bench.topics.methods.environment import Environments
 from bench.topics.trust import words
 from bench.topics.trust.checks import checks
 from bench.topics.trust.design import smallest
@@ -33,25 +35,21 @@ def section(findings: Findings) -> Section | None:
     passed = made.loc[verdicts == "pass", "check"]
     headline = words.checked(len(passed), len(troubles), int((verdicts == "not checked").sum()))
     compared = not nothing_to_compare(findings)
-    reasons = {label: known.reason for label, known in findings.trials.known.items() if known.reason}
     skipped = (*findings.results.differences, *left_out(findings.trials.comparable))
     lines = [
         *(_conditions(findings) if compared else ()),
-        *(Line("not compared", text) for text in skipped),
-        *(Line(str(row.check), first_sentences(str(row.finding))) for row in troubles.itertuples()),
-        *(
-            [Line("problems", words.not_loaded(list(reasons), next(iter(reasons.values())).partition(";")[0]))]
-            if reasons
-            else []
-        ),
-        *(Line("failures", text) for text in handled(findings.trials.whole)),
+        *(warning("not compared", text) for text in skipped),
+        *(warning(str(row.check), first_sentences(str(row.finding))) for row in troubles.itertuples()),
+        *_data(findings),
         *([Line("passed", words.passed(list(passed)))] if len(passed) else []),
         *(_claims(findings) if compared else ()),
     ]
-    card = Card("", (headline,), "open" if len(troubles) else "limit", lines=tuple(lines))
+    card = Card(headline, "open" if len(troubles) else "limit")
     table = File("tables/integrity.csv", "The checks of the results, and what each found.", made)
     lost = unfinished_trials(findings.trials.comparable.working)
-    return Section(TITLE, items=tuple(_incomplete(findings.trials)), cards=(card,), lost=lost, files=(table,))
+    return Section(
+        TITLE, items=tuple(_incomplete(findings.trials)), cards=(card,), lines=tuple(lines), lost=lost, files=(table,)
+    )
 
 
 def first_sentences(finding: str) -> str:
@@ -63,25 +61,28 @@ def _conditions(findings: Findings) -> Iterator[Line]:
     """Yield what differs between the optimizers besides their algorithms."""
     unlike = findings.of(facts).unlike
     if unlike.clause:
-        yield Line("unlike", words.alike(unlike.clause, unlike.names))
+        yield warning("unlike conditions", words.alike(unlike.clause, unlike.names))
     if unlike.left:
-        yield Line("unlike", words.unused(unlike.left))
+        yield warning("unlike conditions", words.unused(unlike.left))
     if findings.trials.common:
-        yield Line("budgets", words.budgets(findings.trials.common_words))
+        yield warning("budgets differ", words.budgets(findings.trials.common_words))
 
 
 def _claims(findings: Findings) -> Iterator[Line]:
     """Yield what limits the claims: changes after the results, seeds, trials, problems and other measures."""
     found, known = findings.of(changes), findings.of(facts)
-    text = words.changed(found.made, findings.study.seed + 1) if found.made else words.unchanged()
-    yield Line("changed after the results", text if found.made or found.known else words.not_known())
+    if found.made or found.known:
+        text = words.changed(found.made, findings.study.seed + 1) if found.made else words.unchanged()
+        yield warning("changed after the results", text)
+    else:
+        yield warning("history not known", words.not_known())
     if same := shared_by(findings.trials.frame):
-        yield Line("seeds", words.shared(same))
+        yield warning("shared seeds", words.shared(same))
     if findings.trials.frame["seed"].isna().any():
-        yield Line("seeds", words.without_seeds())
-    yield Line("enough runs?", smallest(findings.study))
-    yield Line("which problems?", words.scope(len(known.problems)))
-    yield Line("other measures", words.measures(_measures(findings), len(known.problems)))
+        yield warning("no seeds", words.without_seeds())
+    yield warning("enough runs", smallest(findings.study))
+    yield warning("which problems", words.scope(len(known.problems)))
+    yield warning("other measures", words.measures(_measures(findings), len(known.problems)))
 
 
 def _measures(findings: Findings) -> dict[str, int]:
@@ -98,20 +99,55 @@ def _measures(findings: Findings) -> dict[str, int]:
     return found
 
 
-def handled(frame: pd.DataFrame) -> Iterator[str]:
-    """Yield sentences on evaluations that failed, and on trials that a limit or a good value ended."""
+def _data(findings: Findings) -> Iterator[Line]:
+    """Yield what limits the data: runs that are missing, infeasible or ended early, problems, machines and times."""
+    trials = findings.trials
+    empty = trials.coverage[trials.coverage["stored"] == 0]
+    if gaps := empty.loc[empty["problem"].isin(trials.problems), "problem"].nunique():
+        yield warning("gaps", words.gaps(gaps))
+    cells = trials.feasible
+    if len(cells) and (lost := int((cells["trials"] - cells["feasible"]).sum())):
+        runs, constraints = int(cells["trials"].sum()), findings.study.constraints
+        yield warning("no feasible point", words.infeasible(lost, runs, constraints))
+    yield from handled(trials.whole)
+    reasons = {label: known.reason for label, known in trials.known.items() if known.reason}
+    if reasons:
+        why = next(iter(reasons.values())).partition(";")[0]
+        yield warning("problem cannot be loaded", words.not_loaded(list(reasons), why))
+    yield from Environments(findings.results).warnings()
+    if crowded(findings.results.environments):
+        yield warning("crowded", words.crowded())
+
+
+def crowded(records: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether more trials ran at a time than there were cores; False where that was not recorded."""
+    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine of a run
+    for record in records:
+        run = tuple(record.get(key) for key in ("folder", "started", "command", "shard"))
+        runs.setdefault(run, {})[record.get("host")] = record.get("jobs"), record.get("cores")
+    noted = [list(machines.values()) for machines in runs.values()]
+    if not all(isinstance(number, int) for run in noted for machine in run for number in machine):
+        return False
+    return any(max(jobs for jobs, _ in run) > sum(cores for _, cores in run) for run in noted)
+
+
+def handled(frame: pd.DataFrame) -> Iterator[Line]:
+    """Yield lines on evaluations that failed, and on trials that a limit or a good value ended."""
     sums = frame[["failures", "nfev"]].astype(float).groupby(frame["problem"].astype(object), sort=False).sum()
     shares = (sums["failures"] / sums["nfev"])[sums["failures"] > 0]
     if len(shares):
         named = listing([f"{share:.2g} of those on {problem}" for problem, share in shares.items()], at_most=8)
-        yield f"Evaluations failed, and count with the value +inf: a share of {named}."
+        text = f"Evaluations failed, and count with the value +inf: a share of {named}."
+        yield warning("failed evaluations", text)
     if late := int((frame["stop"] == OUT_OF_TIME).sum()):
-        yield (
+        text = (
             f"A limit of time has ended {late:,} of {count(len(frame), 'trial')} before the budget: their results "
             "depend on the machine and cannot be repeated bit by bit."
         )
+        yield warning("ended by time", text)
     if good := int((frame["stop"] == ON_TARGET).sum()):
-        yield f"{good:,} of {count(len(frame), 'trial')} ended before the budget, as their value was good enough."
+        text = f"{good:,} of {count(len(frame), 'trial')} ended before the budget, as their value was good enough."
+        yield warning("ended by a good value", text)
 
 
 def _incomplete(trials: Trials) -> list[Table]:

@@ -84,3 +84,21 @@ def not_loaded(labels: Sequence[str], why: str) -> str:
     """Return which problems cannot be loaded here."""
     which = f"{count(len(labels), 'problem')} cannot be loaded here"
     return f"{which}, so optimum and bounds are unknown: {listing(labels, NAMED)} ({why})."
+
+
+def gaps(problems: int) -> str:
+    """Return a sentence on problems on which an optimizer has no run."""
+    return f"On {count(problems, 'problem')} at least one optimizer has no run; nothing is compared with it there."
+
+
+def infeasible(lost: int, runs: int, handling: str) -> str:
+    """Return a sentence on runs that found no feasible point."""
+    return (
+        f"{lost:,} of {count(runs, 'run')} under constraints (handled by {handling}) found no feasible point and rank "
+        "below all others."
+    )
+
+
+def crowded() -> str:
+    """Say that the machine was crowded."""
+    return "More trials ran at a time than there were cores, so wall times are too long."

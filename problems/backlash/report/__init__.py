@@ -1,7 +1,7 @@
 """The thesis's views of a study: Table 7.2, Figs. 7.3 to 7.5 and the best fit, in the section "In your units"."""
 
 from bench.analysis import in_study_order
-from bench.report import Card, Line, Part, Section, listing
+from bench.report import Line, Part, Section, listing
 from bench.topics import Findings
 from problems.backlash.report import figures, fitting_errors, reference, shares, words
 from problems.backlash.report.accuracy import estimates, expected_values
@@ -24,7 +24,7 @@ def answer(findings: Findings) -> Section | None:
         return None
     labels = [label for label in findings.from_leader if label in found.index][:2]
     text = words.remembered(str(found.columns[0]), [(label, float(found.iloc[:, 0][label])) for label in labels])
-    return Section("Answer", cards=(Card("", (), "limit", lines=(Line("in your units", text, TITLE),)),))
+    return Section("Answer", lines=(Line("in your units", text, TITLE),))
 
 
 def units(findings: Findings) -> Section | None:
@@ -37,10 +37,10 @@ def units(findings: Findings) -> Section | None:
     published, printed = fitting_errors.compared(results, frame)
     drawn = figures.drawn(findings, {name: data for name, data in found.items() if data["found"].notna().any()})
     items: tuple[Part, ...] = (*table, *printed, *drawn)
-    return Section(TITLE, (*fits, *published), items, _unknown(unknown)) if items else None
+    return Section(TITLE, (*fits, *published), items, lines=_unknown(unknown)) if items else None
 
 
-def _unknown(reasons: dict[str, str]) -> tuple[str, ...]:
-    """Return a warning for each reason why true values are not known; a missing plug-in is one of many problems."""
+def _unknown(reasons: dict[str, str]) -> tuple[Line, ...]:
+    """Return a line for each reason why true values are not known; a missing plug-in is one of many problems."""
     problems = {why: [label for label, other in reasons.items() if other == why] for why in reasons.values()}
-    return tuple(words.unknown(listing(labels, at_most=4), why) for why, labels in problems.items())
+    return tuple(Line("unknown", words.unknown(listing(labels, at_most=4), why)) for why, labels in problems.items())

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from bench.report import Figure, Section, Table, count, write_page
+from bench.report import Figure, Line, Section, Table, count, write_page
 from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import CONFIDENCE, Settings
 from problems.backlash.sensor.formatting import PER, calibration_of, notes, trend_lines
@@ -44,12 +44,12 @@ def write(
         "verdicts", "Each recording: verdict, half-gap with its interval, amplitude and residual.",
         frame.rename(columns=COLUMNS), decimals=3, note=f"The limit is {1e3 * settings.limit_rad:g} mrad.",
     )  # fmt: skip
-    lost = tuple(outcome.error for _, outcome in failed)
+    lost = tuple(Line(name, outcome.error) for name, outcome in failed)
     remarks = (*notes(outcomes, names), *(f"Calibration: {line}." for line in calibration_of(settings)))
     trends = [joint.trend for joint in joints if joint.trend]
     text = tuple("; ".join(line.strip() for line in trend_lines(one, settings)) + "." for one in trends)
     sections = [
-        Section("Joints", items=(_joints(joints, settings),) if joints else (), warnings=lost),
+        Section("Joints", items=(_joints(joints, settings),) if joints else (), lines=lost),
         Section("Verdicts and trends", text, (*_trend(trends, settings), table)),
     ]
     fits = tuple(Section(name, (), (_fit(name, outcome, settings),), folded=True) for name, outcome in good)

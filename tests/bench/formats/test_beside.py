@@ -82,7 +82,7 @@ class TestUnited:
             ("box-f01-d2-i1", "archived"): 801,
         }
         verdicts = both.of(checks).set_index("check")["verdict"]
-        assert verdicts["budget"] == "pass"
+        assert verdicts["records"] == "pass"
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
         assert budgets_of(frame, both.trials.allowed).tolist() == [120.0, 801.0]
 
@@ -180,7 +180,7 @@ class TestFinalValues:
         assert answer.section(found).text == (
             "There is nothing to compare: no problem has trials of every optimizer that can be compared.",
         )
-        assert trust.section(found).cards[0].lines[0].text == (
+        assert trust.section(found).lines[0].text == (
             "a spent more evaluations than others had on p1 and p2, and what was found by then is not known, so it is "
             "not compared there."
         )
@@ -188,9 +188,9 @@ class TestFinalValues:
     def test_nothing_is_said_of_smaller_budgets_at_which_no_value_is_known(self, tmp_path):
         found = Findings(Results(final_values(tmp_path, {"a": 1_000, "b": 995})))
         assert found.trials.common == {}
-        (claim,) = answer.section(found).cards
-        assert claim.text == ("a ends lowest on these 2 problems.",)
-        assert "smaller budgets" not in f"{claim.lines}"
+        made = answer.section(found)
+        assert made.cards[0].text == "a ends lowest on these 2 problems."
+        assert "smaller budgets" not in f"{made.lines}"
 
 
 def of_years(tmp_path, name, instances):

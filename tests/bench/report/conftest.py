@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from bench.report.page import FileRow, Item, View, inline, render
-from bench.report.parts import Card, Figure, Section, Table
+from bench.report.parts import Card, Figure, Line, Section, Table
 
 SVG = """<?xml version="1.0" encoding="utf-8"?>
 <svg xmlns:xlink="http://www.w3.org/1999/xlink" width="252pt" height="144pt" viewBox="0 0 252 144"
@@ -52,12 +52,13 @@ def view(item):
 def views(view):
     """A verdict, tables to sort and to filter, figures with short and long data, datasets and files."""
     cards = (
-        Card("What may be claimed", ("cma-es is ranked first on 18 of 18 problems.",), "claim"),
-        Card(
-            "What may not",
-            ("No optimizer is shown to be equal to another.", "Shifts may be missed."),
-            "limit",
-        ),
+        Card("cma-es is ranked first on 18 of 18 problems.", "claim"),
+        Card("No optimizer is shown to be equal to another.", "limit"),
+    )
+    lines = (
+        Line("where", "On easy ones.", "Curves"),
+        Line("ties", "Few values.", "warnings#ties"),
+        Line("odd", "One."),
     )
     numbers = [1234.5, np.inf, 0.5, np.nan, -2.0, 1e-5, 99.0, 1200.0, 3.0, 7.0, 8.0, 9.0]
     wide = pd.DataFrame(
@@ -79,7 +80,7 @@ def views(view):
     long = Figure("long", "A figure of many.", None, pd.DataFrame({"x": np.arange(1234), "y": np.arange(1234) / 7}))
     datasets = tuple(Section(f"dataset {i}", (f"About dataset {i}.",)) for i in range(1, 4))
     return [
-        view("section-1", Section("Verdict", ("A sentence.",), cards=cards, warnings=("Few trials.", "Odd ones."))),
+        view("section-1", Section("Verdict", ("A sentence.",), cards=cards, lines=lines)),
         view("section-2", Section("Comparison", items=(matrix, Table("wide", "Everything.", wide)))),
         view("section-3", Section("Curves", items=(short, long))),
         view("section-4", Section("Datasets", sections=datasets)),

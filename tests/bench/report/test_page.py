@@ -13,7 +13,7 @@ import pytest
 
 from bench.plots import style
 from bench.report.page import FileRow, file_rows, grid, inline, render
-from bench.report.parts import MOST_ROWS, Card, Figure, Section, Table
+from bench.report.parts import MOST_ROWS, Card, Figure, Line, Section, Table
 from bench.report.write import save_figure
 
 HOSTILE = "<script>alert(1)</script>&amp; {{ 7*7 }} {% raw %} \"'><b onclick=x>"
@@ -63,12 +63,13 @@ class TestPage:
         assert document.texts("a", href="tables/matrix.tex") == ["LaTeX"]
         assert "Table 1 as LaTeX" in document.values("aria-label")
 
-    def test_cards_and_warnings(self, document):
+    def test_cards_and_lines(self, document):
         (claim,) = document.texts("div", **{"class": "card claim"})
         (limit,) = document.texts("div", **{"class": "card limit"})
-        assert "What may be claimed cma-es is ranked first on 18 of 18 problems." in claim
-        assert "What may not No optimizer" in limit
-        assert "⚠ Few trials." in document.texts("summary")
+        assert "✓ cma-es is ranked first on 18 of 18 problems." in claim
+        assert "✕ No optimizer" in limit
+        assert document.texts("dt") == ["where", "ties", "odd"]
+        assert document.texts("dd") == ["On easy ones.", "Few values.", "One."]
 
     def test_downloads_stand_together_by_kind(self, document):
         assert "figures/a%20b%23.pdf" in document.values("href")
@@ -80,8 +81,8 @@ class TestPage:
         part = Table("t", HOSTILE, frame, marks=pd.DataFrame({HOSTILE: [HOSTILE]}, index=frame.index), note=HOSTILE)
         figure = Figure("f", HOSTILE, None, frame)
         section = Section(
-            HOSTILE, (HOSTILE,), (part, figure), (HOSTILE,), (Card(HOSTILE, (HOSTILE,), "limit"),), (Section(HOSTILE),),
-            lost=HOSTILE, lists_files=True,
+            HOSTILE, (HOSTILE,), (part, figure), (Card(HOSTILE, "limit"),), (Line(HOSTILE, HOSTILE, HOSTILE),),
+            (Section(HOSTILE),), lost=HOSTILE, lists_files=True,
         )  # fmt: skip
         document = read(render(HOSTILE, HOSTILE, [view("v", section, [FileRow(f"a/{HOSTILE}", ["csv"], HOSTILE)])]))
         assert len(document.texts("script")) == 1

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from bench.report import Card, Section, Table
+from bench.report import Card, Line, Section, Table
 
 
 class TestTables:
@@ -27,14 +27,10 @@ class TestTables:
     "wrong",
     [
         {"cards": ("x",)}, {"text": "a text"}, {"text": (1,)}, {"text": (text for text in ("a", "b"))},
-        {"items": "ab"}, {"items": ("x",)}, {"sections": (3,)}, {"warnings": "careful"}, {"warnings": (None,)},
+        {"items": "ab"}, {"items": ("x",)}, {"sections": (3,)}, {"lines": "careful"}, {"lines": ("a text",)},
+        {"cards": (Card(None, "claim"),)}, {"lines": (Line("label", None),)},
     ],
 )  # fmt: skip
 def test_a_section_is_refused_at_its_source(wrong):
     with pytest.raises(TypeError):
         Section("title", **wrong)
-
-
-def test_a_card_is_refused_at_its_source():
-    with pytest.raises(TypeError):
-        Card("title", "a text", "claim")

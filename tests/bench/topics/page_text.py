@@ -48,10 +48,9 @@ def answer_text(findings):
 def section_lines(section, level="##"):
     lines = ["", f"{level} {section.title}{' [folded]' * section.folded}", ""]
     lines += [f"lost: {section.lost}"] if section.lost else []
-    lines += [f"warning: {each}" for each in section.warnings]
     for card in section.cards:
-        lines += ["", f"[{card.tone}] {card.title}".rstrip(), *card.text]
-        lines += [f"  {each.label}: {each.text}{f' -> {each.part}' * bool(each.part)}" for each in card.lines]
+        lines += ["", f"[{card.tone}]", card.text]
+    lines += [f"  {each.label}: {each.text}{f' -> {each.part}' * bool(each.part)}" for each in section.lines]
     lines += section.text
     for item in section.items:
         lines += table_lines(item) if isinstance(item, Table) else ["", f"Figure {item.name}: {item.caption}"]

@@ -11,7 +11,7 @@ from bench import BenchError, Results, load_problem
 from bench.cli.app import app
 from bench.formats.importing import import_results
 from bench.topics.findings import Findings
-from bench.topics.methods.section import section
+from bench.topics.trust.section import section
 from tests.bench.formats.made import exported, make
 
 
@@ -160,4 +160,4 @@ def test_a_log_of_maximisation_is_left_out_by_name_where_that_is_asked_for(tmp_p
     assert f"left out: {sentence}" in " ".join(found.output.split())
     assert Results(out).frame["problem"].tolist() == ["own-f06-d5-i1", "own-f06-d5-i2"]
     assert sentence in " ".join(CliRunner().invoke(app, ["status", str(out)]).output.split())
-    assert any(sentence in each for each in section(Findings(Results(out))).warnings)
+    assert any(sentence in line.text for line in section(Findings(Results(out))).lines)

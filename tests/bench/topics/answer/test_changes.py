@@ -43,7 +43,7 @@ def test_each_change_is_said_in_place_of_the_5_percent(make, tmp_path, first, su
     (sure,) = (line.text for line in lines(findings) if line.label == "how sure")
     assert ("at most 5%" in sure) == (not made)
     assert ("run again with another seed: bench run … --seed 1" in sure) == bool(made)
-    (said,) = (line.text for line in section(findings).cards[0].lines if line.label == "changed after the results")
+    (said,) = (line.text for line in section(findings).lines if line.label == "changed after the results")
     assert all(change in said for change in made)
 
 
@@ -55,7 +55,7 @@ def test_a_folder_without_a_record_says_that_nothing_is_known(make, tmp_path):
     findings = found(make(tmp_path / "s"))
     assert changes(findings) == (False, ())
     assert "changes after the results are not known" in str(lines(findings))
-    assert "Not known: the folder has no record" in str(section(findings).cards[0].lines)
+    assert "Not known: the folder has no record" in str(section(findings).lines)
 
 
 def test_a_selection_is_a_change(make, tmp_path):

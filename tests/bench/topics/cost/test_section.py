@@ -1,4 +1,4 @@
-"""The section on cost: one table, one sentence, and what disturbed the times."""
+"""The section on cost: one table, one sentence."""
 
 import pytest
 
@@ -10,26 +10,6 @@ from bench.topics.findings import Findings
 @pytest.fixture
 def findings(make, tmp_path):
     return Findings(Results(make(tmp_path / "s", changes={"a": {"calls": 5}, "b": {"calls": 100}})))
-
-
-@pytest.mark.parametrize(
-    ("records", "crowded"),
-    [
-        ([{"jobs": 2, "cores": 2}, {"jobs": 1, "cores": 2}], False),
-        ([{"jobs": 2, "cores": 2}, {"jobs": 3, "cores": 2}], True),
-        ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "two"}], False),
-        ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "one"}], True),
-        ([{"jobs": 2}], False),
-        ([], False),
-    ],
-)
-def test_the_cores_of_all_machines_of_a_run_count(findings, records, crowded):
-    starts = ["a", "b"] if not any("host" in record for record in records) else ["a", "a"]
-    findings.results.environments[:] = [
-        {"started": start} | record for start, record in zip(starts, records, strict=False)
-    ]
-    said = any("than there were cores" in text for text in cost.section(findings).warnings)
-    assert said == crowded
 
 
 def test_one_sentence_names_the_least_and_the_most_time(findings):

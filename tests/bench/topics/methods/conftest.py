@@ -1,10 +1,13 @@
 """The section on methods of a small study whose trials ran in given environments."""
 
+from dataclasses import replace
+
 import pandas as pd
 import pytest
 
 from bench import Results
 from bench.topics.findings import Findings
+from bench.topics.methods.environment import Environments
 from bench.topics.methods.section import section
 
 
@@ -16,13 +19,17 @@ def folder(make, tmp_path_factory):
 
 @pytest.fixture
 def render(folder, monkeypatch):
-    """Return a function that makes the section of such records; ``origins`` gives each trial the number of one."""
+    """Return a function that makes the section of such records, with the lines on them of the section on trust.
+
+    ``origins`` gives each trial the number of one.
+    """
 
     def rendered(records, origins=None):
         results = Results(folder)
         results.environments[:] = records
         numbers = pd.Series(origins or [None] * len(results.frame), dtype=object)
         monkeypatch.setattr(Results, "origins", numbers)
-        return section(Findings(results))
+        lines = tuple(Environments(results).warnings())
+        return replace(section(Findings(results)), lines=lines)
 
     return rendered

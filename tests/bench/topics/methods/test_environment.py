@@ -16,22 +16,23 @@ def content(section, name):
 
 def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
     section = render([RECORD, NEWER], [1] * 24)
-    assert section.warnings == ()
+    assert section.lines == ()
     assert list(content(section, "environment-runs")["trials"]) == [24, 0]
-    assert render([RECORD, NEWER]).warnings != ()  # which made them is not known
+    assert render([RECORD, NEWER]).lines != ()  # which made them is not known
 
 
 def test_the_records_of_older_folders_are_read(render):
     section = render([OLD, OLD | {"python": "3.12.1"}])
-    assert "B differs from A by Python 3.11.7 → 3.12.1" in section.warnings[0]
+    assert "B differs from A by Python 3.11.7 → 3.12.1" in section.lines[0].text
     assert table(section).frame.loc["commit"].tolist() == [f"{RECORD['git']['commit']} with uncommitted changes"] * 2
     assert len(content(render([{}]), "environment-runs")) == 1
-    assert "no record" in render([]).warnings[0]
+    assert "no record" in render([]).lines[0].text
 
 
 def test_fifty_environments_can_still_be_read(render):
     section = render([RECORD | {"python": f"3.11.{i}"} for i in range(50)], [1 + i % 50 for i in range(24)])
-    (warning,) = section.warnings
+    ((label, warning, _),) = section.lines
+    assert label == "several environments"
     assert warning.startswith("The trials come from 24 different environments")
     assert warning.endswith("D differs from A by Python 3.11.0 → 3.11.3; and 20 more.")
     assert list(table(section).frame) == ["A", "B", "C", "D"]

@@ -9,6 +9,7 @@ from bench.topics.runs.marks import FIRST, NEAR, marks
 from bench.topics.runs.panels import classes, measured, panels
 from bench.topics.runs.ranks import rank_map
 from bench.topics.runs.section import section
+from bench.topics.trust import section as trust
 
 
 @pytest.fixture(scope="module")
@@ -102,8 +103,10 @@ class TestTheSection:
         assert {file.path for file in made.files} == {f"tables/{name}.csv" for name in ("trials", "tests", "ranking")}
 
     def test_failed_and_missing_runs_are_said(self, make, tmp_path):
-        made = section(found(make(tmp_path / "s", fail=[("p", "b")], skip=[("q", "c")])))
-        assert "On 1 problem at least one optimizer has no run; nothing is compared with it there." in made.text
+        findings = found(make(tmp_path / "s", fail=[("p", "b")], skip=[("q", "c")]))
+        made = section(findings)
+        (gaps,) = (line.text for line in trust.section(findings).lines if line.label == "gaps")
+        assert gaps == "On 1 problem at least one optimizer has no run; nothing is compared with it there."
         table = made.items[0].table
         assert table.lost.loc["p"].to_dict() == {"a": False, "b": True, "c": False}
         assert "8✗" in [text.get_text().strip() for text in made.items[0].figure.axes[0].texts]

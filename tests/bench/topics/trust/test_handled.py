@@ -11,12 +11,14 @@ def frame(**changes):
 
 
 def test_failed_evaluations_are_counted_by_problem():
-    (sentence,) = handled(frame(failures=[1, 2, 0]))
+    ((label, sentence, _),) = handled(frame(failures=[1, 2, 0]))
+    assert label == "failed evaluations"
     assert sentence == "Evaluations failed, and count with the value +inf: a share of 0.03 of those on p."
 
 
 def test_trials_that_a_limit_of_time_has_ended_are_counted():
-    (sentence,) = handled(frame(stop=["time", "budget", "time"]))
+    ((label, sentence, _),) = handled(frame(stop=["time", "budget", "time"]))
+    assert label == "ended by time"
     assert sentence.startswith("A limit of time has ended 2 of 3 trials before the budget: their results depend")
 
 

@@ -56,7 +56,7 @@ def test_each_reason_has_the_committed_sentence(committed):
 
 
 def said(section):
-    return [f"{line.label}: {line.text}" for card in section.cards for line in card.lines]
+    return [f"{line.label}: {line.text}" for line in section.lines]
 
 
 def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
@@ -77,7 +77,7 @@ def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
 def test_a_problem_that_is_not_compared_is_in_no_rank(make, tmp_path):
     found = Findings(Results(make(tmp_path / "s", ("p", "q", "r"), raised=[("q", "a", 0)])))
     section = answer.section(found)
-    assert section.cards[0].text == ("a ends lowest on these 2 problems.",)
+    assert section.cards[0].text == "a ends lowest on these 2 problems."
     _, ranks = section.items
     assert list(ranks.frame.index) == ["p", "r"]
     assert "mpty" not in ranks.note

@@ -90,7 +90,7 @@ def test_a_problem_whose_data_changed_is_left_out(tmp_path):
     change_data(tmp_path / "s", {"set 3": "of other data"})
     shown = section(Results(tmp_path / "s"))
     assert table(shown)["best fit found %"].tolist() == [100, 100]
-    assert "The expected values of set 3 are not known" in shown.warnings[0]
+    assert "The expected values of set 3 are not known" in shown.lines[0].text
 
 
 def test_the_first_screen_has_the_shares_of_the_best_fit_and_of_amplitude_and_gap_within_their_bands(tmp_path):

@@ -205,8 +205,8 @@ def test_data_that_changed_is_said_and_left_out(tmp_path):
     make(tmp_path / "s")
     change_data(tmp_path / "s", {"signature-03": "of other data"})
     results = Results(tmp_path / "s")
-    (warning,) = view(results).warnings
-    assert warning.startswith("The expected values of signature-03 are not known here and left out: the data of")
+    (line,) = view(results).lines
+    assert line.text.startswith("The expected values of signature-03 are not known here and left out: the data of")
     assert set(table(results, "figure-7-3").data["problem"]) == {"signature-04"}
     data = table(results, "figure-7-4").data
     assert data.groupby("problem", observed=True)["expected"].count().tolist() == [0, 30]
@@ -227,7 +227,7 @@ def test_without_a_truth_there_are_figures_of_the_amplitude_but_no_errors(tmp_pa
     assert [item.name for item in view(results).items] == ["found", "figure-7-4", "figure-7-5"]
     assert list(table(results, "found").frame) == ["ran under", "best fit found %", "median regret %"]
     assert "amplitude" not in words(results)
-    assert not view(results).warnings
+    assert not view(results).lines
 
 
 def test_a_study_of_other_problems_gets_nothing(tmp_path):
