@@ -12,7 +12,7 @@ import platform
 import shlex
 import socket
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
@@ -25,7 +25,7 @@ from threadpoolctl import threadpool_info
 
 from bench.helpers.text import printable
 from bench.plugins import registry
-from bench.storage.versions import checkout_states, content_hash, own_state, package_versions
+from bench.storage.versions import content_hash, own_state, package_versions
 from bench.study import Study
 
 LONGEST = 10_000
@@ -47,16 +47,16 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
         "cores": len(affinity(0)) if affinity else os.cpu_count(),
         "memory_gb": round(memory() / 1e9, 1),
         "blas": blas(),
+        "harness": package(),
         "git": own_state(),
-        "checkouts": checkout_states(plugins),
     }
 
 
 def united(record: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a machine's record with those packages, checkouts and BLAS that only another process's record has."""
-    both = {key: dict(other.get(key) or {}) | record[key] for key in ("packages", "checkouts")}
+    """Return a machine's record with those packages and BLAS that only another process's record has."""
     blas = [*record["blas"], *(library for library in other.get("blas") or () if library not in record["blas"])]
-    return dict(record) | both | {"blas": sorted(blas, key=str)}
+    packages = dict(other.get("packages") or {}) | record["packages"]
+    return dict(record) | {"packages": packages, "blas": sorted(blas, key=str)}
 
 
 def run(
@@ -96,7 +96,8 @@ def command() -> str:
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Return in short phrases the differences of two records that may change results or times: ``"numpy 2.4 → 2.5"``.
 
-    Not compared: keys that one record lacks, the kernel's build, and the machine's name, cores and memory.
+    Not compared: keys that one record lacks, the kernel's build, and the name, cores and memory of the machine; what
+    plug-ins read is in the inputs of each row (:mod:`bench.plugins.inputs`).
     """
     old, new = _versions(before), _versions(now)
     phrases = [f"{what} {old[what]} → {new[what]}" for what in old if what in new and old[what] != new[what]]
@@ -106,12 +107,6 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
         phrases.append(f"BLAS {', '.join(sorted(old_blas))} → {', '.join(sorted(new_blas))}")
     if bool(before.get("imported")) != bool(now.get("imported")):
         phrases.append("imported results" if now.get("imported") else "results that are not imported")
-    if "git" in before and "git" in now:
-        phrases += _changes(before["git"], now["git"])
-    earlier, later = (record.get("checkouts") or {} for record in (before, now))
-    phrases += [
-        f"{name}: {change}" for name in earlier if name in later for change in _changes(earlier[name], later[name])
-    ]
     return phrases
 
 
@@ -155,19 +150,11 @@ def _versions(record: Mapping[str, Any]) -> dict[str, str]:
     if system.startswith("Linux"):  # the C library computes sines and logarithms; the kernel does not
         system = f"Linux {system.partition('-with-')[2]}".strip()
     named = {"Python": record.get("python"), "processor": record.get("processor"), "system": system}
-    return {what: str(value) for what, value in ((record.get("packages") or {}) | named).items() if value}
-
-
-def _changes(before: Mapping[str, Any] | None, now: Mapping[str, Any] | None) -> Iterator[str]:
-    """Yield the differences of two states of a checkout, where None is no checkout."""
-    before, now = before or {}, now or {}
-    old, new = (str(state.get("commit") or "unknown") for state in (before, now))
-    if old != new:
-        yield f"commit {old[:7]} → {new[:7]}"
-    if bool(before.get("dirty")) != bool(now.get("dirty")):
-        yield "uncommitted changes" if now.get("dirty") else "no uncommitted changes"
-    elif before.get("diff") and now.get("diff") and before["diff"] != now["diff"]:
-        yield "other uncommitted changes"
+    packages = dict(record.get("packages") or {})
+    if harness := record.get("harness"):
+        name, _, state = str(harness).partition(" ")
+        packages[name] = state  # with the hash of its code
+    return {what: str(value) for what, value in (packages | named).items() if value}
 
 
 # the machine

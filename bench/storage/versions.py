@@ -1,4 +1,4 @@
-"""Identify the code that trials are made with: versions of installed packages, and states of git checkouts."""
+"""Identify the code that trials are made with: versions of installed packages, and the harness's own commit."""
 
 from __future__ import annotations
 
@@ -6,36 +6,28 @@ import hashlib
 import os
 import re
 import subprocess
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
-from importlib.machinery import all_suffixes
-from importlib.metadata import EntryPoint, PackageNotFoundError, distribution
-from importlib.util import find_spec
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
-from bench.helpers.text import printable, unique
 from bench.plugins import registry
 from bench.plugins.registry import distributions_of, is_installed
 
 PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")
 """Distributions whose versions are always noted."""
 
-SOURCES = (*all_suffixes(), ".pyx", ".pxd", ".c", ".cc", ".cpp", ".cu", ".h", ".hpp", ".f", ".f90", ".rs", ".jl")
-"""Suffixes of code files; other untracked files, such as a run's own log, do not change what runs."""
-
+GROUPS = ("optimizers", "problems")
 _SELF = Path(__file__).resolve()
 
 
 def package_versions(modules: Iterable[str]) -> dict[str, str]:
     """Return the versions of the installed ``PACKAGES``, of the modules' distributions and of their requirements."""
-    names = list(PACKAGES)
-    for module in modules:
-        names += [
-            needed for name in distributions_of(module) for needed in (name, *_requirements(name, _extras(module)))
-        ]
+    used = [(name, _extras(module)) for module in modules for name in distributions_of(module)]
+    names = [*PACKAGES, *(needed for name, extras in used for needed in (name, *_requirements(name, extras)))]
     versions = {}
     for name in names:
         with suppress(PackageNotFoundError):
@@ -44,20 +36,27 @@ def package_versions(modules: Iterable[str]) -> dict[str, str]:
     return versions
 
 
+@cache
 def own_state() -> dict[str, Any] | None:
-    """Return the state of the harness's own checkout, None outside one."""
-    home = _home(_SELF)
-    return _state(home) if home else None
+    """Return the commit of the checkout that the harness runs from, and whether files of it were changed since.
 
-
-def checkout_states(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return the states of the modules' checkouts by distribution or folder name, without the harness's own."""
-    homes: dict[Path, str] = {}
-    for module in modules:
-        if (file := _module_file(module)) and (home := _home(file)) and home != _home(_SELF):
-            homes.setdefault(home, next(iter(distributions_of(module)), printable(home.name, 255)))
-    states = zip(unique(homes.values()), map(_state, homes), strict=True)
-    return {name: state for name, state in states if state}
+    None outside a checkout, and where git cannot report it.
+    """
+    home = None if is_installed(_SELF) else next((up for up in _SELF.parents if (up / ".git").exists()), None)
+    # In a hook, git's variables name another repository.
+    plain = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    command = ["git", "-c", "core.fsmonitor=false", "describe", "--always", "--exclude=*", "--abbrev=40", "--dirty"]
+    if home is None:
+        return None
+    try:
+        found = subprocess.run(
+            command, cwd=home, env=plain | {"GIT_OPTIONAL_LOCKS": "0"}, stdin=subprocess.DEVNULL, capture_output=True,
+            check=True, timeout=60, text=True,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):  # git is missing, fails or takes too long
+        return None
+    commit, _, dirty = found.stdout.strip().partition("-")
+    return {"commit": commit, "dirty": bool(dirty)}
 
 
 def content_hash(path: Path) -> bytes:
@@ -67,19 +66,10 @@ def content_hash(path: Path) -> bytes:
     return bytes(32)
 
 
-# installed packages
-
-
-def _plugins() -> Iterator[tuple[str, EntryPoint]]:
-    """Yield group and entry point of every optimizer and problem."""
-    for group in ("optimizers", "problems"):
-        yield from ((group, entry) for entry in registry.entries(group).values())
-
-
 def _extras(module: str) -> set[str]:
     """Return the optional extras that a module's families need."""
     extras = set()
-    for group, entry in _plugins():
+    for group, entry in ((name, each) for name in GROUPS for each in registry.entries(name).values()):
         if entry.module == module:
             with suppress(BenchError):  # its trials report the error
                 extras.add(str(getattr(registry.load(group, entry.name), "extra", "")))
@@ -95,56 +85,3 @@ def _requirements(name: str, extras: set[str]) -> list[str]:
         if package and (extra[1] if extra else "") in wanted:
             required.append(package[0])
     return required
-
-
-def _module_file(module: str) -> Path | None:
-    with suppress(Exception):  # a plug-in's package may raise anything
-        spec = find_spec(module)
-        return Path(spec.origin).resolve() if spec and spec.has_location and spec.origin else None
-    return None
-
-
-# checkouts
-
-
-def _home(file: Path) -> Path | None:
-    """Return the folder of the checkout that a file is part of."""
-    with suppress(OSError):
-        if not is_installed(file):
-            return next((up for up in file.parents if (up / ".git").exists()), None)
-    return None
-
-
-@cache
-def _state(home: Path) -> dict[str, Any] | None:
-    """Return commit and uncommitted changes of a checkout, None where git cannot report them.
-
-    ``diff`` is a SHA-256 of the names and contents of all files that differ from the commit or are code that git does
-    not know, and None where there are none: unlike a patch, it depends on no setting and no version of git.
-    """
-    commit = _git(home, "rev-parse", "HEAD")
-    changed = _git(home, "diff", "HEAD", "--name-only", "--no-renames", "--no-ext-diff", "-z")
-    unknown = _git(home, "ls-files", "--others", "--exclude-standard", "-z")
-    if commit is None or changed is None or unknown is None:
-        return None
-    added = map(os.fsdecode, unknown.split(b"\0"))  # cached bytecode follows its source
-    new = [name for name in added if name.endswith(SOURCES) and "__pycache__" not in name.split("/")]
-    names = sorted({*filter(None, map(os.fsdecode, changed.split(b"\0"))), *new})
-    digest = hashlib.sha256()
-    for name in names:
-        digest.update(os.fsencode(name) + b"\0" + content_hash(home / name))
-    return {"commit": commit.decode().strip(), "dirty": bool(names), "diff": digest.hexdigest() if names else None}
-
-
-def _git(home: Path, *arguments: str) -> bytes | None:
-    """Return git's output, None where git is missing, fails or times out."""
-    # In a hook, git's variables name another repository.
-    plain = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
-    try:
-        return subprocess.run(
-            ["git", "-C", home, "-c", "core.fsmonitor=false", *arguments],
-            stdin=subprocess.DEVNULL, capture_output=True, check=True, timeout=60,
-            env=plain | {"GIT_OPTIONAL_LOCKS": "0"},
-        ).stdout  # fmt: skip
-    except (OSError, subprocess.SubprocessError):
-        return None

@@ -156,8 +156,8 @@ def _items(record: Mapping[str, Any]) -> dict[str, str]:
         "Python": record.get("python"),
         "BLAS": "; ".join(_blas(library) for library in record.get("blas") or ()),
         "commit": _state(record.get("git")),
+        "harness": record.get("harness"),
         **{f"package {name}": version for name, version in (record.get("packages") or {}).items()},
-        **{f"commit of {name}": _state(git) for name, git in (record.get("checkouts") or {}).items()},
     }
     return {item: str(value) for item, value in items.items() if value}
 
@@ -168,12 +168,8 @@ def _blas(noted: Mapping[str, Any]) -> str:
 
 
 def _state(git: Mapping[str, Any] | None) -> str:
-    """Return a commit, and whether there were uncommitted changes, with their hash."""
-    if not git:
-        return ""
-    if not git.get("dirty"):
-        return str(git.get("commit"))
-    return f"{git.get('commit')} with uncommitted changes" + (f" ({git['diff'][:12]})" if git.get("diff") else "")
+    """Return a commit, and whether there were uncommitted changes."""
+    return f"{git.get('commit')}" + " with uncommitted changes" * bool(git.get("dirty")) if git else ""
 
 
 def _text(value: Any, key: str) -> str | None:

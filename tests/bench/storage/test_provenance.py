@@ -8,7 +8,6 @@ import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -26,11 +25,9 @@ RECORD = {
     "cores": 2,
     "memory_gb": 8.0,
     "blas": [{"library": "openblas", "version": "0.3.30", "threads": 1}],
-    "git": {"commit": "6b3d6c0" + "0" * 33, "dirty": False, "diff": None},
-    "checkouts": {},
+    "harness": "backlash-bench 0.1.0 (code 12ab34cd)",
+    "git": {"commit": "6b3d6c0" + "0" * 33, "dirty": False},
 }
-DIRTY = {"commit": RECORD["git"]["commit"], "dirty": True, "diff": "a" * 64}
-OPTIMIZER = "def mine(objective, rng):\n    objective(objective.initial(1))\n"
 
 
 class TestMachine:
@@ -63,93 +60,48 @@ class TestMachine:
 
 @pytest.fixture
 def git(tmp_path, monkeypatch):
-    """Return a function that runs git in a checkout with a committed plug-in; its state is that of the plug-in."""
+    """Return a function that runs git in a checkout which the harness seems to run from."""
     for name in [name for name in os.environ if name.startswith("GIT_")]:
         monkeypatch.delenv(name)
-    repo = tmp_path / "repo"
-    (repo / "inner").mkdir(parents=True)
+    (tmp_path / "notes.txt").write_text("old")
 
     def ask(*arguments):
         command = ["git", "-c", "user.name=n", "-c", "user.email=e@x", *arguments]
-        subprocess.run(command, cwd=repo, check=True, capture_output=True)
+        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
 
     ask("init")
-    (repo / ".gitignore").write_text("ignored.py\n")
-    (repo / "inner" / "mine.py").write_text(OPTIMIZER)
-    (repo / "notes.txt").write_text("old")
     ask("add", ".")
     ask("commit", "-m", "first")
-
-    def state():
-        versions._state.cache_clear()
-        plugin = load_optimizer(f"{repo / 'inner' / 'mine.py'}:mine")
-        return machine(defining([plugin]))["checkouts"].get("repo")
-
-    yield SimpleNamespace(ask=ask, repo=repo, state=state)
-    versions._state.cache_clear()
+    monkeypatch.setattr(versions, "_SELF", tmp_path / "bench" / "storage" / "versions.py")
+    monkeypatch.setattr(versions, "own_state", versions.own_state.__wrapped__)
+    return ask
 
 
-class TestCheckouts:
-    def test_what_git_does_not_see_as_a_change_changes_nothing(self, git):
-        clean = git.state()
-        assert clean == {"commit": clean["commit"], "dirty": False, "diff": None}
+class TestOwnState:
+    def test_it_is_the_commit_and_whether_files_were_changed(self, git, tmp_path):
+        clean = versions.own_state()
+        assert clean == {"commit": clean["commit"], "dirty": False}
         assert len(clean["commit"]) == 40
-        os.utime(git.repo / "inner" / "mine.py", (1, 1))
-        (git.repo / "ignored.py").write_text("1")
-        (git.repo / "inner" / "__pycache__").mkdir()
-        (git.repo / "inner" / "__pycache__" / "helper.cpython-311.pyc").write_bytes(b"kept")
-        (git.repo / "run.log").write_text("a run may write beside the code that it runs")
-        assert git.state() == clean
+        (tmp_path / "run.log").write_text("a run may write beside the code that it runs")
+        assert versions.own_state() == clean
+        (tmp_path / "notes.txt").write_text("new")
+        assert versions.own_state() == clean | {"dirty": True}
 
-    def test_every_change_of_code_has_a_hash_of_its_own(self, git):
-        seen = [git.state()["diff"]]
+    def test_the_variables_of_a_git_hook_do_not_mislead(self, git, monkeypatch, tmp_path):
+        before = versions.own_state()
+        monkeypatch.setenv("GIT_DIR", str(tmp_path / "nowhere"))
+        monkeypatch.setenv("GIT_INDEX_FILE", str(tmp_path / "nowhere"))
+        assert versions.own_state() == before
 
-        def changed():
-            state = git.state()
-            assert state == git.state()
-            assert state["dirty"]
-            assert state["diff"] not in seen
-            seen.append(state["diff"])
+    def test_without_git_or_a_commit_nothing_is_recorded(self, git, monkeypatch, tmp_path):
+        git("update-ref", "-d", "HEAD")
+        assert versions.own_state() is None
+        monkeypatch.setenv("PATH", str(tmp_path))
+        assert versions.own_state() is None
 
-        (git.repo / "new.py").write_text("")
-        changed()
-        (git.repo / "new.py").write_text("1")
-        changed()
-        (git.repo / "new.py").rename(git.repo / "other.py")
-        changed()
-        (git.repo / "inner" / "mine.py").write_text(OPTIMIZER + "# edited\n")
-        changed()
-        (git.repo / "notes.txt").unlink()
-        changed()
-        git.ask("add", "--all")
-        assert git.state()["diff"] == seen[-1]
-        git.ask("commit", "-m", "second")
-        assert git.state()["diff"] is None
-
-    def test_a_state_is_asked_for_once_in_a_process(self, git):
-        before = git.state()
-        (git.repo / "new.py").write_text("")
-        plugin = load_optimizer(f"{git.repo / 'inner' / 'mine.py'}:mine")
-        assert machine(defining([plugin]))["checkouts"]["repo"] == before
-
-    def test_the_variables_of_a_git_hook_do_not_mislead(self, git, monkeypatch):
-        before = git.state()
-        monkeypatch.setenv("GIT_DIR", str(git.repo / "nowhere"))
-        monkeypatch.setenv("GIT_INDEX_FILE", str(git.repo / "nowhere"))
-        assert git.state() == before
-
-    def test_without_git_or_a_commit_nothing_is_recorded(self, git, monkeypatch):
-        git.ask("update-ref", "-d", "HEAD")
-        assert git.state() is None
-        monkeypatch.setenv("PATH", str(git.repo))
-        assert git.state() is None
-        assert machine()["git"] is None
-
-    def test_an_installed_package_is_no_part_of_the_checkout_around_it(self, git):
-        site = git.repo / ".venv" / "site-packages"
-        site.mkdir(parents=True)
-        (site / "mine.py").write_text(OPTIMIZER)
-        assert machine(defining([load_optimizer(f"{site / 'mine.py'}:mine")]))["checkouts"] == {}
+    def test_an_installed_package_is_no_part_of_the_checkout_around_it(self, git, monkeypatch, tmp_path):
+        monkeypatch.setattr(versions, "_SELF", tmp_path / ".venv" / "site-packages" / "bench" / "versions.py")
+        assert versions.own_state() is None
 
 
 class TestRun:
@@ -196,24 +148,15 @@ class TestDifferences:
             ({"system": "macOS-14.5-arm64"}, ["system Linux glibc2.36 → macOS-14.5-arm64"]),
             ({"blas": [{"library": "mkl", "version": "2025"}]}, ["BLAS openblas 0.3.30 → mkl 2025"]),
             ({"blas": [*RECORD["blas"], {"library": "openblas", "version": "0.3.31", "threads": 1}]}, []),
-            ({"git": {"commit": "1a2b3c4d"}}, ["commit 6b3d6c0 → 1a2b3c4"]),
-            ({"git": None}, ["commit 6b3d6c0 → unknown"]),
-            ({"git": DIRTY}, ["uncommitted changes"]),
+            ({"git": {"commit": "1a2b3c4d", "dirty": True}}, []),  # of which the code may be the same
+            (
+                {"harness": "backlash-bench 0.1.0 (code ffffffff)"},
+                ["backlash-bench 0.1.0 (code 12ab34cd) → 0.1.0 (code ffffffff)"],
+            ),
         ],
     )
     def test_they_are_short_phrases(self, change, phrases):
         assert differences(RECORD, RECORD | change) == phrases
-
-    def test_other_changes_to_one_commit_are_reported_where_their_hash_is_known(self):
-        before = RECORD | {"git": DIRTY}
-        assert differences(before, RECORD | {"git": DIRTY | {"diff": "b" * 64}}) == ["other uncommitted changes"]
-        assert differences(before, RECORD | {"git": {"commit": DIRTY["commit"], "dirty": True}}) == []
-        assert differences(before, RECORD) == ["no uncommitted changes"]
-
-    def test_a_plugins_own_checkout_is_named(self):
-        before, now = ({"checkouts": {"mine": {"commit": commit, "dirty": False}}} for commit in ("abc", "def"))
-        assert differences(before, now) == ["mine: commit abc → def"]
-        assert differences(before, {"checkouts": {}}) == []
 
     def test_what_a_record_of_an_older_version_lacks_is_not_compared(self):
         old = {key: RECORD[key] for key in ("packages", "python", "system", "processor", "cores")}

@@ -40,10 +40,10 @@ def test_fifty_environments_can_still_be_read(render):
     assert content(section, "environment-trials")["environment"].nunique() == 24
 
 
-def test_the_state_of_code_is_shown_by_a_hash(render):
-    dirty = {"commit": "f" * 40, "dirty": True, "diff": "0123456789abcdef" * 4}
-    items = table(render([RECORD | {"checkouts": {"mine": dirty}}])).data.set_index("item")["A"]
-    assert items["commit of mine"] == f"{'f' * 40} with uncommitted changes (0123456789ab)"
+def test_the_state_of_code_is_shown(render):
+    items = table(render([RECORD | {"git": {"commit": "f" * 40, "dirty": True}}])).data.set_index("item")["A"]
+    assert items["commit"] == f"{'f' * 40} with uncommitted changes"
+    assert items["harness"] == RECORD["harness"]
 
 
 def test_every_trial_has_its_run(render):
