@@ -6,17 +6,16 @@ import ast
 import os
 import re
 import warnings
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import Distribution, PackageNotFoundError, distribution, packages_distributions
 from pathlib import Path
-from typing import Any
 
 from bench.helpers.text import short_hash
 from bench.plugins import objects, registry
-from bench.plugins.observing import Observed, Signature, hash_of, listing, matching, signature, variable
+from bench.plugins.observing import Observed, Signature, hash_of, listing, matching, names_of, signature, variable
 
 Inputs = dict[str, tuple[str, Signature]]
 """The state of each input, with the signature of a file, by kind and name, such as ``"file:mine.py"``.
@@ -31,11 +30,12 @@ def named(observed: Observed, labels: Collection[str] = ()) -> Inputs:
     found: Inputs = {}
     owners = observed.get("owners", {})
     others = {name for name, own in owners.items() if labels and not {*own} & {*labels}}
-    for place, (content, settled, now) in observed.get("files", {}).items():
+    for place, (content, now) in observed.get("files", {}).items():
         if place not in others:
-            found[f"file:{_name(place)}"] = _state(place, content), now if settled else []
-    counted = {*observed.get("libraries", {})} | set(_counted(observed.get("packages", {})))
-    for name in sorted(counted):
+            found[f"file:{_name(place)}"] = _state(place, content), now
+    packages = observed.get("packages", {})
+    counted = {_distribution(top) for top in packages if _counts(top, packages)}
+    for name in sorted({*observed.get("libraries", {})} | counted):
         found[f"package:{name}"] = _installed(name), []
     for kind in ("folder", "pattern", "variable", "object"):
         for name, state in observed.get(f"{kind}s", {}).items():
@@ -131,9 +131,9 @@ def _now(name: str, state: str, known: Signature, folder: str) -> str | None:
     if kind == "folder":
         return listing(place)
     if kind == "pattern":
-        return variable("\n".join(map(os.path.basename, matching(place))))
+        return names_of(matching(place))
     try:
-        now, _ = signature(place)
+        now = signature(place)
     except OSError:
         return ""
     return state if known and now == known else _state(place, hash_of(place))
@@ -156,57 +156,37 @@ _syntax: dict[str, str] = {}  # hashes of the syntax by those of the content
 
 
 def syntax(content: bytes) -> str:
-    """Return the hash of a Python file's syntax, without comments and docstrings; of its bytes where it has none.
-
-    Unlike that of :func:`ast.dump` it is the same in each version of Python.
-    """
+    """Return the hash of a Python file's syntax, without comments and docstrings; of its bytes where it has none."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # as of an escape that is none
-            left: list[Any] = [ast.parse(content)]
+        with warnings.catch_warnings(action="ignore"):  # as of an escape that is none
+            tree = ast.parse(content)
+        for node in ast.walk(tree):
+            for name, value in [*ast.iter_fields(node)]:
+                if isinstance(value, list) and not (kept := [each for each in value if not _is_text(each)]):
+                    delattr(node, name)  # as versions of Python differ in which empty fields there are
+                elif isinstance(value, list):
+                    setattr(node, name, kept)
+        return short_hash(ast.dump(tree))
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # ValueError: a NUL byte; then too deep nesting
         return short_hash(content)
-    pieces = []
-    while left:
-        item = left.pop()
-        if isinstance(item, ast.AST):
-            fields = [pair for pair in ast.iter_fields(item) if pair[1] not in (None, []) and pair[0] not in _NO_SYNTAX]
-            pieces.append(f"{type(item).__name__} {' '.join(name for name, _ in fields)}")
-            left.extend(value for _, value in fields)
-        elif isinstance(item, list):
-            left.extend(kept := [each for each in item if not _is_text(each)])
-            pieces.append(str(len(kept)))
-        else:
-            pieces.append(f"{type(item).__name__} {item!a}")
-    return short_hash("\n".join(pieces))
-
-
-_NO_SYNTAX = {"ctx", "kind", "type_comment"}  # ctx follows from the place
 
 
 def _is_text(item: object) -> bool:
-    value = item.value if isinstance(item, ast.Expr) else None
-    return isinstance(value, ast.Constant) and isinstance(value.value, str)
+    return isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant) and isinstance(item.value.value, str)
 
 
 # packages
 
 
-def _counted(packages: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the distributions that count: not those that this package requires, nor what these brought in."""
-    known: dict[str, str] = {}
-
-    def of(top: str) -> str:
-        """Return the distribution of a module that counts, "" for others."""
-        if top not in known:
-            known[top] = ""  # also where packages read each other
-            _, reader = packages.get(top, ("", ""))
-            name = _distribution(top)
-            if name and _normal(name) not in _environment() and (not reader or reader == top or of(reader)):
-                known[top] = name
-        return known[top]
-
-    yield from filter(None, map(of, packages))
+def _counts(top: str, packages: Mapping[str, str]) -> bool:
+    """Return whether a module counts: not those that this package requires, nor what these brought in."""
+    left = dict(packages)
+    while top:
+        name = _distribution(top)
+        if not name or _normal(name) in _environment():
+            return False
+        top = left.pop(top, "")  # also where packages read each other
+    return True
 
 
 def _distribution(top: str) -> str:

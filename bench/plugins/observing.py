@@ -17,11 +17,13 @@ import sysconfig
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from glob import glob
 from importlib.machinery import all_suffixes
 from importlib.util import source_from_cache
 from pathlib import Path
 from threading import local
+from traceback import walk_stack
 from types import FrameType
 from typing import Any
 
@@ -34,32 +36,30 @@ Signature = list[int]
 Observed = dict[str, dict[str, Any]]
 """What was read, by kind and name.
 
-``files`` have a hash, whether they had been written long before, and a signature; ``packages``, by the name of the
-module, the folder that they are installed in and the package that read them first; ``variables``, ``folders``,
-``patterns`` and ``objects`` a hash; ``libraries`` are packages that a plug-in names. ``owners`` has the labels of those
-that alone use a file.
+``files`` have a hash and a signature; ``packages``, by the name of the module, the one that read them first;
+``variables``, ``folders``, ``patterns`` and ``objects`` a hash; ``libraries`` are packages that a plug-in names.
+``owners`` has the labels of those that alone use a file.
 """
 
 PARTS = "problem", "optimizer"
 """Whose inputs they are."""
 
 _HOME = Path(__file__).resolve().parents[2]
-_OWN = f"{_HOME / 'bench'}{os.sep}"
 _OBJECTIVE = str(_HOME / "bench" / "objective.py")
-_LIBRARY = tuple({f"{sysconfig.get_path(name)}{os.sep}" for name in ("stdlib", "platstdlib")})
 _SITES = "site-packages", "dist-packages"
-_SYSTEM = (
-    "/usr/", "/proc/", "/sys/", "/etc/", "/dev/", "/lib/", "/lib64/", "/bin/", f"{sys.prefix}{os.sep}",
-    f"{sys.base_prefix}{os.sep}",
+_BENCH, _PYTHON = "bench", "python"  # what a file is part of, as _part_of() answers
+_OUTSIDE = (
+    "<frozen", "/usr/", "/proc/", "/sys/", "/etc/", "/dev/", "/lib/", "/lib64/", "/bin/",
+    *(f"{each}{os.sep}" for each in (sys.prefix, sys.base_prefix, *map(sysconfig.get_path, ("stdlib", "platstdlib")))),
 )  # fmt: skip
-_CACHES = "/.cache/matplotlib/", "/.config/matplotlib/", "/.cache/fontconfig/"
+_NO_INPUT = "/.cache/matplotlib/", "/.config/matplotlib/", "/.cache/fontconfig/", ".dist-info/", ".egg-info/"
+_NO_PACKAGE = ".dist-info", ".egg-info", ".pth"
 _CODE = (
     *all_suffixes(), ".sh", ".r", ".R", ".jl", ".c", ".h", ".cpp", ".hpp", ".f90", ".m", ".lua", ".js", ".pl", ".rb",
 )  # fmt: skip
 _RACY = 2_000_000_000  # nanoseconds within which a file may be written again and keep its times
 _BULK = 16  # variables that one place reads: then it copies the environment, and asks for none of them
 _BLOCK = 1 << 20
-_EVENTS = {"open", "import", "ctypes.dlopen", "subprocess.Popen", "sqlite3.connect", "os.listdir", "os.scandir"}
 
 
 class _State(local):
@@ -75,23 +75,28 @@ class _Notes:
         self.label = self.problem = ""  # of the problem or the optimizer, and of the last problem
         self.owners: dict[str, set[str]] = {}  # labels by file; "" where whoever is loaded beside it may use it
         self.excluded: tuple[str, ...] = ()
-        self.known: dict[str, tuple[str, Signature]] = {}  # hashes of files by signature, from earlier runs
+        self.known: dict[str, tuple[str, Signature]] = {}  # hashes of large files with signatures, from earlier runs
         self.written: set[str] = set()  # by this process: no input, whoever reads it
         self.places: dict[tuple[Any, int], set[str]] = {}  # variables by the place that reads them
-        self.revision, self.digests = 0, dict[int, str]()
+        self.digest = ""
 
     def add(self, kind: str, name: str, value: Any, owner: str = "") -> None:
         part = self.part
         if not part:
             return
-        if part == "optimizer" and _in_the_objective():
+        callers = (frame.f_code.co_filename for frame, _ in walk_stack(sys._getframe()))
+        if part == "optimizer" and _OBJECTIVE in callers:
             part, owner = "problem", owner and self.problem
         noted = self.parts.setdefault(part, {}).setdefault(kind, {})
         owners = self.owners.setdefault(name, set())
         if noted.get(name) != value or owner not in owners:
             noted[name] = value
             owners.add(owner)
-            self.revision += 1
+            self.digest = ""
+
+    def of(self, kind: str, name: str) -> list[Any]:
+        """Return what is noted by that name of the problem and of the optimizer, as far as there is any."""
+        return [noted[kind][name] for noted in self.parts.values() if name in noted.get(kind, {})]
 
 
 _notes, _state = _Notes(), _State()
@@ -105,6 +110,7 @@ def observe(output: str = "", known: dict[str, tuple[str, Signature]] | None = N
         known: hashes of large files by path, with the signatures that they had.
     """
     _notes.excluded = tuple(f"{place}{os.sep}" for place in {output, os.path.realpath(output)} if output)
+    _part_of.cache_clear()
     _notes.known |= known or {}
     if not getattr(sys, "_bench_observes", False):
         sys._bench_observes = True  # type: ignore[attr-defined]  # a hook stays for as long as the process
@@ -133,18 +139,14 @@ def observed() -> dict[str, Observed]:
 def modules() -> dict[str, str]:
     """Return the files of the modules of plug-ins that this process has loaded, by their names."""
     files = {name: getattr(module, "__file__", None) for name, module in [*sys.modules.items()]}
-    return {
-        name: place
-        for name, file in files.items()
-        if isinstance(file, str) and (place := os.path.abspath(file)) and _is_own(place) and not _is_outside(place)
-    }
+    places = {name: os.path.abspath(file) for name, file in files.items() if isinstance(file, str)}
+    return {name: place for name, place in places.items() if not _part_of(place)}
 
 
 def digest() -> str:
     """Return a hash of :func:`observed`, computed once for all trials between which nothing was noted."""
-    if _notes.revision not in _notes.digests:
-        _notes.digests = {_notes.revision: hashlib.sha256(repr(observed()).encode()).hexdigest()}
-    return _notes.digests[_notes.revision]
+    _notes.digest = _notes.digest or hashlib.sha256(repr(observed()).encode()).hexdigest()
+    return _notes.digest
 
 
 def note(kind: str, name: str, value: Any) -> None:
@@ -160,8 +162,7 @@ def declare(patterns: Iterable[str]) -> None:
             paths = matching(pattern)
             if not paths:
                 raise BenchError(f"'files' names {pattern!r}, and there is no such file here")
-            names = variable("\n".join(map(os.path.basename, paths)))
-            _notes.add("patterns", os.path.abspath(pattern), names, _notes.label)
+            _notes.add("patterns", os.path.abspath(pattern), names_of(paths), _notes.label)
             for path in paths:
                 _program_file(os.path.abspath(path))
     finally:
@@ -171,6 +172,11 @@ def declare(patterns: Iterable[str]) -> None:
 def matching(pattern: str) -> list[str]:
     """Return the files whose names match a pattern, sorted."""
     return [path for path in sorted(glob(pattern, recursive=True)) if os.path.isfile(path)]
+
+
+def names_of(paths: Iterable[str]) -> str:
+    """Return the hash of the names of files."""
+    return short_hash("\n".join(map(os.path.basename, paths)).encode(errors="replace"))
 
 
 def hash_of(path: str) -> str:
@@ -189,10 +195,9 @@ def listing(folder: str) -> str:
     """Return the hash of the names of a folder's files, "" where there is none."""
     try:
         with os.scandir(folder or ".") as entries:
-            names = sorted(each.name for each in entries if each.is_file() and not each.name.startswith("."))
+            return names_of(sorted(each.name for each in entries if each.is_file() and not each.name.startswith(".")))
     except OSError:
         return ""
-    return short_hash("\n".join(names).encode(errors="replace"))
 
 
 def variable(value: str | None) -> str:
@@ -200,8 +205,8 @@ def variable(value: str | None) -> str:
     return "" if value is None else short_hash(value.encode(errors="replace"))
 
 
-def signature(path: str) -> tuple[Signature, bool]:
-    """Return the signature of a regular file, and whether it has been written long enough ago to be relied upon.
+def signature(path: str) -> Signature:
+    """Return the signature of a regular file.
 
     Raises:
         OSError: where there is no such file.
@@ -209,15 +214,16 @@ def signature(path: str) -> tuple[Signature, bool]:
     status = os.stat(path)
     if not stat.S_ISREG(status.st_mode):
         raise OSError(f"{path} is no regular file")
-    settled = time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _RACY
-    return [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino], settled
+    if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) < _RACY:
+        return []
+    return [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino]
 
 
 # the hook
 
 
 def _hook(event: str, arguments: tuple[Any, ...]) -> None:
-    if event not in _EVENTS or _state.busy or not _notes.part:
+    if event not in _HANDLERS or _state.busy or not _notes.part:
         return
     _state.busy = True
     try:
@@ -232,8 +238,6 @@ def _hook(event: str, arguments: tuple[Any, ...]) -> None:
 
 def _opened(path: Any, mode: Any = "r", flags: int = 0, *_: Any) -> None:
     place = _absolute(path)
-    if place is None:
-        return
     if flags & (os.O_WRONLY | os.O_CREAT | os.O_TRUNC):
         _notes.written.add(place)
     elif place.endswith((".nbi", ".nbc")):
@@ -243,21 +247,19 @@ def _opened(path: Any, mode: Any = "r", flags: int = 0, *_: Any) -> None:
 
 
 def _imported(module: str, file: Any = None, *_: Any) -> None:
-    if file is not None and (place := _absolute(file)):  # of a module in machine code
-        _read(place)
+    if file is not None:  # of a module in machine code
+        _read(_absolute(file))
 
 
 def _linked(name: Any, *_: Any) -> None:
-    if isinstance(name, str | bytes | os.PathLike) and os.path.exists(name) and (place := _absolute(name)):
-        _read(place)
+    if os.path.exists(name):  # else the system looks for it
+        _read(_absolute(name))
 
 
-def _listed(path: Any = ".", *_: Any) -> None:
+def _listed(path: Any = None, *_: Any) -> None:
     place = _absolute("." if path is None else path)
-    frame = sys._getframe(2)
-    if place is None or "importlib" in frame.f_code.co_filename or not _is_own(_reader(frame)):
-        return
-    if not (_is_outside(place) or any(f"{os.sep}{site}" in place for site in _SITES)):
+    imports = "importlib" in sys._getframe(2).f_code.co_filename
+    if not (imports or _reader()[0] or _part_of(place) or os.path.basename(place) in _SITES):
         _notes.add("folders", place, listing(place))
 
 
@@ -265,14 +267,11 @@ def _started(executable: Any, words: Any, folder: Any = None, *_: Any) -> None:
     """Note the files of a program: itself, those among its words, and code beside them."""
     words = shlex.split(words) if isinstance(words, str) else [os.fsdecode(word) for word in words]
     folder = os.fsdecode(folder) if folder is not None else os.getcwd()
-    program = shutil.which(os.fsdecode(executable or words[0])) or ""
-    paths = [os.path.join(folder, word.rpartition("=")[2]) for word in words[1:]]
-    for path in filter(os.path.isfile, [os.path.abspath(program), *paths]):
-        place = os.path.abspath(path)
-        if _is_outside(place) or place.startswith(f"{sys.prefix}{os.sep}"):
-            continue
+    program = os.path.abspath(shutil.which(os.fsdecode(executable or words[0])) or "")
+    paths = [program, *(os.path.abspath(os.path.join(folder, word.rpartition("=")[2])) for word in words[1:])]
+    for place in (path for path in paths if os.path.isfile(path) and not _part_of(path)):
         _program_file(place)
-        if place.endswith(_CODE) or place == os.path.abspath(program):
+        if place == program or place.endswith(_CODE):
             for beside in sorted(os.scandir(os.path.dirname(place)), key=lambda each: each.name):
                 if beside.name.endswith(_CODE) and beside.is_file():
                     _program_file(beside.path)
@@ -284,39 +283,53 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 }  # fmt: skip
 
 
-def _absolute(path: Any) -> str | None:
-    """Return the path of a file, None of a descriptor or of what has no path."""
-    with suppress(TypeError, ValueError):
-        if not isinstance(path, int) and not (name := os.fsdecode(path)).startswith("<"):
-            return os.path.abspath(name)
-    return None
+def _absolute(path: Any) -> str:
+    """Return the path of a file; raises TypeError for a descriptor, and ValueError for code without a file."""
+    name = os.fsdecode(path)
+    if name.startswith("<"):
+        raise ValueError(f"{name} is no file")
+    return os.path.abspath(name)
 
 
-def _is_outside(place: str) -> bool:
-    """Return whether a file is no input: of Python, of the system, of this package, of a cache or a result."""
-    if any(f"{os.sep}{site}{os.sep}" in place for site in _SITES):
-        return place.startswith(_OWN)
-    if place.startswith((*_SYSTEM, *_LIBRARY, _OWN, *_notes.excluded)):
-        return True
-    if place.endswith(".bib") or ".dist-info/" in place or ".egg-info/" in place:  # these decide no trial
-        return True
-    return any(each in place for each in _CACHES)
+@cache
+def _part_of(place: str) -> str:
+    """Return what a file is part of: ``_PYTHON``, ``_BENCH``, the module of an installed package; "" of a plug-in.
+
+    With Python go the system, caches, results and descriptions of packages, which decide no trial.
+    """
+    for site in _SITES:
+        _, found, inside = place.partition(f"{os.sep}{site}{os.sep}")
+        top = inside.partition(os.sep)[0]
+        if found and not place.startswith(f"{_HOME / _BENCH}{os.sep}"):
+            strange = top.endswith(_NO_PACKAGE) or top.startswith(("__editable__", "_editable_impl"))
+            return _PYTHON if strange else top.partition(".")[0]
+    if place.startswith(f"{_HOME / _BENCH}{os.sep}"):
+        return _BENCH
+    no_input = place.endswith(".bib") or any(each in place for each in _NO_INPUT)
+    return _PYTHON if no_input or place.startswith((*_OUTSIDE, *_notes.excluded)) else ""
+
+
+def _reader(top: str = _PYTHON) -> tuple[str, FrameType | None]:
+    """Return what the code that reads is part of, and its frame: the innermost outside Python and that package."""
+    for frame, _ in walk_stack(sys._getframe()):
+        file = frame.f_code.co_filename
+        if file != __file__ and (part := _part_of(file)) not in (_PYTHON, top):
+            return part, frame
+    return _PYTHON, None
 
 
 def _read(place: str) -> None:
-    if _is_outside(place) or place in _notes.written:
+    top = _part_of(place)
+    if top in (_PYTHON, _BENCH) or place in _notes.written:
         return
-    for site in _SITES:
-        before, found, inside = place.partition(f"{os.sep}{site}{os.sep}")
-        if found:
-            _read_package(f"{before}{os.sep}{site}", inside.partition(os.sep)[0])
-            return
-    if place.endswith(".pyc") and (source := _source(place)):
-        place = source
-    _read_file(place)
+    if not top:
+        _read_file(_source(place) if place.endswith(".pyc") else place)
+    elif not _notes.of("packages", top):
+        reader, _ = _reader(top)
+        _notes.add("packages", top, "" if reader in (_PYTHON, _BENCH) else reader)
 
 
-def _source(place: str) -> str | None:
+def _source(place: str) -> str:
     """Return the file that bytecode stands for; remove bytecode that may be of what the file held before.
 
     Python knows it by the size and the second of the file's last change.
@@ -325,7 +338,7 @@ def _source(place: str) -> str | None:
         source = source_from_cache(place)
         written = os.stat(source).st_mtime
     except (ValueError, OSError):
-        return None
+        return place
     with suppress(OSError):
         if written > os.stat(place).st_mtime - 2:
             os.unlink(place)
@@ -335,69 +348,28 @@ def _source(place: str) -> str | None:
 def _read_file(place: str, owner: str = "") -> str:
     """Note a file as it is now; return its hash."""
     try:
-        now, settled = signature(place)
+        now = signature(place)
     except OSError:
-        if not os.path.exists(place) and _is_own(_reader(sys._getframe(3))):
-            _notes.add("files", place, ["", False, []])
+        if not os.path.exists(place) and not _reader()[0]:
+            _notes.add("files", place, ["", []])
         return ""
-    for noted in _notes.parts.values():
-        if (before := noted.get("files", {}).get(place)) and before[2] == now:
-            if owner or "" not in _notes.owners[place]:
-                _notes.add("files", place, before, owner)
-            return str(before[0])
-    known, of = _notes.known.get(place, ("", []))
-    content = known if settled and of == now else hash_of(place)
-    _notes.add("files", place, [content, settled, now], owner)
-    return content
+    known = [*_notes.of("files", place), [*_notes.known.get(place, ("", []))]]
+    value = next((each for each in known if now and each[1] == now), None) or [hash_of(place), now]
+    _notes.add("files", place, value, owner)
+    return str(value[0])
 
 
 def _program_file(place: str) -> None:
     """Note a file of a program, which is started anew for each trial; raises BenchError where the file changed."""
-    before = [noted["files"][place][0] for noted in _notes.parts.values() if place in noted.get("files", {})]
-    if _read_file(place, _notes.label) not in (before or [_read_file(place, _notes.label)]):
+    before = [content for content, _ in _notes.of("files", place)]
+    if _read_file(place, _notes.label) not in before and before:
         raise BenchError(
             f"{place} changed while the study ran, so no trial is made with it: run the same command again, which "
             "makes all trials of the changed one"
         )
 
 
-def _read_package(site: str, name: str) -> None:
-    if name.endswith((".dist-info", ".egg-info", ".pth")) or name.startswith(("__editable__", "_editable_impl")):
-        return
-    top = name.partition(".")[0]
-    if not any(top in noted.get("packages", {}) for noted in _notes.parts.values()):
-        reader = _reader(sys._getframe(3), top)
-        inside = next((reader.partition(f"{os.sep}{each}{os.sep}")[2] for each in _SITES if each in reader), "")
-        _notes.add("packages", top, [site, inside.partition(os.sep)[0].partition(".")[0]])
-
-
-def _reader(frame: FrameType | None, top: str = "") -> str:
-    """Return the file of the code that reads: the innermost outside Python's library and the package itself."""
-    package = tuple(f"{os.sep}{site}{os.sep}{top}" for site in _SITES) if top else ()
-    while frame is not None:
-        file = frame.f_code.co_filename
-        if not (_is_library(file) or file == __file__ or any(each in file for each in package)):
-            return file
-        frame = frame.f_back
-    return ""
-
-
-def _is_library(file: str) -> bool:
-    return file.startswith(("<frozen", *_LIBRARY)) and not any(f"{os.sep}{site}{os.sep}" in file for site in _SITES)
-
-
-def _is_own(file: str) -> bool:
-    """Return whether code is a plug-in's, and not of this package or of another one that is installed."""
-    return not (file.startswith(_OWN) or any(f"{os.sep}{site}{os.sep}" in file for site in _SITES))
-
-
-def _in_the_objective() -> bool:
-    frame: FrameType | None = sys._getframe(2)
-    while frame is not None:
-        if frame.f_code.co_filename == _OBJECTIVE:
-            return True
-        frame = frame.f_back
-    return False
+# numba's caches
 
 
 def _refuse_kernels(place: str) -> None:
@@ -406,21 +378,23 @@ def _refuse_kernels(place: str) -> None:
     Raises:
         _NoKernelError: as where nothing was compiled yet.
     """
-    folder = os.path.dirname(place)
-    if place.startswith(f"{_HOME}{os.sep}") or any(f"{os.sep}{site}{os.sep}" in place for site in _SITES):
-        return
-    ours = (str(_HOME / name) for name in ("bench", "problems", "optimizers"))
-    if any(
-        hashlib.sha1(each.encode(), usedforsecurity=False).hexdigest() in folder
-        for top in ours
-        for each, *_ in os.walk(top)
-    ):
-        return
-    raise _NoKernelError(place)
+    is_installed = _part_of(place) not in ("", _PYTHON)
+    if not (is_installed or place.startswith(f"{_HOME}{os.sep}") or any(each in place for each in _own_caches())):
+        raise _NoKernelError(place)
+
+
+@cache
+def _own_caches() -> set[str]:
+    """Return what numba calls the folders of this package's kernels, where it cannot write beside the code."""
+    folders = [each for top in ("bench", "problems", "optimizers") for each, *_ in os.walk(_HOME / top)]
+    return {hashlib.sha1(each.encode(), usedforsecurity=False).hexdigest() for each in folders}
 
 
 class _NoKernelError(FileNotFoundError):
     """Raised in place of reading what numba compiled before."""
+
+
+# the environment
 
 
 class _Environment(type(os.environ)):  # type: ignore[misc]
@@ -438,10 +412,8 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
     def _note(self, key: str, value: str | None) -> None:
         if not _notes.part or _state.busy or key.endswith("_NUM_THREADS") or key == "PYTHONHASHSEED":
             return  # the last ones are set for processes of trials
-        frame: FrameType | None = sys._getframe(2)
-        while frame is not None and _is_library(frame.f_code.co_filename):
-            frame = frame.f_back
-        if frame is None or not _is_own(frame.f_code.co_filename):
+        reader, frame = _reader()
+        if reader or frame is None:
             return
         names = _notes.places.setdefault((frame.f_code, frame.f_lasti), set())
         names.add(key)
