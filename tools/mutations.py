@@ -16,12 +16,13 @@ import sys
 import tempfile
 from itertools import chain, zip_longest
 from pathlib import Path
+from time import monotonic
 
 ROOT = Path(__file__).resolve().parents[1]
 SWARMS = [f"optimizers/{name}.py" for name in ("alo", "da", "goa", "gwo")]
 PACKAGES = [*([f"bench/{name}"] for name in ("analysis", "storage", "execution", "scoring", "study")), SWARMS]
 EACH, SEED = 10, 61  # mutations of a package
-LIMIT_S = 900  # tests that take longer have found an endless loop
+LONGEST_S = 1800  # of the tests without a mutation; with one, three times as long is an endless loop
 KINDS = "comparison", "sum", "constant", "not"
 CHANGED = {
     ast.Lt: ("<", "<="), ast.LtE: ("<=", "<"), ast.Gt: (">", ">="), ast.GtE: (">=", ">"),
@@ -73,7 +74,7 @@ def chosen(commit):
     return choice
 
 
-def finders(tree, path):
+def finders(tree, path, limit):
     """Return which tests of a copy fail: those of the module, else those of its folder, else "" for none."""
     folder, name = tree / "tests" / Path(path).parent, Path(path).stem
     own = [file for file in folder.glob("test_*.py") if name in file.read_text(encoding="utf-8") or name in file.stem]
@@ -81,7 +82,7 @@ def finders(tree, path):
     for level, files in (("module", own), ("folder", [folder])):
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *map(str, files)]
         try:
-            done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, timeout=LIMIT_S, check=False)
+            done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, timeout=limit, check=False)
         except subprocess.TimeoutExpired:
             return f"{level} (time)"
         if files and done.returncode not in (0, 5):  # 5: all of them are slow
@@ -93,7 +94,7 @@ parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--of", default="HEAD", metavar="COMMIT")
 parser.add_argument("--only", default="", metavar="PATH")
 arguments = parser.parse_args()
-levels, sound = [], {}
+levels, limits = [], {}
 with tempfile.TemporaryDirectory() as name:
     tree = Path(name)
     for file in git("ls-files").splitlines():
@@ -105,14 +106,15 @@ with tempfile.TemporaryDirectory() as name:
         places = [place for place, here in enumerate(lines) if here == line]
         if not path.startswith(arguments.only) or before >= len(places):
             continue
-        if (folder := Path(path).parent) not in sound:
-            sound[folder] = not finders(tree, path)
-            print(f"tests/{folder} {'passes' if sound[folder] else 'FAILS'} without a mutation", flush=True)
-        if not sound[folder]:
+        if (folder := Path(path).parent) not in limits:
+            begun, failing = monotonic(), finders(tree, path, LONGEST_S)
+            limits[folder] = 0 if failing else 60 + 3 * (monotonic() - begun)
+            print(f"tests/{folder} {'FAILS' if failing else 'passes'} without a mutation", flush=True)
+        if not limits[folder]:
             continue
         lines[places[before]] = changed
         (tree / path).write_text("\n".join(lines), encoding="utf-8")
-        levels.append(finders(tree, path))
+        levels.append(finders(tree, path, limits[folder]))
         (tree / path).write_text(text, encoding="utf-8")
         print(f"{levels[-1] or 'SURVIVED'}: {path}\n  {line.strip()}\n  {changed.strip()}", flush=True)
 print(f"{sum(map(bool, levels))} of {len(levels)} mutations are found")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench import BenchError, Study, load_problem, load_results, run, solve
+from bench import BenchError, Study, load_problem, load_results, run
 from bench.errors import PointError
 from bench.execution.side_by_side import evaluated
 from bench.scoring import scored
@@ -118,10 +118,6 @@ class TestConversation:
         with evaluated(program("answer(float(open('mesh').read()))", folder=str(tmp_path / "inputs"))) as beside:
             assert beside.evaluate(np.ones((1, 2))).tolist() == [7.0]
 
-    def test_infinity_is_a_value(self, program):
-        with evaluated(program("answer(float('inf'))")) as beside:
-            assert beside.evaluate(np.ones((1, 2))).tolist() == [np.inf]
-
     @pytest.mark.parametrize(
         ("deed", "reason"),
         [
@@ -129,9 +125,7 @@ class TestConversation:
             ("os.kill(os.getpid(), 9)", "ended by signal 9"),
             ("sys.exit()", "ended without an answer; wanted is a line of JSON"),
             ("print('hello', flush=True)", "wrote hello; wanted is a line of JSON"),
-            ("print('{}', flush=True)", "wrote {}; wanted is"),
             ("answer('much')", "wrote {.*much.*}; wanted is"),
-            ("answer(None)", "wrote .*null.*; wanted is"),
             ("answer(True)", "wrote .*true.*; wanted is"),
             ("answer(float('nan'))", "returned NaN"),
         ],
@@ -151,7 +145,6 @@ class TestConversation:
         [
             "answer(x[0]); answer(9)",
             "answer(9); answer(x[0])",
-            "answer(x[0]); print('done', flush=True)",
             "answer(x[0]) if x[0] < 3 else (answer(x[0]), answer(9))",
         ],
     )
@@ -163,12 +156,6 @@ class TestConversation:
         assert "\n" not in str(raised.value)
 
     @pytest.mark.slow
-    def test_the_start_of_a_program_counts_in_no_limit(self, program):
-        slow = program("answer(x[0])", head=f"import time; time.sleep(1.5)\n{HEAD}")
-        with evaluated(scored(slow, "death", "worst"), 1, 1.0) as beside:
-            assert beside.evaluate(np.array([[1.0, 0.0]])).tolist() == [1.0]
-
-    @pytest.mark.slow
     def test_a_point_that_hangs_fails_at_its_limit(self, program):
         problem = scored(program("time.sleep(600 if x[0] == 2 else 0); answer(x[0])"), "death", "worst")
         with evaluated(problem, 2, 2.0) as beside:
@@ -178,13 +165,11 @@ class TestConversation:
         ("head", "reason"),
         [
             ("print('hello')", "wrote hello; wanted is a first line of JSON such as"),
-            ("print('[1]')", "wrote \\[1\\]; wanted is a first line"),
             ("", "ended without a line; wanted is a first line"),
             ("import sys; sys.exit('no licence')", "ended with code 1; it complained: no licence"),
             ("""print('{"lower": [0], "upper": [1]}')""", 'must have "protocol": 1'),
             ("""print('{"protocol": 1, "lower": [0], "upper": [1], "names": ["a"]}')""", "has 'names'; "),
             ("""print('{"protocol": 1, "lower": [0], "upper": [1], "variables": 5}')""", "its box cannot be read"),
-            ("""print('{"protocol": 1, "lower": [0], "upper": [0]}')""", "every lower bound must be finite and below"),
             ("import time; time.sleep(600)", "wrote nothing for 0.2 s; wanted is a first line"),
         ],
     )
@@ -223,7 +208,6 @@ class TestOncePerPoint:
             ("echo no mesh >&2; exit 3", "mine.sh ended with code 3; it complained: no mesh"),
             ("kill -9 $$", "mine.sh ended by signal 9"),
             ("echo done", "mine.sh printed done last; wanted is the value, as in 0.25"),
-            ("true", "mine.sh printed nothing; wanted is the value"),
             ("echo 1_000", "mine.sh printed 1_000 last; wanted is the value"),
             ("echo nan", "mine.sh returned NaN"),
         ],
@@ -241,7 +225,6 @@ class TestOncePerPoint:
     ("name", "options", "reason"),
     [
         ("command:./no-such", {}, "names no program that can be run"),
-        ("command:", {}, "names no program that can be run"),
         ("command:'", {}, "is no command: No closing quotation"),
         ("command:{file}", {}, "cannot be executed: make it executable by 'chmod"),
         ("command:true", {"lowest": [0]}, "has no option 'lowest'; did you mean 'lower'"),
@@ -260,9 +243,3 @@ def test_a_study_names_a_program_by_its_words():
     assert (entry.name, entry.label) == ("command:./mine --case 'a b'", "p")
     with pytest.raises(BenchError, match="a program needs the words of its command as 'problem', as in problem = "):
         Study.from_dict(study | {"problems": [{"problem": "./mine"}]})
-
-
-def test_a_run_by_name_is_that_of_the_same_function_in_python(program):
-    problem = program("answer((x[0] - 1) ** 2 + x[1])")
-    found = solve(problem, "gwo", budget=60, seed=1)
-    assert found.fun == pytest.approx((found.x[0] - 1) ** 2 + found.x[1])

@@ -74,8 +74,3 @@ def test_the_studies_have_the_rule_of_the_competition(theirs):
         assert study.trials == 30
         seen += [entry.label for entry in study.problems]
     assert seen == [f"gnbg-f{number:02d}-d30" for number in NUMBERS]
-
-
-def test_a_problem_says_what_it_is():
-    groups = [load_problem(f"gnbg-f{number:02d}-d30").features["group"] for number in NUMBERS]
-    assert [groups.count(group) for group in dict.fromkeys(groups)] == [6, 9, 9]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import load_problem
-from problems.ioh import DISCREPANCIES, ma_bbob
+from problems.ioh import DISCREPANCIES
 from tests.problems.suites import best_found
 
 ioh = pytest.importorskip("ioh", reason="the extra ioh is not installed")
@@ -84,16 +84,3 @@ def test_no_search_beats_the_optimum(name):
         theirs = ioh.problem.ManyAffine(int(name[9:13]), problem.dimension)
     found = best_found(problem, start=np.array(theirs.optimum.x) + 1e-3, points=2_000)
     assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
-
-
-def test_problems_say_what_they_are():
-    assert [load_problem(name).features for name in ("sbox-cost-f08-d5-i3", "ma-bbob-f0003-d5")] == [
-        {"suite": "sbox-cost", "function": "f08", "instance": 3, "group": "low or moderate conditioning"},
-        {"suite": "ma-bbob", "function": "f0003", "group": "affine combination"},
-    ]
-    star = load_problem("star-discrepancy-sobol-50-d5-i1")
-    assert star.features == {
-        "suite": "star-discrepancy", "function": "sobol-50", "instance": 1, "group": "sobol points",
-    }  # fmt: skip
-    assert star.measure == "minus the local star discrepancy"
-    assert len(ma_bbob.grid.functions) == 1000

@@ -23,8 +23,8 @@ def fetch(
     """Get the recordings that the thesis's authors published (20 MB), and check the SHA-256 of each."""
     folder = to or download.data_folder()
     print_line(f"The recordings are the thesis authors' own: {download.SOURCE}\nTheir licence is {download.LICENCE}.")
-    download.download(folder, download.BASE_URL, on_file=print_line)
-    *_, whole = _faults(folder)
+    download.download(download.registry(), folder, download.BASE_URL, on_file=print_line)
+    *_, whole = download.faults(download.registry(), folder)
     print_line(f"{folder} has {whole}.")
     if folder.resolve() != download.data_folder().resolve():
         print_line(f"Set {download.VARIABLE} to it, so that the problems published-03 … find them.")
@@ -38,17 +38,9 @@ def verify(
 ) -> None:
     """Compare every published file with its SHA-256; end with 1 where one is damaged or missing."""
     folder = folder or download.data_folder()
-    missing, damaged, whole = _faults(folder)
+    missing, damaged, whole = download.faults(download.registry(), folder)
     for line in (*(f"damaged: {name}" for name in damaged), *(f"missing: {name}" for name in missing)):
         print_line(line)
     print_line(f"{whole} in {folder} are whole.")
     if missing or damaged:
         raise typer.Exit(1)
-
-
-def _faults(folder: Path) -> tuple[list[str], list[str], str]:
-    """Return the names of the files that a folder lacks and of its damaged ones, and in words how many are whole."""
-    places = {name: download.look_up(file, folder) for name, file in download.registry().items()}
-    missing = [name for name, (path, _) in places.items() if path is None]
-    damaged = [name for name, (path, whole) in places.items() if path is not None and not whole]
-    return missing, damaged, f"{len(places) - len(missing) - len(damaged)} of the {len(places)} published files"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -82,7 +82,17 @@ def require(name: str) -> Path:
     return path
 
 
-def download(to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda _: None) -> None:
+def faults(published: Mapping[str, PublishedFile], folder: Path) -> tuple[list[str], list[str], str]:
+    """Return the names of the files that a folder lacks and of its damaged ones, and in words how many are whole."""
+    places = {name: look_up(file, folder) for name, file in published.items()}
+    missing = [name for name, (path, _) in places.items() if path is None]
+    damaged = [name for name, (path, whole) in places.items() if path is not None and not whole]
+    return missing, damaged, f"{len(places) - len(missing) - len(damaged)} of the {len(places)} published files"
+
+
+def download(
+    published: Mapping[str, PublishedFile], to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda _: None
+) -> None:
     """Download the files that a folder lacks from below a URL; each file is checked before it takes its name.
 
     Raises:
@@ -92,7 +102,6 @@ def download(to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda
     import pooch  # slow to import, and only this command needs it
 
     pooch.get_logger().setLevel("WARNING")
-    published = registry()
     urls = {name: base_url + quote(file.path) for name, file in published.items()}
     hashes = {name: f"sha256:{file.sha256}" for name, file in published.items()}
     store = pooch.create(path=to, base_url=base_url, registry=hashes, urls=urls)

@@ -43,14 +43,6 @@ def test_no_search_beats_the_optimum(function, best):
     assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
 
 
-def test_a_problem_says_its_suite_function_instance_and_group():
-    groups = [load_problem(name("bbob", function, 2, 4)).features["group"] for function in range(1, 25)]
-    assert [groups.count(each) for each in dict.fromkeys(groups)] == [5, 4, 5, 5, 5]
-    assert load_problem("bbob-f08-d10-i3").features == {
-        "suite": "bbob", "function": "f08", "instance": 3, "group": "low or moderate conditioning",
-    }  # fmt: skip
-
-
 def test_a_loaded_problem_works_in_a_forked_process():
     problem = load_problem("bbob-f16-d5-i1")
     x = np.full((3, 5), 0.5)

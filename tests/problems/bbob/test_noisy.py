@@ -7,7 +7,7 @@ from scipy.stats import kstest
 
 from bench import load_problem
 from bench.scoring import objective, scored
-from problems.bbob.noisy import BASES, cauchy, ellipsoid, gaussian, noise_of, oscillated, uniform
+from problems.bbob.noisy import BASES, cauchy, ellipsoid, gaussian, noise_of, uniform
 from tests.problems.bbob.best import function_of
 
 FUNCTIONS = list(BASES)
@@ -80,10 +80,6 @@ def test_the_ellipsoid_is_bbob_s_with_another_condition_number(dimension, instan
     np.testing.assert_allclose(mine, bbob.evaluate(x), rtol=1e-12)
 
 
-def test_the_oscillation_of_zero_is_zero():
-    assert oscillated(np.array([0.0, 1.0])).tolist() == [0.0, 1.0]
-
-
 @pytest.mark.parametrize("number", FUNCTIONS)
 def test_at_the_optimum_there_is_no_noise(number):
     problem = load_problem(f"bbob-noisy-f{number}-d3-i2")
@@ -107,11 +103,3 @@ def test_an_optimizer_sees_noise_and_the_optimum_is_not_beaten():
     problem = load_problem("bbob-noisy-f110-d2-i1")
     assert seen.min() < f.fun
     assert f.fun == problem.noiseless(f.best_point[None])[0] > problem.optimum
-
-
-def test_a_problem_says_what_it_is():
-    problem = load_problem("bbob-noisy-f113-d3-i4")
-    assert problem.noisy
-    assert problem.features == {
-        "suite": "bbob-noisy", "function": "f113", "instance": 4, "group": "severe noise",
-    }  # fmt: skip

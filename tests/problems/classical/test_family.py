@@ -60,11 +60,6 @@ def test_an_instance_is_pinned():
     np.testing.assert_allclose(rotation[0], [0.2234607477984766, 0.9747129291198234], rtol=1e-14)
 
 
-def test_functions_dimensions_and_instances_have_places_of_their_own():
-    keys = [("ackley", 5, 1), ("ackley", 5, 2), ("levy", 5, 1), ("ackley", 10, 1)]
-    assert len({tuple(instance(*key)[0][:2]) for key in keys}) == 4
-
-
 @pytest.mark.parametrize("function", [name for name, function in FUNCTIONS.items() if function.separable])
 def test_a_separable_function_is_minimised_one_variable_at_a_time(function):
     problem = load_problem(f"classical-{function}-d5-i2", rotate=False)
@@ -93,12 +88,3 @@ def test_the_others_are_not(function):
         values = problem.evaluate(line)
         lower.append(values[2000] > values.min())
     assert any(lower)
-
-
-def test_a_problem_says_its_suite_function_instance_and_group():
-    assert load_problem("classical-rastrigin-d30-i2").features == {
-        "suite": "classical", "function": "rastrigin", "instance": 2, "group": "multimodal, non-separable",
-    }  # fmt: skip
-    assert load_problem("classical-rastrigin-d30-i2", rotate=False).features["group"] == "multimodal, separable"
-    assert load_problem("classical-sphere-d2-i1").features["group"] == "unimodal, separable"
-    assert load_problem("classical-zakharov-d2-i1", rotate=False).features["group"] == "unimodal, non-separable"

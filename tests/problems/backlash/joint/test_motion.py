@@ -83,7 +83,3 @@ def test_a_sweep_too_short_for_full_speed_is_refused():
         moved(0.001, sweep=0.5)
     with pytest.raises(BenchError, match="ramp must be a positive number"):
         moved(0.001, ramp=0.0)
-
-
-def test_a_full_speed_that_ends_before_the_ripple_of_its_start_has_no_peak():
-    assert moved(0.001, sweep=pi * 0.4).peak == 0.0

@@ -5,7 +5,6 @@ from math import pi
 import numpy as np
 import pytest
 
-from bench import BenchError
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.period import find_period, period_from_gear
@@ -92,14 +91,3 @@ def test_a_long_recording_is_looked_at_in_part():
     assert find_period(Recording(0.0, SAMPLE, speed)) == 0.4
     fine = np.repeat(dataset(12).speed, 20)
     assert find_period(Recording(0.0, SAMPLE / 20, fine)) == pytest.approx(0.4, abs=SAMPLE / 12)
-
-
-@pytest.mark.parametrize("ratio", [0.0, np.nan])
-def test_what_cannot_be_a_gear_ratio_is_refused(ratio):
-    with pytest.raises(BenchError, match="gear ratio must be a positive"):
-        period_from_gear(Recording(0.0, SAMPLE, dataset(12).speed), ratio)
-
-
-def test_a_motor_that_stands_has_no_period_by_its_gear_ratio():
-    with pytest.raises(BenchError, match="the mean speed is 0 rps"):
-        period_from_gear(Recording(0.0, SAMPLE, np.tile([1.0, -1.0], 500)), 40.0)

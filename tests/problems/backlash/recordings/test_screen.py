@@ -2,16 +2,14 @@
 
 import re
 from itertools import product
-from math import pi
 
 import numpy as np
 import pytest
-from scipy.ndimage import median_filter
 
 from bench import BenchError
-from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint import half_gap, simulate
 from problems.backlash.recordings import Recording, read
-from problems.backlash.recordings.screen import _running_median, screen, steady_window, warnings
+from problems.backlash.recordings.screen import screen, steady_window, warnings
 from problems.backlash.signature.datasets import dataset
 from tests.problems.backlash.cut import cut
 
@@ -48,13 +46,6 @@ def test_a_recording_through_an_encoder_or_of_five_digits_passes(level):
     screen(recording(digits(simulate(half_gap=gap).speed, 5)), period=0.4)
     for bits in range(12, 21, 2):
         screen(recording(simulate(half_gap=gap, encoder_bits=bits).speed), period=0.4)
-
-
-def test_recordings_at_the_start_and_at_low_speed_pass():
-    screen(recording(simulate(half_gap=half_gap(13), settle=0.2).speed), period=0.4)
-    slow = Joint(omega_ref=2 * pi * 10)
-    made = simulate(slow, half_gap=half_gap(20), duration=8.0, rate=200)
-    screen(recording(made.speed, dt=0.005), period=slow.turn)
 
 
 def test_the_published_recordings_pass(published):
@@ -141,11 +132,6 @@ def test_other_defects_are_reported_in_one_sentence(made, options, message):
     assert "\n" not in str(caught.value)
 
 
-def test_one_load_turn_of_twenty_samples_is_enough():
-    screen(recording(S[:201]), period=0.4)
-    screen(recording(S[::10], dt=0.02), period=0.4)
-
-
 def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
     speed = S.copy()
     speed[1000] = 0.0
@@ -165,13 +151,6 @@ def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
 def test_what_is_not_an_error_is_a_warning(made, message):
     screen(made, period=0.4)
     assert any(message in sentence for sentence in warnings(made, period=0.4))
-
-
-@pytest.mark.parametrize("size", [3, 5])
-@pytest.mark.parametrize("samples", [3, 4, 500])
-def test_the_running_median_is_that_of_scipy(samples, size):
-    values = np.random.default_rng(samples).integers(0, 9, samples) / 7
-    np.testing.assert_array_equal(_running_median(values, size), median_filter(values, size=size, mode="nearest"))
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.4])

@@ -94,14 +94,6 @@ def test_a_sheet_is_read_from_its_first_cell_to_its_last_filled_one(tmp_path):
     assert cells(book(tmp_path, lambda *_: None).read_bytes()) == []
 
 
-def test_a_sheet_of_a_chart_is_passed_over(tmp_path):
-    def fill(made, sheet):
-        sheet.append([7])
-        made.create_chartsheet("chart", 0).add_chart(openpyxl.chart.LineChart())
-
-    assert cells(book(tmp_path, fill).read_bytes()) == [[7]]
-
-
 @pytest.mark.parametrize("cell", ["#N/A", datetime.datetime(2024, 1, 2), "off", None])
 def test_a_cell_without_a_number_names_its_line(tmp_path, cell):
     def fill(_, sheet):
@@ -163,11 +155,3 @@ def test_a_reader_that_panics_is_one_sentence(monkeypatch, tmp_path):
     monkeypatch.setattr("python_calamine.load_workbook", panic)
     with pytest.raises(BenchError, match=r"cannot be read: it is damaged, or no xlsx workbook \(out of bounds\)$"):
         read(tmp_path / "a.xlsx")
-
-
-def test_an_old_workbook_is_refused_by_its_name(tmp_path):
-    (tmp_path / "a.xls").touch()
-    with pytest.raises(BenchError, match=r"unknown kind of file '\.xls'; give a .csv, .txt, .xlsx or .parquet file"):
-        read(tmp_path / "a.xls")
-    with pytest.raises(BenchError, match="nofolder: there is no such file or folder"):
-        read(tmp_path / "nofolder/")

@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import problems.backlash.sensor.batch as batch
 from bench.errors import BenchError
 from problems.backlash.joint.writing import write_recording
 from problems.backlash.recordings import read_joints
-from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
+from problems.backlash.sensor.batch import FEW, Estimated, Failed, estimate_files
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.signature.datasets import noisy
 from tests.problems.backlash.cut import cut
@@ -40,8 +39,7 @@ def paths(tmp_path):
     return made
 
 
-def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, make_estimate):
-    monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
+def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence():
     paths = [Path("bad.csv"), Path("5.csv"), Path("odd.csv")]
     (bad,), (good,), (odd,) = estimate_files(paths, read, NONE)
     assert (bad, odd) == (Failed(paths[0], "recording bad.csv is bad"), Failed(paths[2], "odd.csv: it is odd"))
@@ -55,15 +53,6 @@ def test_without_a_worker_there_is_no_estimate(jobs):
         estimate_files([Path("5.csv")], read, NONE, n_jobs=jobs)
 
 
-def test_a_fault_of_the_program_is_one_sentence_too(monkeypatch):
-    def estimate(recording, settings):
-        raise ZeroDivisionError("by zero\nin a line")
-
-    monkeypatch.setattr(batch, "estimate", estimate)
-    ((failed,),) = estimate_files([Path("5.csv")], read, NONE)
-    assert failed.error == "5.csv: the estimate failed with ZeroDivisionError: by zero"
-
-
 def content(outcome):
     """Return an outcome as text, its arrays as bytes; its problem follows from the recording."""
     fields = vars(outcome.estimate) | vars(outcome.estimate.recording)
@@ -72,36 +61,33 @@ def content(outcome):
 
 
 @pytest.mark.slow
-def test_estimates_do_not_depend_on_the_number_of_workers(paths, monkeypatch):
-    monkeypatch.setattr(batch, "FEW", 1)
-    settings = Settings(resamples=10)
-    alone = [content(each) for (each,) in estimate_files(paths, read_joints, settings, n_jobs=1)]
-    for jobs in (2, 3, -1):
-        assert [content(each) for (each,) in estimate_files(paths, read_joints, settings, n_jobs=jobs)] == alone
+def test_estimates_do_not_depend_on_the_number_of_workers(paths):
+    several, settings = paths * (1 + FEW // len(paths)), Settings(resamples=10)
+    alone = [content(each) for (each,) in estimate_files(several, read_joints, settings, n_jobs=1)]
+    for jobs in (2, -1):
+        assert [content(each) for (each,) in estimate_files(several, read_joints, settings, n_jobs=jobs)] == alone
 
 
-def test_what_ends_its_process_costs_itself_only(monkeypatch, tmp_path):
+def test_what_ends_its_process_costs_itself_only(tmp_path):
     """The files are programs, which their reader runs."""
-    monkeypatch.setattr(batch, "FEW", 1)
-    paths = [tmp_path / f"{name}.py" for name in ("first", "deadly", "last")]
+    paths = [tmp_path / f"{number}.py" for number in range(FEW + 1)]
     for path in paths:
         path.write_text("raise ValueError('no recording')")
     paths[1].write_text("import os\nos.kill(os.getpid(), 9)")
-    first, deadly, last = [outcome.error for (outcome,) in estimate_files(paths, runpy.run_path, NONE, n_jobs=2)]
-    assert (first, last) == tuple(
-        f"{path}: the estimate failed with ValueError: no recording" for path in (paths[0], paths[2])
-    )
+    first, deadly, *others = [outcome.error for (outcome,) in estimate_files(paths, runpy.run_path, NONE, n_jobs=2)]
+    assert [first, *others] == [
+        f"{path}: the estimate failed with ValueError: no recording" for path in (paths[0], *paths[2:])
+    ]
     assert deadly.startswith(
         f"{paths[1]}: the process that estimated it ended (signal SIGKILL), such as for want of memory; estimate it"
     )
 
 
-def test_a_joint_that_cannot_be_estimated_costs_no_other_of_its_file(monkeypatch, make_estimate):
+def test_a_joint_that_cannot_be_estimated_costs_no_other_of_its_file():
     def broken():
         raise BenchError("recording cell.csv: line 7 has no number")
 
-    monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
-    joints = [("J4", lambda: None), ("J5", broken)]
+    joints = [("J4", partial(recording, Path("5.csv"))), ("J5", broken)]
     ((good, bad),) = estimate_files([Path("cell.csv")], lambda _: joints, NONE)
     assert (good.path, good.joint) == (Path("cell.csv"), "J4")
     assert bad == Failed(Path("cell.csv"), "recording cell.csv (J5): line 7 has no number", "J5")

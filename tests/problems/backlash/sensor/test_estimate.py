@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
 from problems.backlash.signature.calibration import calibrate, sensor_calibration
 from problems.backlash.signature.datasets import noisy
-from problems.backlash.signature.model import A
 from tests.problems.backlash.cut import cut
 
 PLAIN = Settings(resamples=0)
@@ -23,9 +21,11 @@ def noise(seed, size=2401, colour=0.0):
     return np.convolve(drawn, colour ** np.arange(30), "same")
 
 
-@pytest.mark.parametrize(("level", "verdict"), [(2, "early"), (8, "early"), (11, "early"), (14, "progressed")])
-@pytest.mark.parametrize("strength", ["low", "high"])
-def test_levels_with_noise_are_measured(level, verdict, strength):
+@pytest.mark.parametrize(
+    ("level", "strength", "verdict"),
+    [(2, "low", "early"), (8, "high", "early"), (11, "low", "early"), (14, "high", "progressed")],
+)
+def test_levels_with_noise_are_measured(level, strength, verdict):
     made = noisy(level, strength, draw=3)
     found = estimate(made, PLAIN)
     assert found.amplitude_rps == pytest.approx(made.peak, rel=0.1)
@@ -93,19 +93,6 @@ def test_intervals_hold_the_truth_and_grow_with_the_noise():
     assert widths[1] > 1.2 * widths[0]
 
 
-def test_the_same_recording_gives_the_same_estimate():
-    first, second = (estimate(noisy(5), Settings(resamples=10)) for _ in range(2))
-    assert first.amplitude_interval_rps == second.amplitude_interval_rps
-    assert first.variables == second.variables
-
-
-def test_a_backwards_motor_tells_the_same():
-    made = noisy(7)
-    there, back = estimate(made, PLAIN), estimate(Recording(made.start, made.dt, -made.speed), PLAIN)
-    assert back.amplitude_rps == pytest.approx(there.amplitude_rps, rel=1e-6)
-    assert back.variables["A"] == pytest.approx(-there.variables["A"], rel=1e-6)
-
-
 @pytest.mark.slow
 def test_one_oscillation_is_measured_too_and_so_is_one_beside_another():
     speed = simulate(half_gap=0.0015).speed + noise(2)
@@ -159,13 +146,6 @@ def test_a_drift_of_the_mean_speed_hides_no_backlash():
     found = estimate(drifting, PLAIN)
     assert found.amplitude_rps == pytest.approx(made.peak, rel=0.1)
     assert "drifts by 2.4" in " ".join(found.notes)
-
-
-def test_three_load_turns_are_enough():
-    made = noisy(10)
-    found = estimate(cut(made, end=1.2), Settings(resamples=0))
-    assert found.verdict == "early"
-    assert found.amplitude_rps == pytest.approx(made.peak, rel=0.15)
 
 
 def test_noise_that_may_hide_too_much_is_told():
@@ -243,46 +223,8 @@ def test_a_gear_ratio_gives_the_period():
     assert (found.period_source, found.period_s) == ("gear ratio", pytest.approx(0.4, abs=1e-4))
 
 
-@pytest.mark.parametrize(
-    ("speed", "settings", "message"),
-    [
-        (np.full(2401, 100.0), {}, "constant"),
-        (6000 + 60 * noise(1), {}, "more than a motor has"),
-        (100 * np.cos(np.linspace(0, 3, 2401)), {}, "steady"),
-        (100 + noise(1, 150), {"gear_ratio": 40.0}, "less than one load turn"),
-        (100 + noise(1), {"gear_ratio": 1.0}, "too coarse"),
-    ],
-)
-def test_what_is_unfit_is_refused(speed, settings, message):
-    with pytest.raises(BenchError, match=message):
-        estimate(Recording(0.0, 0.002, speed), Settings(**settings))
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [({"gear_ratio": -1.0}, "gear ratio must be a positive"), ({"resamples": -1}, "resamples must be a whole number")],
-)
-def test_settings_out_of_range_are_refused(options, message):
-    with pytest.raises(BenchError, match=message):
-        Settings(**options)
-
-
 def test_a_recording_in_which_any_disturbance_could_hide_is_undecided_without_a_calibration():
     short = estimate(cut(noisy(12), 0.0, 0.298), Settings(calibration=None, gear_ratio=13.2, resamples=0))
     assert (short.verdict, short.amplitude_rps) == ("undecided", 0.0)
     quiet = estimate(noisy(0), Settings(calibration=None, gear_ratio=40.0, resamples=0))
     assert (quiet.verdict, quiet.amplitude_rps) == ("no backlash", 0.0)
-
-
-@pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_an_interval_contains_its_estimate_however_refits_are_biased(monkeypatch, factor):
-    def biased(problem, x, resamples, rng):
-        fits = np.tile(x, (resamples, 1))
-        fits[:, A] *= factor
-        return fits
-
-    monkeypatch.setattr("problems.backlash.sensor.estimate.resampled", biased)
-    measured = estimate(noisy(12), Settings(calibration=None, gear_ratio=40.0, resamples=20))
-    low, high = measured.amplitude_interval_rps
-    assert low <= measured.amplitude_rps <= high
-    assert high - low == pytest.approx(abs(factor - 1) * measured.amplitude_rps)

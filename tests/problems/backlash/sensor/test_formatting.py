@@ -39,22 +39,6 @@ def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(make_estimat
         assert f"  {line}" in said
 
 
-def test_what_is_not_known_is_not_told(make_estimate):
-    outside = words(make_estimate(math.nan, amplitude_rps=2.0, amplitude_interval_rps=(1.9, 2.1), interval_rad=NAN))
-    assert "half-gap     not estimated: the amplitude is outside the calibration" in outside
-    assert "nan" not in outside
-    without = words(
-        make_estimate(0.001, backlash_rad=math.nan, interval_rad=NAN, amplitude_interval_rps=NAN, verdict="backlash",
-             calibration=""),
-        Settings(calibration=None),
-    )  # fmt: skip
-    assert "backlash detected; its size needs a calibration" in without
-    assert "amplitude  0.6000 rps of the motor\n" in without
-    assert "calibration  " not in without
-    half = words(make_estimate(0.001, interval_rad=(0.0009, math.nan)))
-    assert "95% interval 0.900 to …" in half
-
-
 def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_too_much(make_estimate):
     quiet = {"verdict": "no backlash", "amplitude_rps": 0.0, "p_value": 0.5}
     said = words(make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=(0.0, 0.0001)))
@@ -74,44 +58,6 @@ def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_t
     below = words(make_estimate(math.nan, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=NAN), from_one)
     assert below.startswith("a.csv: no backlash detected\n")
     assert "up to 1.000 mrad" in below
-
-
-def test_without_a_calibration_a_headline_does_not_hide_what_was_not_tested(make_estimate):
-    quiet = {"amplitude_rps": 0.0, "calibration": "", "backlash_rad": math.nan, "interval_rad": NAN}
-    short = ("the recording is too short",)
-    said = [words(make_estimate(verdict=verdict, notes=short, **quiet)) for verdict in ("no backlash", "undecided")]
-    assert said[0].startswith("a.csv: no backlash detected; what the noise may hide needs a calibration of this joint")
-    assert said[1].startswith("a.csv: UNDECIDED: the recording is too short\n")
-
-
-def test_lines_are_broken_to_the_width_of_a_terminal_and_stay_whole_elsewhere(make_estimate):
-    outcome = Estimated(Path("a.csv"), make_estimate(notes=("a word " * 40,)))
-    whole, broken = (formatting.estimate_lines(outcome, SETTINGS, width) for width in (None, 80))
-    assert max(map(len, whole)) > 120
-    assert max(map(len, broken)) <= 80
-    assert " ".join(broken).split() == " ".join(whole).split()
-
-
-def test_the_joint_that_a_verdict_holds_for_is_named(make_estimate):
-    assert "half-gap and verdict hold for the thesis's simulated joint" in words(make_estimate(), Settings())
-    assert "simulated joint" not in words(make_estimate())
-    unknown = Settings(calibration=Calibration(np.array([3.0, 100.0]), np.array([0.0, 0.004]), name="old"))
-    assert "it states no gear ratio or no motor speed" in words(make_estimate(), unknown)
-
-
-def test_an_undecided_verdict_and_a_calibration_of_another_joint_are_named(make_estimate):
-    near = make_estimate(0.0021, verdict="undecided", notes=("it drifts", "it is near"))
-    assert words(near).startswith("a.csv: UNDECIDED: it is near\n")
-    unknown = make_estimate(math.nan, verdict="undecided", amplitude_rps=1.0, interval_rad=NAN, notes=("asymmetric",))
-    assert "half-gap     not estimated: see the verdict" in words(unknown)
-    other = words(make_estimate(0.001, backlash_rad=math.nan, interval_rad=NAN, verdict="backlash", calibration=""))
-    assert "half-gap   not estimated: the calibration is of another joint or speed" in other
-    assert "calibration  " not in other
-
-
-def test_runs_are_told_by_mean_and_deviation(make_estimate):
-    asymmetric = words(make_estimate(math.nan, verdict="undecided", calibration="", notes=("they are uneven",)))
-    assert "half-gap   not estimated: see the verdict" in asymmetric
 
 
 def test_the_table_has_a_row_a_file_whatever_became_of_it(make_estimate, capsys):
@@ -138,15 +84,6 @@ def test_the_table_fits_eighty_columns_whatever_the_names(make_estimate):
     assert max(map(len, lines)) <= 80
     assert "0.900 to 1.100" in lines[2]
     assert [line.split()[2] for line in lines[2:]] == ["a-robot…t4_2024-01.csv", "a-robot…t4_2024-02.csv"]
-
-
-def test_a_note_is_told_once_with_its_files(make_estimate):
-    names = [f"f{i}" for i in range(8)]
-    notes = [("few turns",) if i else ("few turns", "drift") for i in range(8)]
-    outcomes = [Estimated(Path(name), make_estimate(notes=each)) for name, each in zip(names, notes, strict=True)]
-    assert formatting.notes([*outcomes, Failed(Path("x"), "no")], [*names, "x"]) == [
-        "note on f0, f1, f2, f3, f4 and 3 more: few turns", "note on f0: drift",
-    ]  # fmt: skip
 
 
 def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):

@@ -141,12 +141,6 @@ def test_the_smallest_amplitude_that_noise_hides_is_detected_when_doubled():
     assert found[1].amplitude == pytest.approx(2 * turn.detectable, rel=0.2)
 
 
-def test_the_calibration_gives_the_period_where_a_part_of_it_is_found(healthy):
-    found = estimate(recorded(healthy + 0.8 * np.sin(2 * np.pi * 7.5 * TIME)), Settings(resamples=0))
-    assert (found.period_s, found.period_source) == (0.4, "calibration")
-    assert "a third of the load turn of 0.4 s" in " ".join(found.notes)
-
-
 def test_impacts_as_weak_as_the_ripple_have_a_wide_interval():
     found = estimate(recorded(worn(0.00015), noise=0.1), Settings(gear_ratio=40.0, resamples=20))
     assert found.interval_rad[0] < 0.00015 < found.interval_rad[1]

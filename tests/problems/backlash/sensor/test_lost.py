@@ -8,7 +8,7 @@ import pytest
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, estimate
-from problems.backlash.sensor.lost import Lost, lost_samples
+from problems.backlash.sensor.lost import lost_samples
 
 PLAIN = Settings(resamples=0)
 
@@ -39,11 +39,6 @@ def test_the_part_that_it_advises_gives_the_half_gap():
     begin, end = (round(time / recording.dt) for time in lost.part)
     part = replace(recording, speed=recording.speed[begin:end])
     assert estimate(part, PLAIN).backlash_rad == pytest.approx(0.0016, rel=0.05)
-
-
-def test_the_sentence_names_every_place_and_the_longest_part():
-    assert str(Lost((0.75, 2.5, 3.71), (0.95, 2.3))).startswith("samples are lost near 0.75, 2.5 and 3.71 s, where")
-    assert str(Lost((0.75,), (0.95, 2.3))).endswith("--window 0.95:2.3")
 
 
 @pytest.mark.parametrize("gap", [0.0003, 0.0016, 0.0035])

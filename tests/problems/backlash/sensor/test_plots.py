@@ -45,15 +45,6 @@ def test_the_fit_its_half_turn_and_the_rest_are_drawn(make_estimate):
     assert 0.4 < fine.get_ydata().max() == fine.get_ydata()[np.abs(fine.get_ydata()).argmax()]
 
 
-def test_a_disturbance_that_begins_downwards_is_drawn_upwards(make_estimate):
-    up = make_estimate()
-    mirrored = make_estimate(variables=up.variables | {"A": -0.5}, recording=type(up.recording)(
-        0.0, 0.002, 2 * (100 + up.variables["v_t"]) - up.fitted), fitted=up.fitted)  # fmt: skip
-    drawn = [fit_figure(each, single=False).axes[1].get_lines() for each in (up, mirrored)]
-    for first, second in zip(*drawn, strict=True):
-        np.testing.assert_allclose(first.get_ydata(), second.get_ydata(), atol=1e-9)
-
-
 def test_of_a_single_oscillation_the_samples_about_it_are_drawn(make_estimate):
     middle = fit_figure(make_estimate(), single=True).axes[1]
     assert middle.get_xlim() == pytest.approx((0.0, 0.33))
@@ -85,14 +76,6 @@ def test_joints_whose_times_are_of_other_kinds_have_panels_of_their_own(trends, 
     assert [ax.get_xlabel() for ax in figure.axes] == ["month", "number in the file's name", "recording"]
     assert [ax.get_ylabel() for ax in figure.axes] == 2 * ["half-gap δ in mrad"] + ["amplitude A in rps"]
     assert not lines(figure.axes[2], "limit")
-
-
-def test_ticks_of_months_divide_years(trends):
-    for months, every in ((5, 1), (24, 3), (60, 12)):
-        (ax,) = trend_figure([trends("", np.linspace(0.001, 0.002, months))], limit_rad=0.0021).axes
-        assert np.unique(np.diff(ax.get_xticks())).tolist() == [every]
-        assert (ax.get_xticks() % every == 0).all()
-        assert ax.xaxis.get_major_formatter()(24289, 0) == "2024-02"
 
 
 @pytest.mark.slow

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.errors import BenchError
-from problems.backlash.sensor.recording_files import find, natural, series, short_names
+from problems.backlash.sensor.recording_files import find, natural, series
 
 
 def series_of(*names):
@@ -36,20 +35,9 @@ def test_a_pattern_is_the_files_that_match_it_and_no_file_is_taken_twice(tmp_pat
     assert find(["missing.csv"])[0] == [Path("missing.csv")]  # the reader reports it
 
 
-@pytest.mark.parametrize(("name", "said"), [("", "there is no recording in the folder"), ("x*.csv", "no file matches")])
-def test_nothing_to_estimate_is_one_sentence(tmp_path, name, said):
-    with pytest.raises(BenchError, match=said):
-        find([tmp_path / name])
-
-
 def test_names_are_sorted_as_a_person_does():
     names = ["A3.csv", "a20.csv", "b.csv", "b/a2.csv", "b/a10.csv"]
     assert sorted(map(Path, sorted(names)), key=natural) == list(map(Path, names))
-
-
-def test_names_are_shown_without_the_folder_that_all_share(tmp_path):
-    assert short_names([tmp_path / "a" / "1.csv", tmp_path / "2.csv"]) == ["a/1.csv", "2.csv"]
-    assert short_names([tmp_path / "1.csv"]) == ["1.csv"]
 
 
 @pytest.mark.parametrize(
@@ -88,10 +76,4 @@ def test_a_subfolder_is_a_joint_of_its_own():
     assert series_of("j4/1.csv", "j5/1.csv", "j4/2.csv") == [
         ("j4", "number", [("j4/1.csv", "1"), ("j4/2.csv", "2")]),
         ("j5", "number", [("j5/1.csv", "1")]),
-    ]
-
-
-def test_without_dates_or_numbers_the_order_of_the_files_counts():
-    assert series_of("new.csv", "middle.csv", "old.csv") == [
-        ("", "file", [("new.csv", "1"), ("middle.csv", "2"), ("old.csv", "3")])
     ]

@@ -85,11 +85,6 @@ def test_a_signature_is_found_again_in_its_own_signal(options, shape):
     assert abs(found.x[model.A]) == pytest.approx(0.9, rel=15.5 * 0.002)
 
 
-def test_rpm_is_the_same_fit_sixty_times_as_large():
-    rps, rpm = bench.load_problem("signature-08"), bench.load_problem("signature-08", unit="rpm")
-    assert rpm.reference().value == pytest.approx(60 * rps.reference().value, rel=1e-9)
-
-
 @pytest.mark.slow
 def test_a_period_between_samples_is_fitted_as_well_as_by_long_runs():
     joint = Joint(omega_ref=2 * np.pi * 81.3)
@@ -162,12 +157,6 @@ def test_weights_are_the_best_of_their_cone():
         z = np.where(rng.random(3000) < 0.5, 1.0, -1.0) * size * np.array([np.cos(angle), np.sin(angle)])
         others = 2 * right @ z - np.einsum("in,ij,jn->n", z, square, z)
         assert others.max() <= energy + 1e-9
-
-
-def test_a_window_of_one_sample_has_weights_too():
-    energy, a, b = weights(0.0, 0.0, 4.0, 0.0, 2.0, 3.0, 10.0, 0.0)
-    assert energy == pytest.approx(1.0)
-    assert (a, b) == pytest.approx((0.0, 0.5), abs=1e-12)
 
 
 def test_limits_follow_box_and_constraints():

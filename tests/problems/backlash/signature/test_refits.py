@@ -55,11 +55,6 @@ def test_refits_find_tau_and_omega_far_better_than_they_scatter():
         assert off.max() < 0.01 * found[:, variable].std()
 
 
-def test_no_refit_is_asked_for():
-    problem = SignatureFit("none", noisy(12))
-    assert problem.near(problem.reference().x, []).shape == (0, 7)
-
-
 def test_a_window_at_the_recording_s_end_is_refitted():
     speed = 100 + np.random.default_rng(0).uniform(-0.1, 0.1, 300)
     speed[-3:] += [1.0, -1.0, 1.0]
