@@ -53,14 +53,14 @@ def command(
     """Import results of COCO, of IOHprofiler or tables of any tool as a study's folder.
 
     COCO and IOHprofiler write folders with an index (.info, or .json of IOHprofiler) and logs (.dat, .tdat). A table
-    (csv, tsv, xlsx, parquet, jsonl) has a row a run, or a column an optimizer or a problem; the command prints what it
-    took for what, and --column and --maximise mend it. Data sets of COCO's archive are checked against
-    its list of hashes and kept. The folder is read like any other: 'bench report MINE IMPORTED' compares both. Imported
-    trials cannot be repeated. A file that is damaged, or of maximisation, ends the import; --partial imports the
-    others, and reports list what is missing.
+    (csv, tsv, xlsx, parquet, jsonl) has a row for each run, or a column for each optimizer or problem; the command
+    prints what it took for what, and --column and --maximise correct it. Data sets of COCO's archive are checked
+    against its list of hashes and kept. The folder is read like any other: 'bench report MINE IMPORTED' compares both.
+    Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends the import; --partial imports
+    the others, and reports list what is missing.
 
-    A table of a paper has means and no trials: it is imported into the folder of a run, whose report then shows it
-    beside the trials and judges each cell as 'bench reproduce' does.
+    A table of a paper has means and no trials: it is imported into the folder of a run, whose report then compares it
+    with the trials and judges each cell as 'bench reproduce' does.
     """
     path = Path(source)
     if path.suffix == ".toml" or (output / "study.toml").is_file():

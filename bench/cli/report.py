@@ -49,7 +49,7 @@ def command(
     versions: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="OPTIMIZER", help="Show its earlier versions in the folder beside it; repeatable. Needs --output."
+            metavar="OPTIMIZER", help="Also show its earlier versions in the folder; repeatable. Needs --output."
         ),
     ] = None,
     targets: Annotated[

@@ -29,7 +29,7 @@ def command(
         Path,
         typer.Argument(
             help="A table as papers print it (CSV or TOML), with the columns suite, function, dimension, budget, runs, "
-            "optimizer, mean and sd, or a column an optimizer."
+            "optimizer, mean and sd, or a column for each optimizer."
         ),
     ],
     read_only: Annotated[
@@ -122,7 +122,7 @@ def _criticised(paper: PaperTable, console: Console) -> bool:
 
 
 def _show(judgements: list[Judgement], console: Console) -> None:
-    """Print a row a cell, a sentence on each reason, and those on the table."""
+    """Print a row for each cell, a sentence on each reason, and those on the table."""
     from bench.reproduce.verdict import HEADS, NOTE, sentences, shown, unjudged
 
     if rows := shown(judgements):

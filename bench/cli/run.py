@@ -69,7 +69,7 @@ def command(
     problem: Annotated[
         list[str] | None,
         _study(
-            help="Add a problem to the study's: a name, or a pattern such as 'bbob-f*-d5-*'; repeatable.",
+            help="Add a problem to the study's: a name, or a pattern such as 'bbob-f08-d*'; repeatable.",
         ),
     ] = None,
     subject: Subject = None,

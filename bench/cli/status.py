@@ -123,7 +123,7 @@ def _kept(folder: Folder) -> Iterator[str]:
         ]
         if parts:
             place = versions.index(selected) + 1
-            yield f"{label}: version {place} of {len(versions)} is selected; kept beside it: {', '.join(parts)}"
+            yield f"{label}: version {place} of {len(versions)} is selected; also kept: {', '.join(parts)}"
     others: Counter[str] = Counter()
     for record, number in kept.items():
         others[read(record)["label"]] += number

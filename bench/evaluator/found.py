@@ -24,8 +24,8 @@ class Found:
         error_bar: its standard error over the seeds; missing (NaN) with one trial a problem.
         error: why it failed, as in "line 12: IndexError: index 7 is out of bounds (y = x[7])"; "" where it did not.
         feedback: at most 60 words for a generator.
-        frame: a row a trial, with its ``aocc``.
-        by_problem: a row a problem, with the mean AOCC of the candidate and of each baseline.
+        frame: a row for each trial, with its ``aocc``.
+        by_problem: a row for each problem, with the mean AOCC of the candidate and of each baseline.
         notes: what must be known of the score, such as that the optimum of a problem is unknown.
     """
 
@@ -43,9 +43,9 @@ class Final:
     """What the held-out problems show of one candidate; printed, it is the sentences.
 
     Attributes:
-        table: a row a baseline: ``rival``, ``problems``, ``chance`` that a run of the candidate ends lower, its
+        table: a row for each baseline: ``rival``, ``problems``, ``chance`` that a run of the candidate ends lower, its
             interval ``low`` to ``high``, ``p``, ``level`` of the test and ``outcome``.
-        frame: a row a trial.
+        frame: a row for each trial.
         judged: sources that were judged before, on the training problems.
         finals: how often the held-out problems were used before.
         error: why the candidate failed, "" where it did not.

@@ -49,9 +49,9 @@ def ecdf(
 
 
 def spells(shown: pd.DataFrame, rivals: Sequence[str], *, pens: style.Pens, ax: Axes | None = None) -> Axes:
-    """Draw when an optimizer or its rival is shown to be ahead: a row a rival, a bar a spell in the colour of who is.
+    """Draw when an optimizer or its rival is shown to be ahead: a row for each rival, a bar for each spell.
 
-    ``shown`` are those of ``bench.analysis.spells``, with the rivals as ``second``.
+    A bar has the colour of who is ahead. ``shown`` are those of ``bench.analysis.spells``, with rivals as ``second``.
     """
     ax = style.own_axes(ax)
     for place, rival in enumerate(rivals):

@@ -133,7 +133,7 @@ def timing(table: pd.DataFrame, *, legend: bool = True, ax: Axes | None = None) 
 
 
 def shares(names: Sequence[str], values: Sequence[float], kinds: Sequence[int], best: float, *, ax: Axes) -> Axes:
-    """Draw a bar a row with a share from 0 to 1, beside that of the best, a line.
+    """Draw a bar for each row with a share from 0 to 1, and that of the best as a line.
 
     Args:
         names: of the rows.

@@ -1,4 +1,4 @@
-"""Read a published table of results: a row or a column an optimizer, numbers with the digits that were printed.
+"""Read a published table of results: a row or a column for each optimizer, numbers with the digits that were printed.
 
 A CSV file may begin with comment lines that are TOML and hold what is the same in all rows (``# runs = 30``), the
 source, and which problem or optimizer a printed name means. A TOML file has the same keys, and its rows as a list of
@@ -170,7 +170,7 @@ def read(path: Path) -> PaperTable:
     if not any(cell.numbers for cell in kept):
         raise BenchError(
             f"{path} has no cell with a number; a table has the columns suite, function, dimension, budget, runs, "
-            "optimizer, mean and sd, or a column an optimizer"
+            "optimizer, mean and sd, or a column for each optimizer"
         )
     averages = [cell for cell in cells.values() if cell.average]
     return PaperTable(path.stem, tuple(kept), tuple(averages), settings, tuple(notes))
@@ -238,7 +238,7 @@ def _csv(text: str, where: str, notes: list[str]) -> tuple[dict[str, Any], list[
 
 
 def _cells(rows: list[dict[str, str]], settings: dict[str, Any], where: str, notes: list[str]) -> Iterator[PaperCell]:
-    """Yield the cells of rows, which have a column an optimizer or one of optimizers."""
+    """Yield the cells of rows, which have a column for each optimizer or one of optimizers."""
     headers = list(dict.fromkeys(header for row in rows for header in row if header != "line"))
     columns: dict[str, str] = {}
     for header in headers:

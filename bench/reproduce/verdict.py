@@ -261,7 +261,7 @@ def _before(ours: int, theirs: int, place: int) -> Floats:
 
 
 def frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
-    """Return the verdicts as a table, a row a cell."""
+    """Return the verdicts as a table, a row for each cell."""
     rows: list[dict[str, Any]] = []
     for each in judgements:
         cell, ours = each.cell, each.values

@@ -77,7 +77,8 @@ _NUMBER = r"[-+]?[\d.,]+(e[-+]?\d+)?"
 _SUMMARY = re.compile(rf"\s*{_NUMBER}\s*(±|\+/-|\+-|\\pm|\(\s*{_NUMBER}\s*\)).*", re.IGNORECASE)
 _THOUSANDS = "(?i)[-+]?[0-9]{1,3}(,[0-9]{3})+[.][0-9]*(e[-+]?[0-9]+)?"
 NO_TEST = (
-    "a summary of runs, which cannot be tested: give a row a run, or compare the printed numbers with 'bench reproduce'"
+    "a summary of runs, which cannot be tested: give a row for each run, or compare the printed numbers with "
+    "'bench reproduce'"
 )
 
 
@@ -241,7 +242,7 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
 def _melted(
     wide: pd.DataFrame, texts: pd.Series[str] | None, roles: dict[str, str], kept: pd.DataFrame
 ) -> tuple[pd.DataFrame, str, list[str]]:
-    """Return a row a value of a table with several columns of them, what these columns are, and their names.
+    """Return a row for each value of a table with several columns of them, what these columns are, and their names.
 
     Args:
         wide: the columns of values.

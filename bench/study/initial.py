@@ -20,8 +20,8 @@ def known_points(given: Any, where: str = "given") -> Points:
     """Return points as tuples of numbers.
 
     Args:
-        given: a list of points, an array (k, d), or the name of a CSV file with a point a line, whose columns are the
-            variables in their order; a first line of names is passed over.
+        given: a list of points, an array (k, d), or the name of a CSV file with one point in each line, whose columns
+            are the variables in their order; a first line of names is passed over.
         where: the study, for messages.
 
     Raises:

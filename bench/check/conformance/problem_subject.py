@@ -83,7 +83,7 @@ def observed(problem: Problem, x: Floats, seed: int) -> Floats:
 
 
 def everything(problem: Problem, x: Floats, seed: int) -> Floats:
-    """Return all that a problem returns of the (n, d) points, a row a point: values, repaired points, violations."""
+    """Return all that a problem answers, a row for each of the (n, d) points: values, repaired points, violations."""
     columns = [true_values(problem, x)[:, None], repaired(problem, x), violations_of(problem, x)]
     if problem.noisy:
         columns.append(observed(problem, x, seed)[:, None])

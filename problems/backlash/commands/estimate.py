@@ -47,8 +47,8 @@ def estimate(
         str | None,
         _recording(
             metavar="COLUMN",
-            help="Of files with several joints: the column that names the joint of each line, or, with a *, the "
-            "columns of a joint each, as 'speed_*', where * is the joint's name.",
+            help="Of files with several joints: the column that names the joint of each line, or the pattern of a "
+            "column for each joint, as 'speed_*', whose asterisk stands for the joint's name.",
         ),
     ] = None,
     window: Annotated[
@@ -57,7 +57,7 @@ def estimate(
     gear_ratio: Annotated[
         float | None,
         _fit(
-            help="Motor turns a load turn, which with the mean speed give its time.",
+            help="Motor turns for each load turn, which with the mean speed give its time.",
             show_default="the time found in the signal",
         ),
     ] = None,
@@ -90,8 +90,12 @@ def estimate(
     page: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Write a page with verdicts, trends and the fits.")
     ] = None,
-    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a row a recording, with all digits.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list with an object a file instead.")] = False,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a row for each recording, with all digits.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print a JSON list with an object for each file instead.")
+    ] = False,
 ) -> None:
     """Estimate the backlash of a joint from a recording of its motor's speed, with a confidence interval.
 

@@ -68,8 +68,8 @@ def simulate(
         int | None,
         _wear(
             metavar="MONTHS",
-            help="Write a recording a month, with a growing gap, and truth.csv into a folder. The gap given is that of "
-            "the first month (0.0003 rad without one).",
+            help="Write a recording for each month, with a growing gap, and truth.csv into a folder. The gap given is "
+            "that of the first month (0.0003 rad without one).",
         ),
     ] = None,
     worn: Annotated[
@@ -79,7 +79,7 @@ def simulate(
 ) -> None:
     """Simulate a joint with backlash at constant speed, or turning back and forth, and write its recording.
 
-    With --wear 24, write a recording a month instead, of a gap that grows by a three-phase wear curve.
+    With --wear 24, write a recording for each month instead, of a gap that grows by a three-phase wear curve.
     """
     import numpy as np
 

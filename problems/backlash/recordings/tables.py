@@ -40,7 +40,7 @@ class Table:
 
     Attributes:
         names: the columns' headings; a column without one is called by its number, from "1".
-        frame: a row a line with a sample, whose index is the number of the line in the file.
+        frame: a row for each line with a sample, whose index is the number of the line in the file.
     """
 
     names: tuple[str, ...]

@@ -25,7 +25,7 @@ def expected_values(results: StoredResults) -> tuple[pd.DataFrame, dict[str, str
 
 
 def estimates(frame: pd.DataFrame, truths: pd.DataFrame, figure: str) -> pd.DataFrame:
-    """Return a row a trial of the problems that have the metric: the value found, the expected one and the error.
+    """Return a row for each trial of the problems that have the metric: the values found and expected, and the error.
 
     Args:
         frame: the tidy frame, in the study's order.

@@ -66,7 +66,7 @@ def figure_7_3(found: dict[str, pd.DataFrame], optimizers: list[str]) -> Figure:
 
 
 def figure_7_4(data: pd.DataFrame, optimizers: list[str]) -> Figure:
-    """Return box plots of the amplitude found, a panel an optimizer."""
+    """Return box plots of the amplitude found, a panel for each optimizer."""
     problems = list(data["problem"].cat.categories)
     drawing, axes = panels(optimizers, problems, [EXPECTED, BAND], columns=3)
     truth = data.groupby("problem", observed=False)[["expected", "tolerance"]].first()
@@ -97,7 +97,7 @@ def figure_7_5(times: pd.DataFrame) -> Figure:
 
 
 def quartiles(found: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return a row a metric, problem and optimizer: true value, tolerance, trials, those with a value, quartiles."""
+    """Return a row for each metric, problem and optimizer: true value, tolerance, numbers of trials, quartiles."""
     tables = []
     for name, data in found.items():
         groups = data.groupby(["problem", "optimizer"], observed=True)

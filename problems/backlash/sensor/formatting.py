@@ -75,7 +75,7 @@ def broken(line: str, width: int, indent: int = 4) -> list[str]:
 def print_table(
     outcomes: Sequence[Estimated | Failed], names: Sequence[str], trends: Iterable[Trend], settings: Settings
 ) -> None:
-    """Print a row a file, every note once, and the trends."""
+    """Print a row for each file, every note once, and the trends."""
     console = Console(width=None if Console().is_terminal else WIDTH)
     console.print(table(outcomes, names, console.width), highlight=False)
     calibrated = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
@@ -89,7 +89,7 @@ def print_table(
 
 
 def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: int = WIDTH) -> Table:
-    """Return a row a file under its name: verdict, half-gap and amplitude with their intervals, RMSE.
+    """Return a row for each file under its name: verdict, half-gap and amplitude with their intervals, RMSE.
 
     A long name is shortened in the middle. A table of fewer columns of letters than ``NARROW`` has neither the interval
     of the amplitude nor the RMSE.

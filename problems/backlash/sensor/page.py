@@ -1,4 +1,4 @@
-"""A page on many recordings: a row a joint, then verdicts and trends, and the fit of each recording."""
+"""A page on many recordings: a row for each joint, then verdicts and trends, and the fit of each recording."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -66,7 +66,7 @@ def write(
 
 
 def _joints(joints: Sequence[JointHistory], settings: Settings) -> Table:
-    """Return a row a joint: what to know first of it."""
+    """Return a row for each joint: what to know first of it."""
     name = [joint.series.name or "joint" for joint in joints]
     frame = pd.DataFrame(
         {

@@ -65,7 +65,7 @@ def _date(joint: JointHistory, at: float) -> str | None:
 
 
 def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[dict[str, Any]]:
-    """Return a row an outcome with the keys of :func:`json_objects`: trend, limit and intervals as columns.
+    """Return a row for each outcome with the keys of :func:`json_objects`: trend, limit and intervals as columns.
 
     Notes are joined.
     """

@@ -80,7 +80,7 @@ def test_two_days_beside_finished_rivals(author):
     second = values(author)
     assert second["scatter"] == first["scatter"]
     assert second["Hops"] != first["Hops"]
-    assert "Hops: version 2 of 2 is selected; kept beside it: 4 trials (version 1)" in author("status", "out")
+    assert "Hops: version 2 of 2 is selected; also kept: 4 trials (version 1)" in author("status", "out")
 
     page = author("report", "out", "--versions", "Hops", "-o", "versions")
     assert "Hops@1" in page
