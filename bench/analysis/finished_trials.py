@@ -68,12 +68,18 @@ class Evidence:
 
     @cached_property
     def finished(self) -> pd.DataFrame:
-        """The trials that finished: plain labels, numbers as float64, and ``trace``, empty where none is known."""
+        """The trials that finished: plain labels, numbers as float64, and those of each trace.
+
+        These are its ``first`` and ``last`` value, missing without a trace, and the evaluation that found the last one.
+        """
         finished = self.frame[self.frame["status"] == "ok"]
         finished = finished.astype(dict.fromkeys(CELL, object)).reset_index(drop=True)
         numbers = finished[NUMBERS].apply(pd.to_numeric, errors="coerce").astype(float)
-        traces = pd.Series(list(traces_of(finished, self.traces)), dtype=object)
-        return finished.assign(**numbers, trace=traces)
+        ends = np.full((len(finished), 3), np.nan)
+        for place, trace in enumerate(traces_of(finished, self.traces)):
+            if len(trace.values):
+                ends[place] = trace.values[0], trace.values[-1], trace.evaluations[-1]
+        return finished.assign(**numbers, **dict(zip(("first", "last", "last_at"), ends.T, strict=True)))
 
 
 def judge(
@@ -145,11 +151,9 @@ def _records(evidence: Evidence) -> CheckResult:
     if not evidence.traces:
         return NO_TRACES
     trials = evidence.finished
-    value = np.array([trace.values[-1] if len(trace.values) else np.inf for trace in trials["trace"]])
-    evaluation = np.array([trace.evaluations[-1] if len(trace.values) else 0 for trace in trials["trace"]])
     return judge(
         trials,
-        (np.isfinite(trials["fun"]) & (trials["fun"] != value)) | (evaluation > trials["nfev"]),
+        (np.isfinite(trials["fun"]) & (trials["fun"] != trials["last"])) | (trials["last_at"] > trials["nfev"]),
         "error",
         "have no trace, or one that ends at another value or after more evaluations",
         "The results were changed.",
@@ -222,7 +226,7 @@ def _same_algorithm(evidence: Evidence) -> CheckResult:
     if not evidence.traces:
         return NO_TRACES
     same = trials[trials.duplicated(["problem", *point], keep=False)]
-    same = same.assign(course=[trace.values.tobytes() + trace.evaluations.tobytes() for trace in same["trace"]])
+    same = same.assign(course=[trace.packed() for trace in traces_of(same, evidence.traces)])
     equal = same.groupby(["problem", *point, "course"], sort=False, dropna=False)
     optimizers = equal["optimizer"].transform("nunique")
     return judge(
@@ -288,8 +292,7 @@ def _random_streams(evidence: Evidence) -> CheckResult:
     if not evidence.traces:
         return NO_TRACES
     trials = evidence.finished
-    starts = trials.assign(first=[trace.values[0] if len(trace.values) else np.nan for trace in trials["trace"]])
-    starts = starts[starts["first"].notna()]
+    starts = trials[trials["first"].notna()]
     # Trials of one optimizer that all start at one point, or on a plateau, do not show its random stream.
     varied = starts.groupby(CELL)["first"].transform("nunique") > 1
     drawn = starts[varied & ~starts.duplicated([*CELL, "first"], keep=False)]
