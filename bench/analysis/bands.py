@@ -14,7 +14,7 @@ the interval of this width or Wilson's (1927) of as many runs as have this varia
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -77,7 +77,7 @@ def curve_bands(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] 
 
 
 def leads(
-    hits: pd.DataFrame,
+    hits: pd.DataFrame | Iterable[pd.DataFrame],
     grid: Counts,
     dimensions: Mapping[str, int] | None = None,
     pairs: Sequence[tuple[str, str]] | None = None,
@@ -89,7 +89,7 @@ def leads(
     reached more targets by then, as far as the band shows it, else "". Compare optimizers on the same problems only.
 
     Args:
-        hits: of :func:`bench.analysis.hitting_times`.
+        hits: of :func:`bench.analysis.hitting_times`; or some optimizers after the others, as all may fill the memory.
         grid: increasing numbers of evaluations, or of evaluations a dimension.
         dimensions: as for ``curve_bands``.
         pairs: of optimizers to show; all by default.
@@ -139,27 +139,30 @@ def _width(largest: Floats, freedom: Floats, level: float = LEVEL) -> Floats:
     return np.asarray(t.isf(norm.sf(width), freedom))
 
 
-def _curves(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None) -> dict[str, Curve]:
+def _curves(
+    hits: pd.DataFrame | Iterable[pd.DataFrame], grid: Counts, dimensions: Mapping[str, int] | None
+) -> dict[str, Curve]:
     """Return the curve of each optimizer that has runs."""
-    if dimensions is not None:
-        hits = hits.assign(evaluations=hits["evaluations"] / hits["problem"].astype(object).map(dimensions))
     rng = np.random.default_rng(0)
-    curves = {}
-    for optimizer in labels(hits, "optimizer"):
-        of_optimizer = hits[hits["optimizer"] == optimizer]
-        cells = [_run_shares(rows, grid) for _, rows in of_optimizer.groupby("problem", sort=False, observed=True)]
-        if cells:
-            curves[optimizer] = curve_of(cells, rng)
+    curves: dict[str, Curve] = {}
+    for part in [hits] if isinstance(hits, pd.DataFrame) else hits:
+        if dimensions is not None:
+            part = part.assign(evaluations=part["evaluations"] / part["problem"].astype(object).map(dimensions))
+        for optimizer in labels(part, "optimizer"):
+            if cells := _run_shares(part[part["optimizer"] == optimizer], grid):
+                curves[optimizer] = curve_of(cells, rng)
     return curves
 
 
-def _run_shares(rows: pd.DataFrame, grid: Counts) -> Floats:
-    """Return the share of its targets that each run of a cell has reached, (runs, G)."""
-    run, numbers = pd.factorize(rows["trial"])
+def _run_shares(rows: pd.DataFrame, grid: Counts) -> list[Floats]:
+    """Return the share of its targets that each run of each cell has reached, (runs, G)."""
+    run = rows.groupby(["problem", "trial"], sort=False, observed=True).ngroup().to_numpy()
     place = np.searchsorted(grid, rows["evaluations"].to_numpy(dtype=float))  # the first count by which it is reached
     size = len(grid) + 1
-    counts = np.bincount(run * size + place, minlength=len(numbers) * size).reshape(-1, size)
-    return np.asarray(np.cumsum(counts[:, :-1], axis=1) / counts.sum(axis=1, keepdims=True), dtype=np.float64)
+    counts = np.bincount(run * size + place, minlength=(run.max(initial=-1) + 1) * size).reshape(-1, size)
+    shares = np.cumsum(counts[:, :-1], axis=1) / counts.sum(axis=1, keepdims=True)
+    problem = pd.factorize(rows["problem"])[0][np.unique(run, return_index=True)[1]]
+    return [shares[problem == cell] for cell in range(problem.max(initial=-1) + 1)]
 
 
 def curve_of(cells: Sequence[Floats], rng: np.random.Generator) -> Curve:

@@ -26,7 +26,7 @@ def feasibility(frame: pd.DataFrame, traces: Traces, problems: Collection[str]) 
         trial), first (the median evaluation, from 1, of the first feasible point; +inf where at least half of the
         trials found none, NaN without a trial).
     """
-    rows = []
+    rows, frame = [], frame[frame["problem"].isin(problems)]
     firsts = [np.append(trace.evaluations, np.inf)[0] for trace in traces_of(frame, traces)]
     for (problem, optimizer), first in cells(frame.assign(fun=firsts)).items():
         if problem in problems:

@@ -144,9 +144,8 @@ def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
     pace = (wall / nfev.where(nfev > 0)).where(frame["status"] == "ok")
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
     pace = pace.fillna(pace.groupby(keys).transform("median"))
-    index = pd.MultiIndex.from_arrays([*keys, frame["trial"]])
-    trial_of_hit = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
-    paces = pace.to_numpy()[index.get_indexer(trial_of_hit)] if len(hits) else np.empty(0)
+    trial = ["problem", "optimizer", "trial"]
+    paces = hits[trial].merge(frame[trial].assign(pace=pace), how="left", on=trial)["pace"].to_numpy()
     times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * paces, np.inf)
     return hits.assign(evaluations=times, **{name: hits[name] * paces for name in ("spent", "budget") if name in hits})
 

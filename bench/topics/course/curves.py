@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -20,13 +21,15 @@ class Compared(NamedTuple):
     """What curves are made of.
 
     Attributes:
-        hits: when runs reached their targets, on the problems that count.
+        hits: when runs of the optimizers that are shown reached their targets, on the problems that count.
+        problems: the problems that count.
         grid: increasing numbers of evaluations, or of evaluations a dimension where budgets differ.
         dimensions: of the problems, where the unit is an evaluation a dimension.
         banded: whether every optimizer has two runs or more on each of these problems.
     """
 
     hits: pd.DataFrame
+    problems: list[str]
     grid: np.ndarray
     dimensions: dict[str, int] | None
     banded: bool
@@ -39,7 +42,8 @@ class Compared(NamedTuple):
 
 def compared(findings: Findings) -> Compared:
     """Return the problems on which every optimizer has two runs or more; where there is none, all of them."""
-    trials, hits = findings.trials, findings.anytime.compared_hits
+    trials, anytime = findings.trials, findings.anytime
+    hits = anytime.compared(anytime.hits(findings.display.shown))
     dimensions = trials.dimensions if trials.scaled else None
     counts = trials.frame.groupby(["problem", "optimizer"], observed=True).size().unstack()
     several = (counts.reindex(columns=trials.optimizers) > 1).all(axis=1)
@@ -51,12 +55,12 @@ def compared(findings: Findings) -> Compared:
     ends = [budgets[label] / (dimensions[label] if dimensions else 1) for label in kept]
     first = 1 / max(dimensions[label] for label in kept) if dimensions and kept else 1
     last = (min if banded else max)(ends, default=first)
-    return Compared(hits, np.unique(np.geomspace(first, last, POINTS)), dimensions, banded)
+    return Compared(hits, kept, np.unique(np.geomspace(first, last, POINTS)), dimensions, banded)
 
 
 def curves(findings: Findings) -> pd.DataFrame:
     """Return the curve of each optimizer that is shown: optimizer, the unit, fraction, and of some low and high."""
-    hits, grid, dimensions, banded = findings.of(compared)
+    hits, _, grid, dimensions, banded = findings.of(compared)
     shown = findings.display.shown
     parts = []
     if banded:
@@ -83,8 +87,10 @@ def rivals(findings: Findings) -> list[str]:
 
 def ahead(findings: Findings) -> pd.DataFrame:
     """Return when the leader, or a rival of it, is shown to be ahead (:func:`bench.analysis.bands.spells`)."""
-    hits, grid, dimensions, banded = findings.of(compared)
-    if not banded or len(findings.trials.optimizers) < 2:
+    found, anytime, shown = findings.of(compared), findings.anytime, findings.display.shown
+    if not found.banded or len(findings.trials.optimizers) < 2:
         return pd.DataFrame(columns=["first", "second", "ahead", "begin", "end"])
     pairs = [(findings.leader, rival) for rival in rivals(findings)]
-    return spells(leads(hits, grid, dimensions, pairs))
+    others = (anytime.compared(anytime.hits([label])) for label in findings.final.ranked if label not in shown)
+    parts = chain([found.hits], (hits[hits["problem"].isin(found.problems)] for hits in others))
+    return spells(leads(parts, found.grid, found.dimensions, pairs))

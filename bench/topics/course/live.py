@@ -115,7 +115,7 @@ def _counts(findings: Findings, found: Compared) -> pd.DataFrame:
     (of), once a cell and target.
     """
     names, tabled = findings.display.shown, np.array(findings.anytime.target_set.tabled)
-    hits = found.hits[found.hits["optimizer"].isin(names)].reset_index(drop=True)
+    hits = found.hits.reset_index(drop=True)
     if hits.empty:
         return hits
     codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))

@@ -31,9 +31,8 @@ def times_figure(findings: Findings) -> Figure | None:
     if not (anytime.running_times["successes"] > 0).any():
         return None
     shown, places = findings.display.shown, panels(trials)
-    hits = anytime.hits
-    hits = hits[hits["problem"].isin(places) & hits["optimizer"].isin(shown)]
-    times = analysis.expected_running_time(hits)
+    hits = anytime.hits(shown)
+    times = analysis.expected_running_time(hits[hits["problem"].isin(places)])
     pens = {label: findings.display.pens[label] for label in shown}
     above = style.legend_height([str(entry.get_label()) for entry in style.handles(pens)])
     figure, axes = style.grid(
@@ -131,8 +130,9 @@ def level_of(anytime: Anytime) -> float:
 
 def fastest(findings: Findings, level: float) -> set[tuple[str, str]]:
     """Return the problems and optimizers that reach a target faster than each other one, as the tests show."""
-    hits = findings.anytime.compared_hits
-    found = separably_fastest(hits[np.isclose(hits["tau"].to_numpy(dtype=float), level, rtol=1e-9, atol=0)])
+    hits = findings.anytime.tabled_hits
+    hits = findings.anytime.compared(hits[np.isclose(hits["tau"].to_numpy(dtype=float), level, rtol=1e-9, atol=0)])
+    found = separably_fastest(hits.drop(columns="budget"))
     return set(zip(map(str, found["problem"]), map(str, found["optimizer"]), strict=True))
 
 

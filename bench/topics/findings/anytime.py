@@ -139,37 +139,41 @@ class Anytime:
             return table
         return table[table["problem"].isin([label for label, facts in self.trials.known.items() if facts.expected])]
 
-    @cached_property
-    def hits(self) -> pd.DataFrame:
-        """The evaluations that each trial took to reach each target."""
-        if self.target_set.by_metric:
-            expected = {label: facts.expected for label, facts in self.trials.known.items()}
-            return tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
-        return analysis.hitting_times(
-            self.trials.measured, self.trials.measured_traces, self.targets, self.trials.allowed
-        )
+    def hits(self, optimizers: Collection[str]) -> pd.DataFrame:
+        """Return when each trial of some optimizers reached each target; all trials at once would fill the memory."""
+        return self._reached(self.targets, optimizers)
 
-    @property
-    def compared_hits(self) -> pd.DataFrame:
-        """The same of the trials that are compared, as all optimizers share their instances."""
+    def _reached(self, targets: pd.DataFrame, optimizers: Collection[str]) -> pd.DataFrame:
+        trials, by_metric = self.trials, self.target_set.by_metric
+        frame = trials.whole if by_metric else trials.measured
+        frame = frame[frame["optimizer"].isin(optimizers)]
+        if by_metric:
+            expected = {label: facts.expected for label, facts in trials.known.items()}
+            return tolerance_times(frame, trials.traces, expected, trials.allowed)
+        return analysis.hitting_times(frame, trials.measured_traces, targets, trials.allowed)
+
+    def compared(self, hits: pd.DataFrame) -> pd.DataFrame:
+        """Return the hitting times of the trials that are compared, as all optimizers share their instances."""
         if not self.trials.comparable.instances:
-            return self.hits
+            return hits
         keys = ["problem", "optimizer", "trial"]
         compared = pd.MultiIndex.from_frame(self.trials.frame[keys].astype(object))
-        return self.hits[pd.MultiIndex.from_frame(self.hits[keys].astype(object)).isin(compared)]
+        return hits[pd.MultiIndex.from_frame(hits[keys].astype(object)).isin(compared)]
 
     @cached_property
     def tabled_hits(self) -> pd.DataFrame:
-        """The hitting times of the targets of the tables, with the ``budget`` of each trial."""
-        hits = self.hits
-        codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+        """When all trials reached the targets of the tables, with the ``budget`` of each trial."""
+        hits = self._tabled(self._reached(self._tabled(self.targets), self.trials.optimizers))
+        return hits.assign(budget=budgets_of(hits, self.trials.allowed))
+
+    def _tabled(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows with a tau of the tables, without the rounding of a ladder."""
+        codes, taus = pd.factorize(table["tau"].to_numpy(dtype=float))
         tabled = np.isclose(taus[:, np.newaxis], self.target_set.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
-        rounded = np.array(self.target_set.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        tabled_hits: pd.DataFrame = hits[kept].assign(
-            tau=rounded[codes[kept]], budget=lambda rows: budgets_of(rows, self.trials.allowed)
-        )
-        return tabled_hits
+        rounded = np.array(self.target_set.tabled)[tabled.argmax(axis=1)]
+        found: pd.DataFrame = table[kept].assign(tau=rounded[codes[kept]])
+        return found
 
     @cached_property
     def running_times(self) -> pd.DataFrame:

@@ -98,7 +98,7 @@ class TestUnited:
         assert (compared["fun"] > whole["fun"]).any()
         assert compared.drop(columns="fun").equals(whole.drop(columns="fun"))
         assert both.trials.comparable.unknown == {}
-        assert both.anytime.hits["spent"].max() > 120  # targets count all evaluations
+        assert both.anytime.hits(both.trials.optimizers)["spent"].max() > 120  # targets count all evaluations
         assert Findings(Results(mine)).trials.common_words == ""
 
     def test_each_optimizer_has_its_own_plan(self, mine, archive):

@@ -34,7 +34,9 @@ def test_its_shares_are_those_of_the_picture(findings, specification):
     (columns,) = specification["data"]["values"]
     o, p, e, reached, of = (np.array(columns[name]) for name in ("o", "p", "e", "reached", "of"))
     grid = findings.of(compared).grid
-    shares = analysis.ecdf(findings.anytime.hits, grid).set_index(["optimizer", "evaluations"])["fraction"]
+    shares = analysis.ecdf(findings.anytime.hits(findings.trials.optimizers), grid).set_index(
+        ["optimizer", "evaluations"]
+    )["fraction"]
     for place, label in enumerate(findings.display.shown):
         for until in (0, 20, len(grid) - 1):
             own = [(o == place) & (p == problem) for problem in range(2)]

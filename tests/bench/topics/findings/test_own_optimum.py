@@ -30,7 +30,7 @@ def test_regret_targets_and_running_times_take_the_optimum_that_an_optimizer_can
     assert findings.trials.shifts == {("p", "b"): 1.0}
     assert findings.trials.measured.groupby("optimizer", observed=True)["fun"].max().to_dict() == {"a": 5.0, "b": 5.0}
     assert findings.trials.unbeaten == {"p": 5.0}
-    rates = success_rates(findings.anytime.hits)
+    rates = success_rates(findings.anytime.hits(["a", "b"]))
     last = rates[rates["tau"] == 1e-3].set_index("optimizer")
     assert last["rate"].to_dict() == {"a": 1.0, "b": 1.0}
     assert np.isfinite(findings.anytime.running_times["ert"].to_numpy(dtype=float)).all()
@@ -49,6 +49,6 @@ def test_without_another_optimum_nothing_changes(findings):
     assert findings.trials.measured is findings.trials.frame
     assert findings.trials.measured_traces is findings.trials.traces
     assert findings.final.measured_summary is findings.final.summary
-    rates = success_rates(findings.anytime.hits)
+    rates = success_rates(findings.anytime.hits(["a", "b"]))
     last = rates[rates["tau"] == 1e-3].set_index("optimizer")
     assert last["rate"].to_dict() == {"a": 1.0, "b": 0.0}
