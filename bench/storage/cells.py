@@ -6,6 +6,7 @@ import sqlite3
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from bench.helpers.parsing import parse_json
@@ -123,18 +124,23 @@ def read(connection: sqlite3.Connection) -> Cells:
 
 
 def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
-    rows = connection.execute(
-        "SELECT cells.id, problems.record, optimizers.record, evaluations, seed FROM cells"
-        " JOIN problems ON problems.id = cells.problem JOIN optimizers ON optimizers.id = cells.optimizer"
+    problems, optimizers = (
+        {number: decoded(record) for number, record in connection.execute(f"SELECT id, record FROM {table}")}
+        for table in ("problems", "optimizers")
     )
-    return {number: Cell(decoded(problem), decoded(optimizer), *rest) for number, problem, optimizer, *rest in rows}
+    return {
+        number: Cell(problems[problem], optimizers[optimizer], *rest)
+        for number, problem, optimizer, *rest in connection.execute("SELECT * FROM cells")
+        if problem in problems and optimizer in optimizers
+    }
 
 
 def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str]:
-    selected = connection.execute("SELECT cell, problem, optimizer FROM selected ORDER BY cell").fetchall()
     studies = connection.execute("SELECT identity, digest FROM study").fetchall()
     identity, noted = studies[0] if len(studies) == 1 else (b"", None)
-    labelled = {number: (decoded(problem), decoded(optimizer)) for number, problem, optimizer in selected}
+    text = cache(decoded)  # a label is one object, however many cells have it
+    selected = connection.execute("SELECT cell, problem, optimizer FROM selected ORDER BY cell")
+    labelled = {number: (text(problem), text(optimizer)) for number, problem, optimizer in selected}
     if (labelled or studies) and selection_digest(decoded(identity), labelled) != noted:
         error = sqlite3.DatabaseError("the selection of cells is not as it was written")
         error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT

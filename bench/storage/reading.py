@@ -6,7 +6,7 @@ import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import lru_cache, partial
 from itertools import islice
 from typing import Any
 
@@ -88,7 +88,7 @@ class Reader:
         connection.execute("BEGIN")  # cells, names and rows of one moment, while a run adds to all
         self.cells = read(connection)
         names = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
-        self._bound = cache(partial(bound, self.cells.all, names))
+        self._bound = lru_cache(maxsize=FETCHED)(partial(bound, self.cells.all, names))  # rows come cell by cell
         self.names: dict[Any, tuple[str, str]] = {number: (decoded(a), decoded(b)) for number, (a, b) in names.items()}
 
     @property
