@@ -22,7 +22,6 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import betaincinv, stdtrit
 
-from bench.analysis.anytime import expected_running_time
 from bench.analysis.cells import labels
 from bench.analysis.comparison import inference
 from bench.analysis.direction import ALPHA, effects, least_p
@@ -105,33 +104,39 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     are corrected for the problems alone.) Which targets any trial reached does not depend on which optimizer made it,
     so that nothing is chosen by the outcome.
     """
-    cells: list[tuple[Any, Any, str]] = []
-    p: list[float] = []
-    reached = hits["evaluations"].groupby([hits["problem"].astype(object), hits["tau"]]).transform("min") < np.inf
-    sizes = hits[reached].groupby(["problem", "tau", "optimizer"], sort=False, observed=True)["trial"].size()
-    most, tests = int(sizes.max() if len(sizes) else 0), len(sizes.groupby(level=[0, 1], observed=True))
-    if least_p(most) * tests >= ALPHA:  # whatever the times, the trials are too few
-        return pd.DataFrame(columns=["problem", "tau", "optimizer", "p"])
-    running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
-    for (problem, tau), rows in hits[reached].groupby(["problem", "tau"], sort=False, observed=True):
-        times = {
-            str(label): np.asarray(of_cell["evaluations"], dtype=np.float64)
-            for label, of_cell in rows.groupby("optimizer", sort=False, observed=True)
-        }
-        if len(times) < 2:
-            continue
-        table = running_times[problem, tau].dropna(subset="ert")
-        best = str(table["optimizer"].iloc[int(np.argmin(table["ert"].to_numpy(dtype=float)))])
-        cells.append((problem, tau, best))
-        p.append(_largest_p(times[best], [others for label, others in times.items() if label != best]))
-    found = pd.DataFrame(cells, columns=["problem", "tau", "optimizer"]).assign(p=holm(np.array(p, dtype=np.float64)))
-    return found[found["p"] < ALPHA].reset_index(drop=True)
+    evaluations, spent = (hits[name].to_numpy(dtype=float) for name in ("evaluations", "spent"))
+    optimizers = labels(hits, "optimizer")
+    owner = pd.Categorical(hits["optimizer"].astype(object), optimizers).codes
+    groups: dict[Any, Any] = dict(hits.groupby(["problem", "tau"], sort=False, observed=True).indices)
+    reached = {at: rows for at, rows in groups.items() if np.isfinite(evaluations[rows]).any()}
+    most = max((int(np.bincount(owner[rows]).max()) for rows in reached.values()), default=0)
+    found = []
+    if least_p(most) * len(reached) < ALPHA:  # else the trials are too few, whatever the times
+        for (problem, tau), rows in sorted(reached.items(), key=lambda group: group[1][0]):
+            cells = {place: rows[owner[rows] == place] for place in np.unique(owner[rows])}
+            if len(cells) > 1:
+                best = min(cells, key=lambda place: _ert(evaluations[cells[place]], spent[cells[place]]))
+                rivals = [evaluations[cell] for place, cell in cells.items() if place != best]
+                found.append((problem, tau, optimizers[best], _largest_p(evaluations[cells[best]], rivals)))
+    table = pd.DataFrame(found, columns=["problem", "tau", "optimizer", "p"])
+    table["p"] = holm(table["p"].to_numpy(dtype=float))
+    return table[table["p"] < ALPHA].reset_index(drop=True)
+
+
+def _ert(evaluations: Floats, spent: Floats) -> float:
+    """Return the expected running time of a cell, infinite without a success."""
+    reached = np.isfinite(evaluations)
+    return float(np.where(reached, evaluations, spent).sum()) / reached.sum() if reached.any() else np.inf
 
 
 def _largest_p(best: Floats, rivals: list[Floats]) -> float:
     """Return the largest p of the tests against rivals, 1 where one is not the slower one more often than not."""
-    found = [effects(best[np.newaxis], times[np.newaxis]) for times in rivals]
-    return max(float(inference(each, ALPHA)[2][0]) if each.a12[0] > 0.5 else 1.0 for each in found)
+    largest = 0.0
+    for size in {len(times) for times in rivals}:
+        same = np.array([times for times in rivals if len(times) == size])
+        found = effects(np.tile(best, (len(same), 1)), same)
+        largest = max(largest, float(np.where(found.a12 > 0.5, inference(found, ALPHA)[2], 1.0).max()))
+    return largest
 
 
 def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
