@@ -1,12 +1,16 @@
 """How often each kind of claim is false, in designs chosen to mislead it, and the power of a winner.
 
-    python validation/claims.py [STUDIES] [PART ...]    # default: 2,000 a row, all parts: equals, marks, curves, power
+    python validation/claims.py [STUDIES] [PART ...]    # default: 2,000 a row, all parts
+
+Parts: equals, marks, stars, ratios, curves, power.
 
 The functions are those of the page. In a design without a difference all optimizers of a group are equal in the sense
 of A12: a run of one ends lower than a run of the other in half of the pairs, on each problem or in the mean over
 problems. Columns: *winner*, an optimizer that the results name is shown to end lower than every rival; *subject*, the
 first optimizer is shown to end lower or higher than an equal rival; *problem*, any pair of equals is called different
-on a problem, as a share of problems; *crossed*, the studies in which a test and its interval contradict each other.
+on a problem, as a share of problems; *crossed*, the studies in which a test and its interval contradict each other;
+*star*, the studies whose table of running times has any; *missed*, those whose interval of the ratio of expected
+running times does not hold the true one; *uncovered*, those whose band leaves the true curve anywhere.
 Allowed are 0.05 and two standard errors, so 0.060 with 2,000 studies. Designs are written down before they are run.
 """
 
@@ -23,7 +27,9 @@ import pandas as pd
 from bench.analysis.bands import leads
 from bench.analysis.comparison import inference, inflation, over_problems
 from bench.analysis.direction import ALPHA, Effects, effects
+from bench.analysis.ert_ratio import ert_ratios
 from bench.analysis.pairwise import holm
+from bench.analysis.running_time import separably_fastest
 from bench.typing import Flags, Floats
 
 Draw = Callable[[np.random.Generator, int, int, int], Floats]  # optimizer, studies, runs -> values
@@ -129,6 +135,42 @@ CANCEL = [  # A12 by problem, whose mean is 0.5, and runs; of these the tests on
     ("A12 .95 on one of ten", [0.95] + [0.45] * 9, 15), ("A12 .05 on one of ten", [0.05] + [0.55] * 9, 5),
     ("A12 1 and 0 by turns", [1.0, 0.0] * 3, 10), ("A12 .6 on four of five", [0.6] * 4 + [0.1], 51),
 ]  # fmt: skip
+# name, times, whether all runs reach the target, k, N, n
+STARS: list[tuple[str, Draw, float, int, int, int]] = [
+    ("identical, log-normal times", lognormal, 1.0, 2, 24, 15),
+    ("identical, log-normal times", lognormal, 1.0, 5, 24, 15),
+    ("identical, log-normal times", lognormal, 1.0, 10, 12, 15),
+    ("identical, half reach it", lognormal, 0.5, 2, 24, 15),
+    ("identical, one in five reaches it", lognormal, 0.2, 3, 12, 51),
+    ("multiples of a population", rounded, 1.0, 2, 24, 15),
+    ("two shapes: two basins about one", basins, 1.0, 2, 1, 15),
+    ("two shapes: two basins about one", basins, 1.0, 2, 24, 15),
+    ("two shapes: two basins about one", basins, 1.0, 2, 6, 51),
+    ("two shapes, half reach it", basins, 0.5, 2, 24, 30),
+    ("exponential times and the mirror", skewed, 1.0, 2, 24, 15),
+    ("exponential times and the mirror", skewed, 1.0, 2, 1, 51),
+    ("spreads to 100", spread(100), 1.0, 5, 24, 15),
+]
+# name, spread of the logarithm of times, chances of success of the chosen one and of the rival, true factor, N, n
+RATIOS = [
+    ("all succeed", 0.7, 1.0, 1.0, 1.0, 4, 8),
+    ("all succeed", 1.0, 1.0, 1.0, 1.0, 24, 15),
+    ("all succeed, three times slower", 1.0, 1.0, 1.0, 3.0, 24, 15),
+    ("all succeed, heavy tails", 2.0, 1.0, 1.0, 1.0, 24, 15),
+    ("all succeed, two runs", 1.0, 1.0, 1.0, 1.0, 24, 2),
+    ("all succeed, five runs", 1.0, 1.0, 1.0, 1.0, 6, 5),
+    ("one problem", 1.0, 1.0, 1.0, 1.0, 1, 15),
+    ("nine of ten succeed", 1.0, 0.9, 0.9, 1.0, 24, 15),
+    ("half succeed", 1.0, 0.5, 0.5, 1.0, 24, 15),
+    ("one of ten succeeds", 1.0, 0.1, 0.1, 1.0, 24, 15),
+    ("nine and three of ten, five runs", 1.0, 0.9, 0.3, 1.0, 24, 5),
+    ("one of thirty succeeds", 1.0, 1 / 30, 1 / 30, 1.0, 24, 15),
+    ("nine and three of ten", 1.0, 0.9, 0.3, 1.0, 24, 15),
+    ("all, and one of twenty", 1.0, 1.0, 0.05, 1.0, 24, 15),
+    ("all, and one of twenty, 51 runs", 1.0, 1.0, 0.05, 1.0, 6, 51),
+    ("nine of ten, and one of 200", 1.0, 0.9, 0.005, 1.0, 12, 15),
+]
+FAILURE = 20.0  # times the median time of a success, what a failure costs
 POWER = [(4, 6, 15, 0.45, 0.56), (10, 24, 30, 0.18, 0.59), (2, 24, 15, 0.2, 0.66), (5, 24, 15, 0.3, 0.85)]
 
 
@@ -164,13 +206,34 @@ def marks(studies: int) -> None:
         row(name, "+".join(map(str, sizes)), share(p <= ALPHA))
 
 
+def stars(studies: int) -> None:
+    header("tables of running times", "k", "N", "n", "star")
+    for name, draw, reach, k, number, n in STARS:
+        rng = np.random.default_rng(1)
+        row(name, k, number, n, share(np.array([starred(rng, draw, reach, k, number, n) for _ in range(studies)])))
+
+
+def ratios(studies: int) -> None:
+    header("ratio of expected running times", "N", "n", "missed", "by a bound")
+    for name, spread_of, own, other, factor, number, n in RATIOS:
+        row(name, number, n, *missed(spread_of, (own, other), factor, number, n, studies))
+
+
 def curves(studies: int) -> None:
+    header("band of one curve", "N", "runs", "uncovered")
+    for draw, number, runs in (
+        (bands.smooth, 24, 15), (bands.memoryless, 6, 5), (bands.unlike, 6, 15), (bands.rare, 1, 51),
+        (bands.basins, 1, 15),
+    ):  # fmt: skip
+        outside = 1 - bands.covered(draw, number, runs, studies)[0]
+        row(draw.__name__, number, runs, f"{outside:.3f} ({(outside * (1 - outside) / studies) ** 0.5:.3f})")
     header("curves of equal optimizers", "k", "N", "runs", "lead")
     for name, runs in (("easy and hard", (15, 15)), ("easy and hard, swapped", (30, 20)), ("ten to one", (50, 5))):
         row(name, 2, 2, "+".join(map(str, runs)), share(unlike_runs(runs, studies)))
     for name, draws, number, runs in (
         ("rare successes", [bands.rare] * 2, 1, 51), ("one run in fifty", [bands.hopeless] * 2, 1, 51),
         ("one run in thirty stuck", [bands.stuck] * 2, 1, 51), ("two shapes", [bands.alone, bands.together], 1, 51),
+        ("fast and slow runs", [bands.smooth] * 5, 6, 15), ("rare successes", [bands.rare] * 10, 6, 15),
     ):  # fmt: skip
         rng, of = np.random.default_rng(1), {str(place): (draw, 1.0) for place, draw in enumerate(draws)}
         shown = [(leads(bands.hits_of(of, rng, number, runs), bands.GRID)["ahead"] != "").any() for _ in range(studies)]
@@ -183,7 +246,7 @@ def powers(studies: int) -> None:
         row("others worse by a shift", k, number, n, shift, least, share(power(k, number, n, shift, studies)))
 
 
-PARTS = {"equals": equals, "marks": marks, "curves": curves, "power": powers}
+PARTS = {"equals": equals, "marks": marks, "stars": stars, "ratios": ratios, "curves": curves, "power": powers}
 
 
 def header(*names: str) -> None:
@@ -282,6 +345,48 @@ def by_seed(k: int, number: int, n: int, correlation: float, studies: int) -> tu
             apart[better] += inference(found, ALPHA)[2][0] <= ALPHA
         shown[study], naive[study] = lower.max() == k - 1, apart.max() == k - 1
     return share(shown), share(naive)
+
+
+def starred(rng: np.random.Generator, draw: Draw, reach: float, k: int, number: int, n: int) -> bool:
+    """Return whether a table of running times to one target on each problem has a star."""
+    times = np.array([draw(rng, place, number, n) for place in range(k)]).ravel()
+    index = pd.MultiIndex.from_product([[f"o{place}" for place in range(k)], range(number), range(n)])
+    hits = index.to_frame(index=False, name=["optimizer", "problem", "trial"])
+    times = times - times.min() + 1
+    reached = rng.random(len(times)) < reach
+    hits = hits.assign(tau=1.0, target=1.0, evaluations=np.where(reached, times, np.inf), spent=times.max())
+    return len(separably_fastest(hits)) > 0
+
+
+def missed(
+    spread_of: float, chances: tuple[float, float], factor: float, number: int, n: int, studies: int
+) -> tuple[str, str]:
+    """Return the share of studies whose interval misses the true ratio, and that of problems with a bound.
+
+    Times are log-normal, and tenfold longer from one problem to the next one; the ratio is the same on all problems.
+    """
+    rng, out, bounded = np.random.default_rng(1), np.zeros(studies, dtype=bool), np.zeros(studies)
+    own, other = (expected(spread_of, chance) for chance in chances)
+    problem, trial = np.repeat(np.arange(number), n), np.tile(np.arange(n), number)
+    for study in range(studies):
+        parts = []
+        for label, chance, slower in zip("ab", chances, (1.0, factor), strict=True):
+            unit = slower * 10.0 ** (problem % 6)
+            times = unit * np.exp(spread_of * rng.standard_normal(number * n))
+            reached = (rng.random(number * n) < chance) & (times < FAILURE * unit)
+            columns = {"evaluations": np.where(reached, times, np.inf), "spent": FAILURE * unit}
+            parts.append(pd.DataFrame({"problem": problem, "optimizer": label, "trial": trial} | columns))
+        for found in ert_ratios(pd.concat(parts, ignore_index=True), "a", ["b"]).itertuples():
+            out[study] = found.low > factor * other / own or found.high < factor * other / own
+            bounded[study] = found.bounded / found.problems
+    return share(out), f"{bounded.mean():.3f}"
+
+
+def expected(spread_of: float, chance: float) -> float:
+    """Return the true expected running time of log-normal times, cut at what a failure costs."""
+    times = np.exp(spread_of * np.random.default_rng(2).standard_normal(2_000_000))
+    success = chance * float((times < FAILURE).mean())
+    return float(times[times < FAILURE].mean()) + (1 - success) / success * FAILURE
 
 
 def unlike_runs(runs: tuple[int, int], studies: int) -> Flags:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import inf, isnan
 
 from bench.report.parts import Card, Line, Section
 from bench.topics.answer import words
@@ -87,7 +87,8 @@ def _by_how_much(findings: Findings) -> str:
     known, table = findings.of(facts), findings.of(ratios)
     if len(table):
         chosen = findings.anytime.target_set
-        rows = table[table["rival"].isin(known.named["rival"]) & table["low"].notna()]
+        closed = (table["low"] > 0) & (table["high"] < inf)  # an open interval that holds 1 says nothing
+        rows = table[table["rival"].isin(known.named["rival"]) & (closed | (table["low"] > 1) | (table["high"] < 1))]
         if len(rows):
             ends = rows[["rival", "ratio", "low", "high"]].itertuples(index=False, name=None)
             return words.as_many(chosen.at(chosen.level), list(ends))

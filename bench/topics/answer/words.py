@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isinf
 
 from bench.report.wording import count, listing, percent, seconds
 
@@ -74,8 +75,11 @@ def chance(label: str, rival: str, share: float, low: float, high: float, second
 
 
 def as_many(target: str, ratios: Sequence[tuple[str, float, float, float]]) -> str:
-    """Return how many times as many evaluations rivals need to a target, with intervals."""
-    parts = [f"{rival} needs {ratio:.2g} [{low:.2g}, {high:.2g}]" for rival, ratio, low, high in ratios]
+    """Return how many times as many evaluations rivals need to a target, with intervals, which may have an open end."""
+    parts = []
+    for rival, ratio, low, high in ratios:
+        ends = f"at least {low:.2g}" if isinf(high) else f"{ratio:.2g} [{low:.2g}, {high:.2g}]"
+        parts.append(f"{rival} needs {ends if low else f'at most {high:.2g}'}")
     return f"{listing(parts)} times as many evaluations to {target}"
 
 

@@ -34,6 +34,12 @@ def test_a_problem_that_one_does_not_solve_enters_by_a_bound_and_one_that_neithe
     (row,) = table.to_dict("records")
     assert (row["problems"], row["bounded"]) == (1, 1)
     assert row["ratio"] == pytest.approx(200 / 10)
+    assert row["high"] == np.inf
+    assert row["low"] == pytest.approx(20)
+    turned = ert_ratios(hits({("p", "a"): never, ("p", "b"): [10, 10]}), "a", ["b"]).iloc[0]
+    assert (turned["low"], turned["ratio"]) == (0, pytest.approx(10 / 200))
+    each = {("p", "a"): never, ("p", "b"): [10, 10], ("q", "a"): [10, 10], ("q", "b"): never}
+    assert ert_ratios(hits(each), "a", ["b"])[["low", "high"]].isna().all(axis=None)
 
 
 def test_a_single_run_has_no_interval_and_no_solved_problem_no_row():
@@ -42,10 +48,15 @@ def test_a_single_run_has_no_interval_and_no_solved_problem_no_row():
     assert ert_ratios(hits({("p", "a"): [np.inf], ("p", "b"): [np.inf]}), "a", ["b"]).empty
 
 
-def test_intervals_of_equal_optimizers_cover_1_in_about_95_percent():
+@pytest.mark.parametrize("rates", [(1.0, 1.0), (0.9, 0.4)])
+def test_intervals_hold_the_true_ratio_in_95_percent(rates):
     rng, covered = np.random.default_rng(3), 0
+    true = np.divide(*(np.exp(0.7**2 / 2) * 20 + (1 - rate) / rate * 100 for rate in rates[::-1]))
     for _ in range(200):
-        times = {(problem, label): rng.lognormal(3, 0.7, 8) for problem in "pqrs" for label in "ab"}
+        times = {
+            (problem, label): np.where(rng.random(12) < rate, rng.lognormal(np.log(20), 0.7, 12), np.inf)
+            for problem in "pqrs" for label, rate in zip("ab", rates, strict=True)
+        }  # fmt: skip
         (row,) = ert_ratios(hits(times), "a", ["b"]).to_dict("records")
-        covered += row["low"] <= 1 <= row["high"]
-    assert 180 <= covered <= 200
+        covered += row["low"] <= true <= row["high"]
+    assert 183 <= covered <= 200
