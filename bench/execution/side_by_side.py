@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import signal
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import copy
+from functools import partial
 from math import inf
 from multiprocessing import get_context, popen_fork
 from multiprocessing.connection import Connection, wait
-from time import monotonic
+from time import monotonic, perf_counter
 from typing import Any
 
 import cloudpickle
@@ -18,7 +19,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError, PointError, StopRun
-from bench.execution.journal import Done, Journal, Recorded
+from bench.execution.journal import Journal
 from bench.objective import as_values
 from bench.problem import Problem
 from bench.sandbox import tree
@@ -27,6 +28,10 @@ from bench.sandbox.process import DiedError
 from bench.sandbox.server import FORKS
 from bench.scoring import Scored
 from bench.typing import Floats
+
+Done = Callable[..., None]
+"""Is called for each point evaluated: its row, its value, why it failed ("" where it did not), the seconds, and its
+violations, where they were found with the value."""
 
 START = "fork" if FORKS else "spawn"
 """How processes are started; to one that is started anew the problem is sent by value."""
@@ -64,19 +69,18 @@ def evaluated(
     require_possible(problem, parallel, seconds)
     goes_on = isinstance(problem, Scored) and problem.on_error == "worst"
     with ExitStack() as held:
-        apart, changed = None, dict[str, Any]()
-        if parallel == 1 and seconds is None:
-            held.enter_context(closing(plain))
+        processes = None
+        if parallel > 1 or seconds is not None:
+            processes = held.enter_context(closing(_Processes(plain, parallel, seconds, goes_on)))
         else:
-            apart = held.enter_context(closing(_Processes(plain, parallel, seconds, goes_on))).values
-            changed = {"evaluate": apart, "noiseless": apart, "by_point": False}
+            held.enter_context(closing(plain))
         if journal is not None:
-            noted = held.enter_context(closing(Recorded(plain, journal, apart, goes_on)))
-            changed = {"evaluate": noted.values, "noiseless": noted.values, "violations": noted.violations}
-            changed |= {"by_point": False}
+            held.enter_context(closing(journal))
+        noted = Recorded(plain, processes, goes_on, journal)
         beside = copy(plain)  # all else is computed here
-        changed["initial_points"] = plain.initial_points  # a class that is pickled by its name has lost them
-        for name, value in changed.items():
+        changed = {"evaluate": noted.values, "noiseless": noted.values, "violations": noted.violations}
+        # A class that is pickled by its name has lost the known points.
+        for name, value in (changed | {"by_point": False, "initial_points": plain.initial_points}).items():
             object.__setattr__(beside, name, value)  # also of a frozen dataclass
         if isinstance(problem, Scored):
             problem = copy(problem)
@@ -93,6 +97,84 @@ def require_possible(problem: Problem, parallel: int, seconds: float | None) -> 
             f"problem {problem.name!r} is noisy, and its noise is drawn for one point after the other; leave out "
             "'parallel' and 'evaluation_timeout'"
         )
+
+
+class Recorded:
+    """The evaluations of a problem in a trial, which may be noted in a journal, or answered from it.
+
+    Args:
+        problem: without noise.
+        processes: which evaluate its points; None where this one does.
+        goes_on: whether the other points of a batch are evaluated where one has failed.
+        journal: of the trial, if any.
+    """
+
+    def __init__(self, problem: Problem, processes: _Processes | None, goes_on: bool, journal: Journal | None) -> None:
+        self._problem, self._goes_on, self._journal = problem, goes_on, journal
+        self._whole = processes is None and not problem.by_point  # a value may depend on its batch in the last bits
+        self._evaluate = partial(_here, problem, goes_on) if processes is None else processes.points
+        self._violations: dict[bytes, Floats] = problem.found if problem.joint else {}
+
+    def values(self, x: Floats) -> Floats:
+        """Return the (n,) values of the (n, d) points; raises PointError where any fails."""
+        journal = self._journal if self._journal is None or self._journal.slow is not False else None
+        if journal is None and isinstance(self._evaluate, partial):
+            return self._problem.evaluate(x)
+        values, failed = np.full(len(x), inf), dict[int, str]()
+        known = journal.answers(x) if journal else {}
+        if self._whole and len(known) < len(x):
+            known = {}
+
+        def done(row: int, value: float, reason: str, seconds: float, violations: Floats | None = None) -> None:
+            values[row] = value
+            if reason:
+                failed[row] = reason
+                violations = np.full(self._problem.joint, inf) if violations is None else violations
+            if violations is not None:
+                self._violations[x[row].tobytes()] = violations
+            if journal and row not in known and journal.takes(reason, seconds, self._goes_on):
+                journal.add(row, x[row], value, self._broken(x[row]), seconds, reason)
+
+        for row, record in known.items():
+            done(row, record["f"], record.get("error", ""), record["s"], np.array(record["g"], np.float64))
+        left = [row for row in range(len(x)) if row not in known]
+        if left:
+            self._evaluate(x[left], lambda each, *answer: done(left[each], *answer))
+        if journal:
+            journal.end(len(x), len(known))
+        if failed:
+            raise PointError(failed[min(failed)], values.tolist(), len(failed))
+        return values
+
+    def violations(self, x: Floats) -> Floats | None:
+        """Return the (n, m) violations of the (n, d) points, or None without constraints."""
+        known = [self._violations.get(row.tobytes()) for row in x]
+        if any(each is None or not len(each) for each in known):
+            return self._problem.violations(x)
+        return np.array(known)
+
+    def _broken(self, point: Floats) -> Floats:
+        """Return the (m,) violations of a (d,) point that is noted; they are computed where they are not known."""
+        key = point.tobytes()
+        if key not in self._violations:
+            found = self._problem.violations(point[np.newaxis])
+            self._violations[key] = np.empty(0) if found is None else np.ravel(found)
+        return self._violations[key]
+
+
+def _here(problem: Problem, goes_on: bool, x: Floats, done: Done) -> None:
+    """Evaluate points in this process: one after the other where the problem does so itself, else together."""
+    for first, part in enumerate(x[:, np.newaxis] if problem.by_point else [x]):
+        began, reason = perf_counter(), ""
+        try:
+            values = as_values(problem, problem.evaluate(part.copy()), len(part))
+        except Exception as error:  # a plug-in may raise anything
+            if not (problem.by_point and goes_on):
+                raise
+            values, reason = np.full(1, inf), describe_error(error)
+        seconds = (perf_counter() - began) / len(part)
+        for row, value in enumerate(values.tolist(), start=first):
+            done(row, value, reason, seconds)
 
 
 class _Processes:
@@ -121,10 +203,9 @@ class _Processes:
             process.join(max(0.0, until - monotonic()))
             _kill(process)
 
-    def values(self, x: Floats, done: Done = lambda *_: None) -> Floats:
-        """Return the (n,) values of the (n, d) points, each ``done`` once known; raises PointError where any fails."""
-        began = dict[int, float]()
-        values, failed = np.full(len(x), np.inf), dict[int, str]()
+    def points(self, x: Floats, done: Done) -> None:
+        """Evaluate the (n, d) points; none is begun after one that failed, unless the others go on."""
+        began, failed = dict[int, float](), False
         left, busy = iter(range(len(x))), dict[Any, tuple[int, float]]()
         while True:
             while self._idle and (self._goes_on or not failed) and (row := next(left, None)) is not None:
@@ -133,7 +214,7 @@ class _Processes:
                     end.send_bytes(x[row].tobytes())
                 busy[end], began[row] = (row, monotonic() + self._seconds + _OPENING), monotonic()
             if not busy:
-                break
+                return
             until = min(deadline for _, deadline in busy.values())
             ready: list[Any] = wait(busy, None if until == inf else max(0.0, until - monotonic()))
             for end in ready or [end for end in busy if busy[end][1] <= monotonic()]:
@@ -144,22 +225,18 @@ class _Processes:
                     continue
                 if message[:1] == _STOP:
                     raise StopRun(message[1:].decode(errors="replace"))
+                numbers, reason = [inf], ""
                 if not message:
-                    failed[row] = self._replace(end, late=not ready)
+                    reason = self._replace(end, late=not ready)
                 else:
                     self._idle.append(end)
                     if message[:1] == _FAILED:
-                        failed[row] = message[1:].decode(errors="replace")
+                        reason = message[1:].decode(errors="replace")
                     else:
-                        values[row], *violations = np.frombuffer(message, offset=1)
-                        if self._problem.joint:
-                            self._problem.found[x[row].tobytes()] = np.array(violations)
-                done(row, float(values[row]), failed.get(row, ""), monotonic() - began[row])
-        if failed:
-            if self._problem.joint:
-                self._problem.found |= {x[row].tobytes(): np.full(self._problem.joint, np.inf) for row in failed}
-            raise PointError(failed[min(failed)], values.tolist(), len(failed))
-        return values
+                        numbers = np.frombuffer(message, offset=1).tolist()
+                failed = failed or bool(reason)
+                violations = np.array(numbers[1:]) if self._problem.joint and not reason else None
+                done(row, numbers[0], reason, monotonic() - began[row], violations)
 
     def _replace(self, end: Any, *, late: bool = False) -> str:
         """End a process and start another one; return why, in a sentence."""
