@@ -190,9 +190,8 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
 
 def _summary(record: dict[str, Any]) -> RunSummary:
     """Return the summary in a record; raises ValueError, TypeError or KeyError for what is none."""
-    made = RunSummary(
-        float(record["best"]), record["x"], record["first"], float(record["clamped"]), str(record["course"])
-    )
+    x, first = (np.array(record[name], np.float64) for name in ("x", "first"))
+    made = RunSummary(float(record["best"]), x, first, float(record["clamped"]), str(record["course"]))
     if (made.first.ndim, made.x.shape) != (2, made.first.shape[1:]):
         raise ValueError("no points of one dimension")
     return made

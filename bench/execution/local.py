@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from threading import Lock
 
 from joblib import effective_n_jobs
 
 from bench.columns import Row
-from bench.execution import open_files
-from bench.execution.job import Task
+from bench.errors import BenchError
+from bench.execution.job import KEPT, Task
 from bench.execution.supervisor import Supervisor
 from bench.helpers.parallel import side_by_side
 from bench.storage import provenance
@@ -21,7 +21,15 @@ OnBegin = Callable[[int, Trial], None]
 Missing = Callable[[], Iterable[Trial]]
 Answer = tuple[Trial, Row, str]  # with the record (JSON) of the machine that made it
 
+try:
+    import resource
+except ImportError:  # on Windows, which counts no sockets
+    resource = None  # type: ignore[assignment]
+
 SHARE = 0.9  # of the machine's memory, for the jobs together
+EACH = 4  # files of a warmed-up optimizer: the channels and the outputs of two processes
+JOB = 40  # all others of a job, while it starts a process: those of the processes from which that is forked
+RESERVE = 64  # for all else: the store, figures, modules that are imported
 
 
 class Local(AbstractContextManager["Local"]):
@@ -33,7 +41,7 @@ class Local(AbstractContextManager["Local"]):
 
     def __init__(self, n_jobs: int) -> None:
         self.jobs = effective_n_jobs(n_jobs)
-        self._kept = open_files.kept(self.jobs)
+        self._kept = kept(self.jobs)
         self._supervisors: list[Supervisor] = []
 
     def __exit__(self, *_: object) -> None:
@@ -70,3 +78,27 @@ class Local(AbstractContextManager["Local"]):
                 idle.append((job, supervisor))
 
         return side_by_side(make, missing(), self.jobs, in_order=False, end=self._end)
+
+
+def kept(n_jobs: int) -> int:
+    """Return how many warmed-up optimizers each job may keep; the soft limit of open files is raised for that.
+
+    Raises:
+        BenchError: where the hard limit is too low for one each.
+    """
+    if resource is None:
+        return KEPT
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = RESERVE + n_jobs * (JOB + EACH * KEPT)
+    if 0 <= soft < wanted:  # -1 is no limit
+        with suppress(OSError, ValueError):  # some systems have further limits
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted if hard < 0 else min(wanted, hard), hard))
+        soft = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    fitting = ((soft if soft >= 0 else wanted) - RESERVE) // n_jobs - JOB
+    if fitting < EACH:
+        fewer = max(1, (soft - RESERVE) // (JOB + EACH))
+        raise BenchError(
+            f"{n_jobs} jobs need {RESERVE + n_jobs * (JOB + EACH):,} open files, and this system allows a process "
+            f"{soft:,}; run {fewer} at a time (--jobs {fewer}), or allow more (ulimit -n {wanted})"
+        )
+    return min(KEPT, fitting // EACH)

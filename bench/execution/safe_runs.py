@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable, Hashable, Mapping
 from typing import Any, TypeVar
 
@@ -76,30 +75,20 @@ def found(answer: Any, read: Callable[[dict[str, Any]], Found], what: str = "the
     if isinstance(answer, dict) and "error" in answer:
         raise BenchError(printable(str(answer["error"]), LONGEST))
     try:
-        return read({name: _unpacked(value) for name, value in answer.items()})
+        return read(answer)
     except (AttributeError, TypeError, ValueError, KeyError) as error:
         raise BenchError(f"the process of {what} gave an answer that is no record of a run") from error
 
 
 def recorded(function: Callable[..., Mapping[str, Any]], *arguments: Any) -> dict[str, Any]:
-    """Call a function in this process; return its record, or the error that it ended with, as JSON values."""
+    """Call a function in this process; return its record, or the error that it ended with, as JSON values.
+
+    Arrays of numbers become lists, in which no digit is lost.
+    """
     try:
-        return {name: _packed(value) for name, value in function(*arguments).items()}
+        found = function(*arguments)
+        return {name: each.tolist() if isinstance(each, np.ndarray) else each for name, each in found.items()}
     except BenchError as error:
         return {"error": str(error)}
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
         return {"error": f"the optimizer failed: {describe_error(error)}"}
-
-
-def _packed(value: Any) -> Any:
-    if isinstance(value, np.ndarray):  # thousands of numbers, which would take longer as digits
-        return [value.shape, base64.b64encode(value.astype(np.float64).tobytes()).decode()]
-    return value
-
-
-def _unpacked(value: Any) -> Any:
-    """Return an array as it was packed, and other values as they are; raises ValueError or TypeError for no array."""
-    if isinstance(value, list):
-        shape, content = value
-        return np.frombuffer(base64.b64decode(content), dtype=np.float64).reshape(shape)
-    return value

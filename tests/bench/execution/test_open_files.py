@@ -14,14 +14,14 @@ soft, hard, jobs, optimizers, trials, families, output = json.loads(sys.argv[1])
 most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
 resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard or most))
 from bench import BenchError, Study, run
-from bench.execution import open_files
+from bench.execution.local import kept
 study = Study.from_dict({
     "name": "many", "trials": trials, "budget": 40,
     "problems": [{"name": name} for name in ("sphere-2", "classical-rastrigin-d2-i1")[:families]],
     "optimizers": [{"name": "scatter", "label": f"s{number}", "agents": 2 + number} for number in range(optimizers)],
 })
 try:
-    kept = open_files.kept(jobs)
+    kept = kept(jobs)
     failed = run(study, output, n_jobs=jobs).failed if output else None
 except BenchError as error:
     print(json.dumps({"error": str(error)}))

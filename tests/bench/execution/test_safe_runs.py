@@ -19,8 +19,7 @@ def bowl(x):
 def test_numbers_texts_and_arrays_arrive_with_every_digit():
     with Callers(1, os.getpid) as callers:
         there = found(callers.answer(safe_call("a", dict, RECORD))[1], dict)
-    assert there["points"].tolist() == [[np.pi], [np.pi]]
-    assert {**there, "points": 0} == {**RECORD, "points": 0}
+    assert there == RECORD | {"points": [[np.pi], [np.pi]]}
 
 
 def test_a_lost_process_costs_no_other_group_anything():
@@ -32,7 +31,7 @@ def test_a_lost_process_costs_no_other_group_anything():
     assert found(kept, lambda record: record["number"]) == 5
 
 
-@pytest.mark.parametrize("answer", [None, 5, [], "x", {}, {"x": [1]}, {"x": [[2], "AAAA"]}, {"x": ["y", "z", 1]}])
+@pytest.mark.parametrize("answer", [None, 5, [], "x", {}, {"x": [1]}])
 def test_what_is_no_record_is_refused(answer):
     with pytest.raises(BenchError, match="gave an answer that is no record of a run"):
         found(answer, lambda each: each["x"].shape)
