@@ -22,7 +22,7 @@ from bench.columns import Row
 from bench.errors import BenchError
 from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
-from bench.execution.job import LOADING, PRINTED, Task, make_apart, sandbox_of, without_problems
+from bench.execution.job import LOADING, PRINTED, Task, make_apart, sandbox_of
 from bench.execution.supervisor import ATTEMPTS, KILLED, failed, row_of
 from bench.plugins.objects import Objects
 from bench.sandbox.bubblewrap import Sandbox
@@ -154,8 +154,8 @@ class _Worker:
     def _start(self) -> None:
         problems, optimizers = (ForkServer(sandbox=each) for each in self._sandboxes)
         self._problems, self._optimizers, study = problems, optimizers, self._task.study
-        problems.call(trial_process.begin, *self._task.beginning, seconds=LOADING)
-        optimizers.call(trial_process.begin, *without_problems(self._task), seconds=LOADING)
+        problems.call(*self._task.beginning(), seconds=LOADING)
+        optimizers.call(*self._task.beginning(without_problems=True), seconds=LOADING)
         for entry in study.problems:
             described = problems.call(trial_process.load_problem, entry.label, seconds=LOADING)
             self._boxes[entry.label] = described.partition("\n")[0] if isinstance(described, str) else Box.of(described)

@@ -19,7 +19,7 @@ import json
 import socket
 import sys
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
@@ -74,10 +74,13 @@ class Task:
         optimizers, problems = ([entry.name for entry in every] for every in (study.optimizers, study.problems))
         return cls(study, objects=objects.among(optimizers, problems), **settings)
 
-    @property
-    def beginning(self) -> tuple[Any, ...]:
-        """The arguments of :func:`bench.execution.trial_process.begin`."""
-        return self.study, self.objects, self.output, self.known
+    def beginning(self, *, without_problems: bool = False) -> tuple[Any, ...]:
+        """Return the call with which a process begins; it may hold nothing of the study's problems."""
+        arguments = self.study, self.objects, self.output, self.known
+        if without_problems:
+            held = objects.among([entry.name for entry in self.study.optimizers], [])
+            arguments = replace(self.study, problems=()), held, self.output, {}
+        return trial_process.begin, *arguments
 
     def __post_init__(self) -> None:
         if self.untrusted:
@@ -164,36 +167,32 @@ class Job:
             limits = self._limits | {"seconds": LOADING + BATCHES * took}
             again = ready.process.call(trial_process.confirm, trial.problem, **limits)
             answer = answer | again if isinstance(again, dict) else again
-            self._note(answer, trial, ready.process)
+            self._note(answer, trial)
         if not sound or ready.left <= 0:
             ready.process.close()
         return answer
 
     def _make_apart(self, trial: Trial, ready: _Ready) -> Any:
         """Have a trial made by :func:`make_apart`; return the answer, with what both processes have read."""
-        problems, read = self._with_problem(trial.problem), dict[str, Any]()
+        with self._with_problem(trial.problem).process() as server, ready.server.process() as process:
+            kept = make_apart(trial, self._boxes[trial.problem], server, process, self._limits)
+        if isinstance(kept, dict) and "error" not in kept:
+            optimizer = kept.pop("beside")
+            for answer in (kept, optimizer):
+                self._note(answer, trial)
+            read = {"problem": kept, "optimizer": optimizer}
+            kept["inputs"] = json.dumps({part: json.loads(each["inputs"])[part] for part, each in read.items()})
+        return kept
 
-        def note(answer: dict[str, Any], process: Process) -> None:
-            self._note(answer, trial, process)
-            read["optimizer"] = json.loads(answer["inputs"])["optimizer"]
-
-        with problems.process() as server, ready.server.process() as process:
-            kept = make_apart(trial, self._boxes[trial.problem], server, process, self._limits, note)
-            if isinstance(kept, dict) and "error" not in kept:
-                self._note(kept, trial, server)
-                kept["inputs"] = json.dumps({"problem": json.loads(kept["inputs"])["problem"]} | read)
-            return kept
-
-    def _note(self, answer: dict[str, Any], trial: Trial, process: Process) -> None:
-        """Put what a trial was made from in the place of its digest; the process is asked for what is not known.
+    def _note(self, answer: dict[str, Any], trial: Trial) -> None:
+        """Put what a trial was made from in the place of its digest.
 
         Raises:
             RefusedError: for an answer of another form, which plug-in code wrote in place of the harness.
         """
-        digest = str(answer.get("inputs"))
-        if digest not in self._read:
-            self._read[digest] = process.call(trial_process.inputs, **self._loading)
-        labels = trial.key[:2]
+        digest, labels = str(answer.get("inputs")), trial.key[:2]
+        if "read" in answer:
+            self._read[digest] = answer["read"]
         if (digest, *labels) not in self._inputs:
             own = {name for label in labels for name in self._named[label]}
             others = {name for names in self._named.values() for name in names} - own
@@ -209,11 +208,7 @@ class Job:
 
     def _with_problem(self, problem: str) -> ForkServer:
         """Return the server of processes that have loaded a problem, and the others of its family where they can."""
-        task = self._task
         if problem not in self._problems:
-            self._root.ensure(trial_process.begin, *task.beginning, **self._loading)
-            if self._alone is not self._root:
-                self._alone.ensure(trial_process.begin, *without_problems(task), **self._loading)
             server = self._root.branch()
             self._load_problem(problem, server)
             for label, family in self._families.items():
@@ -245,12 +240,11 @@ def make_apart(
     server: Process,
     process: Process,
     limits: dict[str, Any],
-    note: Callable[[dict[str, Any], Process], object] = lambda *_: None,
 ) -> Any:
     """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
-    Return what the process of the problem answers, with the processor seconds of the optimizer's and the reason to stop
-    that it declared.
+    Return what the process of the problem answers, with the processor seconds of the optimizer's, the reason to stop
+    that it declared, and the optimizer's own answer ``beside`` it.
 
     Args:
         trial: the trial.
@@ -258,7 +252,6 @@ def make_apart(
         server: the process of the problem.
         process: that of the optimizer, which is closed.
         limits: of the trial (:meth:`bench.sandbox.process.Process.finish`).
-        note: called with the optimizer's answer and its process.
     """
     server_end, optimizer_end = socket.socketpair()
     with server_end, optimizer_end:
@@ -267,8 +260,6 @@ def make_apart(
     began = monotonic()
     answer = process.finish(**limits, printed=PRINTED, beside=[server])
     took = monotonic() - began
-    if isinstance(answer, dict):
-        note(answer, process)
     process.close()  # before the server is asked, as a thread may go on
     lost = not isinstance(answer, dict) or "error" in answer
     kept = None
@@ -279,7 +270,7 @@ def make_apart(
     if lost:  # its problem denies that it has failed
         return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
     if isinstance(kept, dict):
-        kept |= {key: answer.get(key) for key in ("cpu_s", "log", "unasked")}
+        kept |= {key: answer.get(key) for key in ("cpu_s", "log", "unasked")} | {"beside": answer}
         if kept.get("stop") not in ("budget", OUT_OF_TIME, ON_TARGET):
             declared = answer.get("stop")
             kept["stop"] = "undeclared" if declared in (OUT_OF_TIME, ON_TARGET) else declared
@@ -315,15 +306,10 @@ class _Ready:
             self.process.close()
 
 
-def without_problems(task: Task) -> tuple[Any, ...]:
-    """Return the arguments of :func:`bench.execution.trial_process.begin` with nothing of the study's problems."""
-    held = objects.among([entry.name for entry in task.study.optimizers], [])
-    return replace(task.study, problems=()), held, task.output, {}
-
-
 def root(task: Task, *, without_problems: bool = False) -> ForkServer:
     """Return the server of a task's processes; of code that nobody trusts, in the sandbox of :func:`sandbox_of`."""
-    return ForkServer(task.hash_seed, sandbox=sandbox_of(task, without_problems=without_problems))
+    server = ForkServer(task.hash_seed, sandbox=sandbox_of(task, without_problems=without_problems))
+    return server.after(*task.beginning(without_problems=without_problems), seconds=LOADING)
 
 
 def sandbox_of(task: Task, *, without_problems: bool = False) -> bubblewrap.Sandbox | None:

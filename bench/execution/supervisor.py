@@ -103,7 +103,6 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     study = task.study
-    problems.call(trial_process.begin, *task.beginning, seconds=LOADING)
     answer = ask(problems, trial_process.check_problems)
     modules = {entry.label: dict(answer["modules"]) for entry in study.problems}
     dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}

@@ -197,7 +197,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
         reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
         reason = _failure(error)
-    return ({"error": reason} if reason else answer) | {"altered": effects.any, "inputs": observing.digest()}
+    return ({"error": reason} if reason else answer | _inputs()) | {"altered": effects.any}
 
 
 def _journal(trial: Trial) -> Journal | None:
@@ -213,11 +213,6 @@ def _journal(trial: Trial) -> Journal | None:
         return named(observing.observed().get("problem", {}), [trial.problem])
 
     return Journal(Path(_output), key, about, read, _study.evaluation_timeout, _study.journal)
-
-
-def inputs() -> dict[str, Any]:
-    """Return what this process has read."""
-    return observing.observed()
 
 
 def serve(trial: Trial, end: int) -> dict[str, Any]:
@@ -237,13 +232,13 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
         kept = result(objective, trial.seed, seconds, 0.0)
     except ProblemError as error:
         return {"error": _failure(error)}
-    return as_answer(kept) | _confirmed(kept, problem) | {"inputs": observing.digest()}
+    return as_answer(kept) | _confirmed(kept, problem) | _inputs()
 
 
 def confirm(label: str) -> dict[str, Any]:
     """Evaluate the best point of the trial that this process has made once more; return its metrics, or an error."""
     with reading("problem", label):
-        return _confirmed(_found, _problem(label)) | {"inputs": observing.digest()}
+        return _confirmed(_found, _problem(label)) | _inputs()
 
 
 def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
@@ -269,6 +264,13 @@ def as_answer(result: Result) -> dict[str, Any]:
 
 def _failure(error: BaseException) -> str:
     return printable(f"{located(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
+
+
+def _inputs() -> dict[str, Any]:
+    """Return the digest of what this process has read, and all of that where it is new."""
+    global _sent
+    new, _sent = _sent != observing.digest(), observing.digest()
+    return {"inputs": _sent} | ({"read": observing.observed()} if new else {})
 
 
 def _why_void(effects: SideEffects) -> str:
@@ -302,5 +304,6 @@ def _problem(label: str) -> Problem:
 _study: Study
 _found: Result  # of the last trial
 _output: str
+_sent = ""  # the last digest of what was read
 _fast: set[str] = set()  # labels of problems whose evaluations are worth no journal
 _warm: set[type | str] = set()  # kinds of problems, and optimizers

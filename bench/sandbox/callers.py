@@ -75,14 +75,13 @@ class _Caller:
     """Makes calls one at a time; its fork server runs no plug-in, its process those of one group."""
 
     def __init__(self, ready: Callable[[], None], sandbox: Sandbox | None) -> None:
-        self.server, self._ready = ForkServer(sandbox=sandbox), ready
+        self.server = ForkServer(sandbox=sandbox).after(ready, seconds=LOADING)
         self._process: Process | None = None
         self._group: Hashable = None
 
     def call(self, call: Call) -> Any:
         limits = {"seconds": None} | call.limits
         try:
-            self.server.ensure(self._ready, seconds=LOADING)
             if self._process is None or self._process.closed or call.group != self._group:
                 with suppress(LostError, RemoteError):  # what it was forked from has ended, and it with that
                     if self._process is not None:

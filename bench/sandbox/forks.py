@@ -46,6 +46,11 @@ class ForkServer(AbstractContextManager["ForkServer"]):
         self._calls.append((function, arguments, limits))
         return answer
 
+    def after(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> ForkServer:
+        """Have all processes make this call first; return this fork server, before it has a process."""
+        self._calls.append((function, arguments, limits))
+        return self
+
     def ensure(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> None:
         """Make a call as :meth:`call` does, unless the processes that come from here have made it already."""
         if not any((function, arguments) == call[:2] for call in self._calls):

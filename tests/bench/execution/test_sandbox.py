@@ -16,8 +16,7 @@ import pytest
 from bench import BenchError, Results, Study, load_optimizer, load_results, run
 from bench.check.bias import diagnose
 from bench.check.conformance.subject import Subject
-from bench.execution import trial_process
-from bench.execution.job import MEMORY, TIMEOUT, Task, root, sandbox, without_problems
+from bench.execution.job import MEMORY, TIMEOUT, Task, root, sandbox
 from bench.execution.verify import verify
 from bench.sandbox import bubblewrap, namespaces
 from bench.sandbox.process import Process
@@ -297,7 +296,6 @@ def inside(tmp_path_factory):
     os.environ["A_SECRET"] = "a token"
     with root(task, without_problems=True) as server:
         del os.environ["A_SECRET"]
-        server.call(trial_process.begin, *without_problems(task), seconds=60.0)
         process = server.process()
 
         def evaluate(text):
