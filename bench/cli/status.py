@@ -114,7 +114,7 @@ def _kept(folder: Folder) -> Iterator[str]:
         if number not in held.selected and trials.get(number):
             kept[cell.optimizer] += trials[number]
     for label, selected in held.optimizers.items():
-        versions = [*held.versions(label)]
+        versions = [*held.versions_of(selected)]
         parts = [
             f"{count(number, 'trial')} "
             f"({'of other problems, seeds or budgets' if record == selected else f'version {place}'})"

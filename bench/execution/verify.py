@@ -85,7 +85,7 @@ def verify(
     study = folder.study()
     store = folder.require_sound()
     found = resolved(study, path, untrusted=untrusted)
-    folder.require_unchanged(study, found.loaded.present)
+    folder.require_unchanged(study, found.loaded.dimensions, found.loaded.present)
     chosen = _chosen(folder, study, trials)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]

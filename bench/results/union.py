@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from bench.errors import BenchError
 from bench.families import dimension_in, function_of
-from bench.helpers.text import joined
+from bench.helpers.text import count, joined
 from bench.plugins import selection
 from bench.study import Entry, Study
 from bench.study.budget import Budget
@@ -72,20 +72,21 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
     if len(studies) == 1 or not any(study.imported for study in studies):
         return []
     shared = compared(studies)
-    count = len(set(shared.values()))
-    sentences = [f"The folders share {count:,} problem{'' if count == 1 else 's'}; only those are compared."]
+    functions = count(len(set(shared.values())), "problem")
+    sentences = [f"The folders share {functions}; only those are compared."]
     pooled = {label for label, function in shared.items() if function != label}
     numbers = [_instances(entry.label for entry in study.problems if entry.label in pooled) for study in studies]
     if any(instances != numbers[0] for instances in numbers):
-        kept = [f"{_ranges(sorted(instances))} of {name}" for instances, name in zip(numbers, names, strict=True)]
+        kept = [
+            f"{count(len(instances), 'instance')} of {name}" for instances, name in zip(numbers, names, strict=True)
+        ]
         sentences.append(
             "Instances of a function are repetitions, so all runs of a folder on it are pooled, as cocopp does: "
-            f"instances {joined(kept)}. No test pairs single runs; those over all problems pair functions."
+            f"{joined(kept)}. No test pairs single runs; those over all problems pair functions."
         )
     for study, name in zip(studies, names, strict=True):
         if more := [entry.label for entry in study.problems if entry.label not in shared]:
-            parts = _parts(more, shared)
-            sentences.append(f"Left out of {name}: {len(more):,} problems that not all folders have{parts}.")
+            sentences.append(f"Left out of {name}: {len(more):,} problems that not all folders have, as {more[0]}.")
     if len({study.trials for study in studies}) > 1:
         phrases = [f"{study.trials:,} in {name}" for study, name in zip(studies, names, strict=True)]
         sentences.append(f"Trials of an optimizer on a problem differ: at most {joined(phrases)}.")
@@ -159,29 +160,5 @@ def _largest(studies: Sequence[Study], problems: Iterable[str], stored: Callable
     return Budget.read({str(size): max(study.evaluations(size) for study in studies) for size in sizes})
 
 
-def _parts(labels: Sequence[str], shared: Iterable[str]) -> str:
-    """Return the dimensions and instances that occur among the labels and not among the shared ones, in words."""
-    parts = []
-    for what, numbers in (("dimensions", _dimensions), ("instances", _instances)):
-        if more := sorted(numbers(labels) - numbers(shared)):
-            parts.append(f"{what} {_ranges(more)}")
-    return f", of {joined(parts)} among others" if parts else ""
-
-
-def _dimensions(labels: Iterable[str]) -> set[int]:
-    return {number for label in labels if (number := dimension_in(label))}
-
-
 def _instances(labels: Iterable[str]) -> set[int]:
     return {int(label.rpartition("-i")[2]) for label in labels if function_of(label) != label}
-
-
-def _ranges(numbers: Sequence[int]) -> str:
-    """Return increasing numbers with runs of three or more shortened, as in "2, 3, 5 to 8"."""
-    runs: list[list[int]] = []
-    for number in numbers:
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)

@@ -43,11 +43,6 @@ class Cells:
         """The records of the selected optimizers, by the label that the study shows."""
         return {labels[1]: cell.optimizer for labels, cell in self.by_labels.items()}
 
-    def versions(self, optimizer: str) -> dict[str, list[int]]:
-        """Return the versions of an optimizer that is selected under a label; see :meth:`versions_of`."""
-        record = self.optimizers.get(optimizer)
-        return self.versions_of(record) if record is not None else {}
-
     def versions_of(self, record: str) -> dict[str, list[int]]:
         """Return the versions of an optimizer, by record, the first one first, each with the numbers of its cells.
 

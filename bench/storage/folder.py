@@ -22,7 +22,7 @@ from bench.helpers.text import count, listed
 from bench.plugins.inputs import Inputs, Present, is_data
 from bench.storage import committed, provenance, under_way
 from bench.storage.reading import StoreCheck
-from bench.storage.selection import Selection, changed, select
+from bench.storage.selection import Selection, select
 from bench.storage.store import Store
 from bench.storage.under_way import UnderWay
 from bench.study import Study
@@ -109,12 +109,13 @@ class Folder:
             )
         return study, selection
 
-    def require_unchanged(self, study: Study, present: Present) -> None:
-        """Raise BenchError where code, data or options are others now than those that trials here were made with."""
-        if phrases := changed(study.cells({}), self.store.held(), present):
+    def require_unchanged(self, study: Study, dimensions: Mapping[str, int], present: Present) -> None:
+        """Raise BenchError where code or data are others now than those that trials here were made with."""
+        _, selection = self.select(study, dimensions, present)
+        if selection.cells != self.store.held().by_labels:
             raise BenchError(
-                f"trials in {self.path} are not of what would be made now: {listed(phrases, between='; ')}; 'bench "
-                "run' makes the present ones, or put back what was changed"
+                f"trials in {self.path} are not of what would be made now: {listed(selection.notes, between='; ')}; "
+                "'bench run' makes the present ones, or put back what was changed"
             )
 
     def claim(self, study: Study, selection: Selection | None = None) -> None:

@@ -81,18 +81,6 @@ def _present(place: int, bare: str, label: str, held: Cells, run: Collection[str
     return with_inputs(bare, max(numbers, default=0) + 1)
 
 
-def changed(wanted: Mapping[Labels, Cell], held: Cells, present: Present) -> list[str]:
-    """Return in phrases how cells that are selected under these labels are others by now, whatever their labels."""
-    before = held.by_labels
-    phrases: dict[str, None] = {}
-    for labels in wanted.keys() & before.keys():
-        for label, old, new in zip(labels, before[labels].records, wanted[labels].records, strict=True):
-            names = present.changed(held.made.get(old, {}), label)
-            if how := [*map(shown, names), *([] if alike(old, new) else differences(old, new))]:
-                phrases[f"{label} changed ({'; '.join(how)})"] = None
-    return sorted(phrases)
-
-
 def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored: Iterable[Cell]) -> dict[str, str]:
     """Return the label that seeds are made from for each label shown, of problems (0) or optimizers (1).
 

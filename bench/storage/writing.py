@@ -36,8 +36,6 @@ class Writer:
         self._connection, self.path = connection, path
         self._file = _identity(path)
         self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
-        self._names: dict[tuple[str | None, ...], int] = {}
-        self._numbers: dict[Cell, int] = {}
         self._inputs: dict[str, tuple[int, list[Inputs]]] = {}
         self._selected: dict[Labels, int] = {}
         self.cells = Cells()
@@ -115,7 +113,7 @@ class Writer:
         values = typed(row)
         texts = [None if row.get(name) is None else str(row[name]) for name in NAMES]
         cell = self._selected[row["problem"], row["optimizer"]] if cell is None else cell
-        names = self._named(*texts) if texts[0] is not None else None
+        names = self._id("names", **dict(zip(NAMES, texts, strict=True))) if texts[0] is not None else None
         bound = binding_of(self.cells.all[cell], [text if text is None else text.encode() for text in texts])
         hashed = [value.encode() if isinstance(value, str) else value for value in values]
         noted = digest(bound, (row["trial"], *hashed))
@@ -134,18 +132,11 @@ class Writer:
 
     def number(self, cell: Cell) -> int:
         """Return the number of a cell, which is added where it is new, within :meth:`transaction`."""
-        if cell not in self._numbers:
-            parts = []
-            for table, record in (("problems", cell.problem), ("optimizers", cell.optimizer)):
-                self._connection.execute(f"INSERT OR IGNORE INTO {table} (record) VALUES (?)", (record,))
-                found = self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (record,))
-                parts.append(int(found.fetchone()[0]))
-            made = self._connection.execute(
-                "INSERT INTO cells (problem, optimizer, evaluations, seed) VALUES (?, ?, ?, ?)", (*parts, *cell[2:])
-            )
-            self._numbers[cell] = int(made.lastrowid or 0)
-            self.cells.all[self._numbers[cell]] = cell
-        return self._numbers[cell]
+        problem, optimizer = self._id("problems", record=cell.problem), self._id("optimizers", record=cell.optimizer)
+        evaluations, seed = cell.conditions
+        number = self._id("cells", problem=problem, optimizer=optimizer, evaluations=evaluations, seed=seed)
+        self.cells.all[number] = cell
+        return number
 
     def select(self, identity: str, cells: Mapping[Labels, Cell]) -> None:
         """Commit the cells that a study selects, by label, in place of the previous selection."""
@@ -179,13 +170,23 @@ class Writer:
 
     def _number(self, table: str, record: Mapping[str, Any]) -> int:
         text = json.dumps(record)
-        noted = self._connection.execute(f"SELECT id FROM {table} WHERE record = ?", (text,)).fetchone()
-        if noted is not None:
-            return int(noted[0])
-        with self.transaction():
-            made = self._connection.execute(f"INSERT INTO {table} (record) VALUES (?)", (text,))
-            number = int(made.lastrowid or 0)
-            self._record(table, number, text)
+        if (number := self._known(table, record=text)) is None:
+            with self.transaction():
+                number = self._id(table, record=text)
+                self._record(table, number, text)
+        return number
+
+    def _known(self, table: str, **values: Any) -> int | None:
+        """Return the number of the row that has these values."""
+        condition = " AND ".join(f"{name} = :{name}" for name in values)
+        found = self._connection.execute(f"SELECT id FROM {table} WHERE {condition}", values).fetchone()
+        return None if found is None else int(found[0])
+
+    def _id(self, table: str, **values: Any) -> int:
+        """Return the number of the row that has these values, which is added where there is none."""
+        if (number := self._known(table, **values)) is None:
+            names = f"({', '.join(values)}) VALUES ({', '.join(f':{name}' for name in values)})"
+            number = int(self._connection.execute(f"INSERT INTO {table} {names}", values).lastrowid or 0)
         return number
 
     def remove(self, cells: Iterable[int], *, failed_only: bool = False) -> int:
@@ -205,21 +206,11 @@ class Writer:
         self._connection.execute(f"UPDATE {table} SET record = ?, digest = ? WHERE id = ?", values)
 
     def _read(self) -> None:
-        """Read the cells, the numbers of names, and what was committed."""
+        """Read the cells, and what was committed."""
         self._more = 0
         self._committed = Committed(*self._connection.execute("SELECT commits, trials FROM committed").fetchone())
-        query = "SELECT id, variables, metric_names FROM names"
-        self._names = {tuple(texts): int(number) for number, *texts in self._connection.execute(query)}
         self.cells = read(self._connection)
-        self._numbers = {cell: number for number, cell in self.cells.all.items()}
         self._selected = {labels: number for number, labels in self.cells.selected.items()}
-
-    def _named(self, *texts: str | None) -> int:
-        """Return the number of names, which are added where they are new."""
-        if texts not in self._names:
-            made = self._connection.execute("INSERT INTO names (variables, metric_names) VALUES (?, ?)", texts)
-            self._names[texts] = int(made.lastrowid or 0)
-        return self._names[texts]
 
 
 def _identity(path: Path) -> tuple[int, int] | None:

@@ -191,15 +191,15 @@ def test_trials_of_other_data_or_code_are_no_trials_of_what_would_be_made_now(sm
             None,
             json.dumps(dict(zip(PARTS, parts, strict=True))),
         )
-    folder.require_unchanged(small_study, Present())
+    folder.require_unchanged(small_study, {}, Present())
     code.write_text("A = 1  # as before")
-    folder.require_unchanged(small_study, Present())
+    folder.require_unchanged(small_study, {}, Present())
     data.write_text("2")
-    with pytest.raises(BenchError, match=rf"{trial.problem} changed \({data}\); 'bench run' makes the"):
-        folder.require_unchanged(small_study, Present())
+    with pytest.raises(BenchError, match=rf"{trial.problem} changed \({data}\): .*; 'bench run' makes the"):
+        folder.require_unchanged(small_study, {}, Present())
     code.write_text("A = 2")
     with pytest.raises(BenchError, match=rf"{trial.optimizer} changed \({code}\)"):
-        folder.require_unchanged(small_study, Present())
+        folder.require_unchanged(small_study, {}, Present())
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ import pytest
 
 from bench import BenchError, Study
 from bench.storage.cells import Cells
-from bench.storage.selection import changed, select
+from bench.storage.selection import select
 from bench.study import Entry
 from bench.study.cell import with_inputs
 
@@ -70,7 +70,7 @@ def test_a_version_that_is_there_already_is_taken_up_again():
     chosen = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now(CODE))
     assert chosen.notes == ["a changed (f.py) and is version 1 now: 0 trials to make; the 4 of version 2 are kept"]
     assert chosen.labels_in(cells) == {1: ("p", "a"), 2: ("q", "a")}
-    assert [*cells.versions("a").values()] == [[1, 2], [3, 4]]
+    assert [*cells.versions_of(cells.optimizers["a"]).values()] == [[1, 2], [3, 4]]
     third = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now({"a": "third"}))
     assert third.notes == ["a changed (f.py) and is version 3 now: 6 trials to make; the 4 of version 2 are kept"]
 
@@ -141,17 +141,6 @@ def test_what_a_study_no_longer_names_is_kept_and_counted():
 def test_other_evaluations_and_seeds_are_named_together():
     chosen = again(study("a"), replace(study("a"), seed=4, budget="10 * d"))
     assert chosen.notes == ["evaluations changed, seed changed from 0 to 4: 6 trials to make; the 6 before are kept"]
-
-
-def test_cells_that_are_others_now_are_named_whatever_their_labels():
-    cells, _ = held(study("a"))
-    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id", cells.made)
-    assert changed(study("c").cells({}), renamed, Now({"c": CODE["a"]})) == []
-    assert changed(study("c").cells({}), renamed, Now({"c": "new"})) == ["c changed (f.py)"]
-    cells = Cells(cells.all, {1: ("p", "a"), 2: ("q", "a")}, "id", cells.made)
-    assert changed(study(Entry("x", "a", {"F": 2})).cells({}), cells, Now(CODE)) == [
-        "a changed (F = 2, not the default)"
-    ]
 
 
 def test_trials_join_the_version_that_was_made_from_no_other_state():
