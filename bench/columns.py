@@ -72,6 +72,11 @@ class Measured:
     wall_s: float = _column("wall time of the whole search", unit="s", least=0, repeats=False)
     cpu_s: float = _column("processor time of the whole search", unit="s", least=0, repeats=False)
     objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", least=0, repeats=False)
+    memory_mb: float = _column(
+        "growth of the process's peak memory in the search; less where the process has made a run of the optimizer "
+        "before, so that the most of several runs counts",
+        unit="MB", least=0, repeats=False,
+    )  # fmt: skip
     stop: str = _column(
         "`budget`; `time` or `target`, where the study's `time` or value ended it before; or the reason that the "
         "optimizer declared, or `undeclared` without one"

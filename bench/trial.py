@@ -2,11 +2,17 @@
 
 import inspect
 import json
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan
 from time import perf_counter, process_time
 from typing import Any
+
+if sys.platform == "win32":
+    import psutil
+else:
+    import resource
 
 import numpy as np
 
@@ -134,7 +140,7 @@ def search(
     """
     start_stream, search_stream = streams(seed)
     objective = scoring.objective(problem, budget, start_stream, on_refusal, seconds, goal, on_evaluation)
-    wall, cpu = perf_counter(), process_time()
+    memory, wall, cpu = peak_memory(), perf_counter(), process_time()
     returned = None
     try:
         returned = optimizer.minimize(objective, search_stream)
@@ -143,12 +149,19 @@ def search(
     except (Exception, SystemExit):
         if objective.raised is None:
             raise
-    wall, cpu = perf_counter() - wall, process_time() - cpu
-    return result(objective, seed, wall, cpu, returned)
+    wall, cpu, memory = perf_counter() - wall, process_time() - cpu, peak_memory() - memory
+    return result(objective, seed, wall, cpu, memory, returned)
 
 
-def result(objective: Objective, seed: int, wall: float, cpu: float, returned: object = None) -> Result:
-    """Return the result of a search that has ended, from its objective and its wall and processor seconds.
+def peak_memory() -> float:
+    """Return the most megabytes that this process has had in memory, by itself and not by its parent."""
+    if sys.platform == "win32":
+        return float(psutil.Process().memory_info().peak_wset) / 1e6
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024) / 1e6
+
+
+def result(objective: Objective, seed: int, wall: float, cpu: float, memory: float, returned: object = None) -> Result:
+    """Return the result of a search that has ended, from its objective, its wall and processor seconds, and megabytes.
 
     Its best point is not described: its metrics are empty.
 
@@ -163,7 +176,7 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, returned: o
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
     stop = "budget" if objective.nfev == objective.budget else objective.stop_reason
-    clocked: Row = {"wall_s": wall, "cpu_s": cpu, "stop": "undeclared" if stop is None else stop}
+    clocked: Row = {"wall_s": wall, "cpu_s": cpu, "memory_mb": memory, "stop": "undeclared" if stop is None else stop}
     counted = {column.name: getattr(objective, column.name) for column in MEASURED if column.name not in clocked}
     best, trace, log = objective.best_point, objective.trace, objective.logged
     return Result(**clocked, **counted, x=best, trace=trace, metrics={}, seed=seed, log=log, unasked=objective.unasked)

@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "examples"
 OPTIMIZER, PROBLEM, TOPIC, STUDY = (EXAMPLES / kind for kind in ("optimizer", "problem", "topic", "study"))
 TUNING = EXAMPLES / "tuning" / "tune.py"
-TIMES = ["wall_s", "cpu_s", "objective_s"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 
 
 def call(*command, cwd=None):

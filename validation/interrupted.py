@@ -18,7 +18,7 @@ from time import monotonic, sleep
 import bench
 
 JOBS, PARALLEL, BUDGET, TRIALS = 4, 4, 60, 2
-TIMES = ["wall_s", "cpu_s", "objective_s"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 SIMULATOR = """#!/bin/sh
 echo "$1 $2" >> COUNT
 sleep 0.3

@@ -32,7 +32,7 @@ STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "
 TIMES = (
     "optimizer", "trials", "evaluations_median", "per_call_median", "wall_mean", "wall_median", "wall_q1", "wall_q3",
     "cpu_median", "cpu_q1", "cpu_q3", "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3",
-    "own_per_evaluation", "objective_per_evaluation", "wall_per_cpu", "contention", "hidden_threads",
+    "own_per_evaluation", "objective_per_evaluation", "memory_most", "wall_per_cpu", "contention", "hidden_threads",
 )  # fmt: skip
 
 
@@ -219,15 +219,17 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
     these are unknown; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and CPU seconds a trial and of
     evaluations a second (speed); objective_mean, the mean wall seconds inside the problem; objective_share, the median
     share of the wall time spent there; own_per_evaluation and objective_per_evaluation, the median seconds an
-    evaluation outside and inside the problem; wall_per_cpu, the median ratio; contention and hidden_threads, whether
-    that ratio shows that trials waited for a core or used more than one. Assumes one trial a core.
+    evaluation outside and inside the problem; memory_most, the most megabytes, as a later trial of a process may use
+    what an earlier one has left; wall_per_cpu, the median ratio; contention and hidden_threads, whether that ratio
+    shows that trials waited for a core or used more than one. Assumes one trial a core.
     """
     finished = frame[frame["status"] == "ok"]
     rows = []
     for optimizer in labels(frame, "optimizer"):
         of_optimizer = finished[finished["optimizer"] == optimizer]
         numbers = of_optimizer[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
-        calls = of_optimizer.get("calls", pd.Series(np.nan, of_optimizer.index)).astype(float)  # own frames may lack it
+        unknown = pd.Series(np.nan, of_optimizer.index)  # own frames may lack these
+        calls, memory = (of_optimizer.get(name, unknown).astype(float) for name in ("calls", "memory_mb"))
         wall, cpu = numbers["wall_s"], numbers["cpu_s"]
         speed = numbers["nfev"] / wall.where(wall > 0)
         ratio = (wall / cpu.where(cpu > 0)).dropna().median()
@@ -245,6 +247,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
                 **_spread("speed", speed),
                 "own_per_evaluation": ((wall - numbers["objective_s"]) / numbers["nfev"]).median(),
                 "objective_per_evaluation": (numbers["objective_s"] / numbers["nfev"]).median(),
+                "memory_most": memory.max(),
                 "wall_per_cpu": ratio,
                 "contention": bool(ratio > CONTENTION),
                 "hidden_threads": bool(ratio < 1 / HIDDEN_THREADS),

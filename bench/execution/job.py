@@ -270,7 +270,7 @@ def make_apart(
     if lost:  # its problem denies that it has failed
         return {"error": answers.error(answer).removeprefix(PROBLEM_FAILED)}
     if isinstance(kept, dict):
-        kept |= {key: answer.get(key) for key in ("cpu_s", "log", "unasked")} | {"beside": answer}
+        kept |= {key: answer.get(key) for key in ("cpu_s", "memory_mb", "log", "unasked")} | {"beside": answer}
         if kept.get("stop") not in ("budget", OUT_OF_TIME, ON_TARGET):
             declared = answer.get("stop")
             kept["stop"] = "undeclared" if declared in (OUT_OF_TIME, ON_TARGET) else declared

@@ -229,7 +229,7 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
         objective = scoring.objective(minimized, budget, stream, seconds=_study.time, goal=goal)
         seconds = apart.serve(objective, end)
     try:
-        kept = result(objective, trial.seed, seconds, 0.0)
+        kept = result(objective, trial.seed, seconds, 0.0, 0.0)
     except ProblemError as error:
         return {"error": _failure(error)}
     return as_answer(kept) | _confirmed(kept, problem) | _inputs()

@@ -10,7 +10,7 @@ from bench.columns import STORED
 from bench.storage.committed import Committed
 from bench.storage.rows import NAMES, VALUES
 
-VERSION = 6
+VERSION = 7
 """The layout of stores; others are refused."""
 
 SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN names ON names.id = results.names"

@@ -1,5 +1,6 @@
 """One trial: how it ends, what its result holds, and its row in the store."""
 
+import os
 from dataclasses import dataclass, replace
 from itertools import cycle
 from math import inf, nan
@@ -37,6 +38,15 @@ class Drawing(Optimizer):
                 objective(objective.initial(4))
         if self.points:
             objective(objective.initial(self.points))
+
+
+class Holding(Drawing):
+    """Holds 40 MB while it draws."""
+
+    def minimize(self, objective, rng):
+        held = np.ones(5_000_000)
+        objective(objective.initial(4))
+        objective(objective.initial(6) + 0 * held[0])
 
 
 class Lazy(Drawing):
@@ -84,6 +94,19 @@ def test_times_are_those_of_the_search(monkeypatch):
     monkeypatch.setattr("bench.objective.perf_counter", iter([0.0, 2.5]).__next__)
     found = search(SPHERE, Drawing(points=4), 10, seed=0)
     assert (found.wall_s, found.cpu_s, found.objective_s, found.overhead_s, found.time) == (7.0, 3.0, 2.5, 4.5, 7.0)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked on POSIX alone")
+def test_the_memory_of_a_trial_is_that_of_its_own_process_and_not_what_its_parent_once_had():
+    held = np.ones(8_000_000)  # 64 MB, which are free again when the process is forked
+    del held
+    reader, writer = os.pipe()
+    child = os.fork()
+    if not child:
+        os.write(writer, repr(search(SPHERE, Holding(), 10, seed=0).memory_mb).encode())
+        os._exit(0)
+    os.waitpid(child, 0)
+    assert 35 < float(os.read(reader, 100)) < 64
 
 
 def test_a_row_has_the_variables_and_metrics_by_name():

@@ -13,7 +13,7 @@ COLUMNS = {
     "evaluations_median": ("evaluations", 1.0), "per_call_median": ("a call", 1.0), "wall_median": ("s a run", 1.0),
     "own_per_evaluation": ("own µs an evaluation", 1e6),
     "objective_per_evaluation": ("objective’s µs an evaluation", 1e6),
-    "objective_share": ("objective’s share %", 100.0),
+    "objective_share": ("objective’s share %", 100.0), "memory_most": ("MB", 1.0),
 }  # fmt: skip
 """The columns of :func:`bench.analysis.timing` that the table has, their titles and factors."""
 
@@ -37,7 +37,8 @@ def _table(known: pd.DataFrame, timing: pd.DataFrame) -> Table:
         "cost",
         "Medians over finished runs: evaluations, those in a call of the objective, and time.",
         shown,
-        decimals={"evaluations": 0, "a call": 1, "objective’s share %": 0},
-        note="Own: the wall time outside the objective. The CSV file has quartiles and processor times.",
+        decimals={"evaluations": 0, "a call": 1, "objective’s share %": 0, "MB": 0},
+        note="Own: the wall time outside the objective. MB: by how much the run that took most raised the peak of "
+        "its process’s memory. The CSV file has quartiles and processor times.",
         data=timing,
     )

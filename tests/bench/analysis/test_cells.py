@@ -212,7 +212,8 @@ class TestTiming:
         assert (a.objective_mean, a.objective_share, a.speed_median) == (1.0, 0.5, 200.0)
         assert (a.contention, a.hidden_threads) == (False, False)
         assert np.isnan(a.per_call_median)
-        assert one(timing(frame.assign(calls=[3, 6, None, 1, 1])), optimizer="a").per_call_median == 75.0
+        more = one(timing(frame.assign(calls=[3, 6, None, 1, 1], memory_mb=[8.0, 2.0, None, 0, 1])), optimizer="a")
+        assert (more.per_call_median, more.memory_most) == (75.0, 8.0)
 
     @pytest.mark.parametrize(("cpu", "flags"), [(0.8, (True, False)), (1.0, (False, False)), (1.2, (False, True))])
     def test_flags(self, frame_of, one, cpu, flags):

@@ -68,7 +68,7 @@ def test_the_next_run_refuses_it_and_another_folder_takes_the_others(bench_here,
     done = bench_here("run", study, "--output", other, "--jobs", 1, "--reuse", out, "--no-report")
     assert "17 of them already done" in done.stdout
     again, before = load_results(other), load_results(made / "out")
-    times = ["wall_s", "cpu_s", "objective_s"]
+    times = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
     assert again.drop(columns=times).equals(before.drop(columns=times))
 
 

@@ -91,7 +91,7 @@ def test_rm_makes_a_cell_new(bench_here, copied):
     assert load_results(out)["status"].eq("ok").all()
     run(Study.load(copied / "mixed.toml"), out, n_jobs=1)
     again = load_results(out)
-    times = ["wall_s", "cpu_s", "objective_s"]
+    times = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
     assert again.drop(columns=times).equals(before.drop(columns=times))
 
 

@@ -30,7 +30,8 @@ def trace(evaluations=(1, 4, 60), values=(3.0, 2.5, 0.125)):
 
 HONEST = {
     "x": text([0.5, -0.25]), "trace": trace(), "fun": 0.125, "nfev": 60, "calls": 3, "largest_call": 1, "failures": 0,
-    "log": {"step": [[0, 0.5], [1, None]]}, "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5, "stop": "budget",
+    "log": {"step": [[0, 0.5], [1, None]]}, "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5,
+    "memory_mb": 3.0, "stop": "budget",
     "outside_box": 2, "altered": False, "metrics": {"radius": 0.5},
 }  # fmt: skip
 
@@ -42,7 +43,8 @@ def read(**changes):
 def test_an_answer_that_can_be_a_result_is_a_row():
     assert read() == packed({
         "status": "ok", "fun": 0.125, "nfev": 60, "calls": 3, "largest_call": 1, "failures": 0,
-        "log": b'{"step": [[0, 0.5], [1, null]]}', "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5, "stop": "budget",
+        "log": b'{"step": [[0, 0.5], [1, null]]}', "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5,
+        "memory_mb": 3.0, "stop": "budget",
         "outside_box": 2, "x": {"a": 0.5, "b": -0.25}, "metrics": {"radius": 0.5},
         "trace": Trace(np.array([1, 4, 60]), np.array([3.0, 2.5, 0.125])),
     })  # fmt: skip

@@ -22,7 +22,7 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="processes are forked and supervised as on Linux"),
 ]
 
-TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb", "study"]
 PROBLEMS = ["signature-12", "sphere-3"]
 HONEST = [{"name": "gwo", "agents": 6}, {"name": "random-search"}, {"name": "hill-climber"}]
 ENDED = "its process or one that it was forked from was ended or stopped twice|with signal SIGKILL twice"

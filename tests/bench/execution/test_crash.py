@@ -23,7 +23,7 @@ from bench.storage.folder import Folder
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, process groups and tmpfs as on Linux")
 
-TIMES = ["wall_s", "cpu_s", "objective_s"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 MARK = "BENCH_CRASH_TEST"
 CELLS = 4
 PATIENCE = 120.0  # seconds; ends a test that hangs, and decides nothing else

@@ -188,7 +188,7 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     record = cores[1]
     assert (record["backend"], record["jobs"]) == ("dask", 3)
     run(study, tmp_path / "local", n_jobs=2)
-    times = ["wall_s", "cpu_s", "objective_s"]
+    times = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
     assert load_results(tmp_path / "dask")["status"].eq("ok").all()
     frames = [load_results(tmp_path / each).drop(columns=times) for each in ("dask", "local")]
     assert frames[0].equals(frames[1])

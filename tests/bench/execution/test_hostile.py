@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, forks 
 
 HEAD = 'name = "{name}"\ntrials = 2\nbudget = 60\n[[problems]]\nnames = ["sphere-2", "sphere-3"]\n'
 HONEST = '[[optimizers]]\nname = "scatter"\n[[optimizers]]\nname = "hill-climber"\n'
-TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb", "study"]
 PRINTED, GLOBAL, RUNNING = "printed more than 1 MB", "used the global random state", "running, in the time of"
 EXPECTED = {
     "raise": ("failed", "ValueError: "),

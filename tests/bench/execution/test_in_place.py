@@ -80,7 +80,7 @@ def frame(kind, file, place, **options):
          "optimizers": [{"name": "hill-climber"}, {"name": "scatter"}]}
     )  # fmt: skip
     run(study, place / kind, n_jobs=1)
-    return load_results(place / kind).drop(columns=["wall_s", "cpu_s", "objective_s"])
+    return load_results(place / kind).drop(columns=["wall_s", "cpu_s", "objective_s", "memory_mb"])
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.1])

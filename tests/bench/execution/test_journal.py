@@ -22,7 +22,7 @@ from bench.scoring import scored
 from bench.storage.under_way import noting
 from bench.trial import Trial
 
-TIMES = ["wall_s", "cpu_s", "objective_s"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 KEY = {"problem": "p", "optimizer": "o", "trial": 0, "seed": 1, "budget": 9, "variables": ["x"]}
 SIMULATOR = """
 import os, sys, time

@@ -16,7 +16,7 @@ from bench.storage.folder import Folder
 from bench.study import Entry
 from tests.bench.reports import finished
 
-TIMES = ["wall_s", "cpu_s", "objective_s"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 
 
 def same(a, b):

@@ -22,7 +22,7 @@ from bench.sandbox import bubblewrap, namespaces
 from bench.sandbox.process import Process
 from bench.storage.folder import SUMS
 
-TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb", "study"]
 
 
 def reason():

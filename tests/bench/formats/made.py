@@ -50,7 +50,7 @@ def record(values, d, **changes):
     trace = Trace(np.array(at, dtype=np.int64) + 1, np.array([best[i] for i in at], dtype=np.float64))
     return {
         "status": "ok", "fun": best[-1], "nfev": len(values), "calls": 1 + len(values) // 7, "wall_s": 0.1 + 0.2,
-        "cpu_s": 1 / 3, "objective_s": 1e-9, "stop": "budget", "outside_box": 0,
+        "cpu_s": 1 / 3, "objective_s": 1e-9, "memory_mb": 2 / 3, "stop": "budget", "outside_box": 0,
         "x": {f"x{i}": i / 7 for i in range(d)}, "metrics": {}, "trace": trace,
     } | changes  # fmt: skip
 

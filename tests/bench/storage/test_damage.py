@@ -91,5 +91,5 @@ def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(sm
     made = []
     run(small_study, other, n_jobs=1, reuse=[folder.path], on_trial=lambda trial, _: made.append(trial.key))
     assert len(made) == len(set(made)) == 12
-    times = ["wall_s", "cpu_s", "objective_s"]
+    times = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
     pd.testing.assert_frame_equal(load_results(other).drop(columns=times), before.drop(columns=times), check_exact=True)

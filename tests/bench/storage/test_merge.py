@@ -12,7 +12,7 @@ from bench.storage.store import Store
 from tests.bench.storage.changes import SCATTER, change, forge
 from tests.bench.storage.filled import change_data
 
-TIMES = ["wall_s", "cpu_s", "objective_s"]
+TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 
 
 def same(a, b):

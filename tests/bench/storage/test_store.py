@@ -222,7 +222,7 @@ def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(tmp_path):
 
 def test_a_schema_that_changes_has_another_version():
     """Nothing else distinguishes an old store from a new one."""
-    assert "PRAGMA user_version = 6\n" in schema()
+    assert "PRAGMA user_version = 7\n" in schema()
 
 
 def test_trials_that_were_made_twice_are_compared_without_their_times():
@@ -270,7 +270,7 @@ def _newer(path):
         (_garbage, "cannot be used: file is not a database"),
         (_truncated, "cannot be used: database disk image is malformed"),
         (_holed, "cannot be used: database disk image is malformed"),
-        (_older, "was written in layout 2, and this version reads layout 6; export it with the version"),
+        (_older, "was written in layout 2, and this version reads layout 7; export it with the version"),
         (_foreign, "was written in layout 0"),
         (_newer, "was written in layout 99"),
     ],
