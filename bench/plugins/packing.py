@@ -13,26 +13,23 @@ import io
 import marshal
 import pickle
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
-from itertools import accumulate
+from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, NamedTuple, Self, get_type_hints
 
 import cloudpickle
 from cloudpickle import cloudpickle as internals
 
 from bench.errors import BenchError
 from bench.helpers.text import short_hash
+from bench.plugins.registry import is_installed
 
-
-def _name_of(marker: object) -> str:
-    return next(name for name in _MARKERS if getattr(dataclasses, name) is marker)
-
-
-_MARKERS = "MISSING", "_HAS_DEFAULT_FACTORY"  # which dataclasses know by what they are: a copy would be another one
-for _marker in _MARKERS:
-    copyreg.pickle(type(getattr(dataclasses, _marker)), _name_of)
+_MARKERS = {getattr(dataclasses, name): name for name in ("MISSING", "_HAS_DEFAULT_FACTORY")}
+for _marker in _MARKERS:  # which dataclasses know by what they are: a copy would be another one
+    copyreg.pickle(type(_marker), _MARKERS.__getitem__)
 
 _PLAIN = (bool, int, float, str, type(None))
 
@@ -54,15 +51,15 @@ class PackedObject(NamedTuple):
 def pack(thing: object) -> PackedObject:
     """Return an object as it travels; raises BenchError where it cannot."""
     try:
-        found = _Pickler.of(thing)
+        found = _Comparing.of(thing)
         annotated = [(kind, _annotations(kind)) for kind in found.classes]
-        content = _Pickler.of((thing, annotated, found.settings())).content
-        compared = _Comparing.of(thing).content
+        content = _Pickler.of((thing, annotated, _settings(found.modules))).content
     except Exception as error:  # as of a lock or an open file
         raise BenchError(
             f"{getattr(thing, '__name__', type(thing).__name__)!r} cannot be sent to other processes "
             f"({type(error).__name__}: {error}); have it make what it holds where it runs"
         ) from error
+    compared = found.content
     for number in getattr(internals, "_DYNAMIC_CLASS_TRACKER_BY_CLASS", {}).values():  # drawn anew in each session
         compared = compared.replace(str(number).encode(), b"")
     return PackedObject(content, short_hash(compared))
@@ -101,45 +98,35 @@ class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
     def __init__(self, file: io.BytesIO) -> None:
         super().__init__(file, protocol=pickle.HIGHEST_PROTOCOL)
         self.content, self.classes, self.modules = b"", dict[type, None](), dict[str, None]()
+        self._strange = list[ModuleType]()
 
     @classmethod
-    def of(cls, thing: object) -> _Pickler:
-        file, strange = io.BytesIO(), list[ModuleType]()
+    def of(cls, thing: object) -> Self:
+        """Return a pickler that has pickled an object."""
+        file = io.BytesIO()
         pickler = cls(file)
-        pickler.strange = strange
         try:
             pickler.dump(thing)
         finally:
-            for module in strange:
+            for module in pickler._strange:
                 cloudpickle.unregister_pickle_by_value(module)
         pickler.content = file.getvalue()
         return pickler
 
-    strange: list[ModuleType]
-
     def reducer_override(self, obj: Any) -> Any:
         """Have a class or a function of a module that is known here alone travel by value."""
+        if isinstance(obj, ModuleType) and _is_found(obj.__name__):
+            self.modules.setdefault(obj.__name__)
         if isinstance(obj, type | FunctionType) and isinstance(name := getattr(obj, "__module__", None), str):
             module = sys.modules.get(name)
             if "<" not in obj.__qualname__ and _is_found(name):
                 self.modules.setdefault(name)
-            else:
-                if isinstance(obj, type):
-                    self.classes.setdefault(obj)
-                if module is not None and name != "__main__" and module not in self.strange and not _is_found(name):
-                    cloudpickle.register_pickle_by_value(module)
-                    self.strange.append(module)
-        elif isinstance(obj, ModuleType) and _is_found(obj.__name__):
-            self.modules.setdefault(obj.__name__)
+            elif isinstance(obj, type):
+                self.classes.setdefault(obj)
+            if module and module not in self._strange and name != "__main__" and not _is_found(name):
+                cloudpickle.register_pickle_by_value(module)
+                self._strange.append(module)
         return super().reducer_override(obj)
-
-    def settings(self) -> dict[str, dict[str, Any]]:
-        """Return the plain public values of the modules that trials import anew, by their names."""
-        own = {name: vars(sys.modules[name]) for name in self.modules if not _is_installed(name)}
-        return {
-            name: {key: value for key, value in values.items() if type(value) in _PLAIN and not key.startswith("_")}
-            for name, values in own.items()
-        }
 
 
 class _Comparing(_Pickler):
@@ -176,24 +163,26 @@ def _annotations(kind: type) -> dict[str, Any]:
     return {name: hints[name] for name in annotations if "ClassVar" not in str(annotations[name])}
 
 
-def _is_installed(name: str) -> bool:
-    file = str(getattr(sys.modules.get(name), "__file__", None) or "")
-    top = name.partition(".")[0]
-    return top in {"bench", *sys.stdlib_module_names} or not file or "site-packages" in file or "dist-packages" in file
+def _settings(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Return the plain public values of the modules that trials import anew, by their names."""
+    found = {}
+    for name in modules:
+        file = str(getattr(sys.modules[name], "__file__", None) or "")
+        if file and not is_installed(Path(file)) and name.partition(".")[0] not in {"bench", *sys.stdlib_module_names}:
+            values = vars(sys.modules[name]).items()
+            found[name] = {key: value for key, value in values if type(value) in _PLAIN and not key.startswith("_")}
+    return found
 
 
 @cache
-def _is_found(module_name: str) -> bool:
+def _is_found(name: str) -> bool:
     """Return whether a new process finds a module where this one did; ``__main__`` is another there."""
-    module = sys.modules.get(module_name)
-    if module is None or module_name == "__main__":
+    module, above = sys.modules.get(name), name.rpartition(".")[0]
+    if module is None or name == "__main__" or (above and not _is_found(above)):
         return False
-    spec, path = None, None
-    for name in accumulate(module_name.split("."), "{}.{}".format):
-        finders = (finder.find_spec for finder in sys.meta_path if hasattr(finder, "find_spec"))
-        with suppress(ImportError, ValueError):
-            spec = next(filter(None, (find(name, path) for find in finders)), None)
-        if spec is None:
-            return False
-        path = spec.submodule_search_locations
+    path = getattr(sys.modules.get(above), "__path__", None)
+    finders = (finder.find_spec for finder in sys.meta_path if hasattr(finder, "find_spec"))
+    spec = None
+    with suppress(ImportError, ValueError):
+        spec = next(filter(None, (find(name, path) for find in finders)), None)
     return spec is not None and spec.origin in ("built-in", "frozen", getattr(module, "__file__", None))
