@@ -280,7 +280,7 @@ class Objective:
         if not single and points.shape[1:] != self._single:
             d = self.dimension
             raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
-        rows = points.reshape(1, -1) if single else points
+        rows = points[None] if single else points
         with self._lock:
             remaining = self._limit - self._nfev if self._seconds is None else self._in_time()
             allowed = rows if len(rows) <= remaining else rows[:remaining]
@@ -446,9 +446,12 @@ def _scan(points: Floats, values: Floats, box: Floats) -> tuple[float, int]:
 
 def _scan_batch(points: Floats, values: Floats, box: Floats) -> tuple[float, int]:
     """Do as :func:`_scan`, by numpy."""
+    lowest, inside = float(values.min()), (points >= box[0]) & (points <= box[1])
+    if lowest > _ILLEGAL and inside.all():  # as nearly always: NaN is the lowest where there is one
+        return lowest, 0
     if (values == _ILLEGAL).any():
         return _ILLEGAL, 0
-    outside = ~((points >= box[0]) & (points <= box[1])).all(axis=1)
+    outside = ~inside.all(axis=1)
     values[outside | np.isnan(values)] = inf
     return float(values.min()), int(outside.sum())
 
