@@ -18,6 +18,7 @@ from bench.formats.archive.contents import NOTES, PAGE, SUMS, report_files
 from bench.helpers.atomic import replacing
 from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
+from bench.storage.store import Store
 from bench.study import Study
 
 BLOCK = 1 << 20  # bytes read at a time
@@ -78,10 +79,16 @@ def pack(path: str | PathLike[str], output: str | PathLike[str] | None = None) -
 
 
 def _copied(folder: Folder, place: Path) -> Folder:
-    """Return a folder with a sound copy of the store, and the environments written out."""
-    copy = Folder(place)
+    """Return a folder with a sound copy of the store, and the environments written out; neither has a path of here."""
+    copy, draft = Folder(place), Store(place / "draft")
+    draft.path.parent.mkdir()
     counted = folder.store.check_count()
-    folder.store.copy(copy.store.path)
+    folder.store.copy(draft.path)
+    with draft.writer() as writer:
+        for number, record in draft.environments().items():
+            if record.get("working_folder"):
+                writer.change(number, record | {"working_folder": ""})
+    draft.copy(copy.store.path)
     for health in (counted, copy.store.check(structure=True)):
         if not health.sound:
             raise BenchError(f"{folder.path}: {health.sentence}; only sound results are packed")

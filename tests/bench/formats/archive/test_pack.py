@@ -8,6 +8,7 @@ import pytest
 
 from bench import BenchError, load_results
 from bench.formats.archive import pack, unpack
+from bench.storage.folder import Folder
 from tests.bench.storage.filled import TRIALS
 
 
@@ -42,6 +43,15 @@ def test_the_trials_are_those_of_the_folder_also_while_it_is_written(copied, tmp
     assert "30 of the study's 120 trials are missing" in done.notes
     unpack(done.path, tmp_path / "there")
     pd.testing.assert_frame_equal(load_results(tmp_path / "there"), load_results(copied.path), check_exact=True)
+
+
+def test_no_path_of_the_machine_is_packed(copied, tmp_path):
+    with copied.store.writer() as writer:
+        writer.change(1, copied.environments()[0] | {"working_folder": "/home/me/secret"})
+    unpack(pack(copied.path, tmp_path / "a.zip").path, tmp_path / "there")
+    assert Folder(tmp_path / "there").environments()[0]["working_folder"] == ""
+    assert not any(b"/home/me/secret" in file.read_bytes() for file in (tmp_path / "there").rglob("*.*"))
+    assert copied.environments()[0]["working_folder"] == "/home/me/secret"
 
 
 def test_nothing_of_the_folder_is_changed_and_nothing_is_left_beside_the_archive(copied, tmp_path):
