@@ -78,10 +78,3 @@ def test_the_band_of_many_optimizers_is_wider_than_that_of_two(rng):
     few, many = leads(hits(a=times["a"], b=times["b"]), GRID), leads(hits(**times), GRID)
     pair = many[(many["first"] == "a") & (many["second"] == "b")]
     assert ((pair["high"] - pair["low"]).to_numpy() > (few["high"] - few["low"]).to_numpy()).all()
-
-
-def test_evaluations_a_dimension_are_those_of_each_problem(rng):
-    table = hits(a=rng.uniform(1, 90, (6, 4)))
-    halved = curve_bands(table.assign(evaluations=table["evaluations"] * 2), GRID, {"p": 2})
-    np.testing.assert_allclose(halved["low"], curve_bands(table, GRID)["low"])
-    assert "per_dimension" in halved

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from bench.analysis.comparable import blames_problem, common_budgets, comparable
 from bench.objective import Trace
@@ -69,12 +68,6 @@ class TestBudgets:
         assert found.unknown == {("p", "b"): 1}
         assert found.frame["fun"].tolist() == [2.0, np.inf]  # c had no value by then
 
-    @pytest.mark.parametrize(("spent", "known"), [(404, True), (405, False)])
-    def test_an_overshoot_of_one_percent_is_the_same_budget(self, spent, known):
-        frame = trials(("p", "a", 0, 2.0, 400), ("p", "b", 0, 1.0, spent))
-        found = comparable(frame, {}, {("p", "a"): 400, ("p", "b"): spent})
-        assert len(found.frame) == 1 + known
-
 
 class TestInstances:
     def test_those_count_that_all_optimizers_with_trials_share(self):
@@ -103,13 +96,6 @@ class TestFailures:
         found = comparable(frame, {}, 10)
         assert keys(found.frame) == keys(found.working) == [("q", "a", 0), ("q", "b", 0)]  # a loses q
         assert found.failed == {"p": (1, 2)}
-
-    def test_of_instances_that_are_not_pooled_the_one_that_failed_keeps_its_name(self):
-        frame = trials(
-            *((f"f-i{i}", "a", 0, 1.0, 10) for i in (1, 2)), instance=[1, 2], status=["failed", "ok"],
-            error=["ProblemError: x", None],
-        )  # fmt: skip
-        assert comparable(frame, {}, 10).failed == {"f-i1": (1, 1)}
 
     def test_of_pooled_instances_only_the_one_that_failed(self):
         frame = trials(

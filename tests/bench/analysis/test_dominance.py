@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import mannwhitneyu
 
 from bench import Trace, analysis
 
@@ -70,14 +69,6 @@ def test_the_score_is_the_number_of_pairs_won(seed):
     assert sum(expected.values()) == 6 * 7 * 7
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_the_score_of_two_optimizers_is_scipy_s_u(seed):
-    outcomes = random_outcomes(np.random.default_rng(seed), "ab", 9)
-    # One number a trial in the same order: evaluations, then errors, then failures.
-    a, b = ([1e9 if t == FAILED else t[0] or 100 + t[1] for t in outcomes[name]] for name in "ab")
-    assert scores(outcomes) == {"a": mannwhitneyu(b, a).statistic, "b": mannwhitneyu(a, b).statistic}
-
-
 def test_reached_trials_are_counted_at_the_precision():
     outcomes = {"a": [(9, 0.5)], "b": [(None, 0.5)]}
     table = analysis.u_scores(*study(outcomes), {"p": OPTIMUM})
@@ -96,14 +87,3 @@ def test_a_problem_without_optimum_or_with_unequal_trials_has_no_row():
     assert analysis.u_scores(frame[:-1], traces, {"p": OPTIMUM}).empty
     assert analysis.u_scores(frame[:0], traces, {"p": OPTIMUM}).empty
     assert list(analysis.u_scores(frame[:0], traces, {})) == ["problem", "optimizer", "trials", "reached", "u", "pairs"]
-
-
-def test_a_failed_trial_that_left_a_trace_loses_to_all_others():
-    frame, traces = study({"a": [FAILED], "b": [(None, 4.0)]})
-    traces["p", "a", 0] = Trace(np.array([1]), np.array([OPTIMUM]))
-    assert analysis.u_scores(frame, traces, {"p": OPTIMUM})["u"].tolist() == [0.0, 1.0]
-
-
-def test_one_optimizer_has_no_pairs():
-    table = analysis.u_scores(*study({"a": [(3, 0.0), FAILED]}), {"p": OPTIMUM})
-    assert table[["u", "pairs", "reached"]].to_numpy().tolist() == [[0.0, 0, 1]]

@@ -72,9 +72,3 @@ def test_a_failed_trial_stays_a_failure():
     pooled = pool_instances(frame, {}, PROBLEMS, FEATURES, OPTIMA).frame
     assert np.isnan(pooled["fun"][0])
     assert pooled["status"][0] == "failed"
-
-
-def test_a_study_without_trials_is_pooled_too():
-    pooled = pool_instances(FRAME[:0], {}, PROBLEMS, FEATURES, OPTIMA)
-    assert pooled.functions == ["f-d2"]
-    assert pooled.frame.empty

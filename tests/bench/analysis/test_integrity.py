@@ -2,7 +2,6 @@
 
 import re
 import warnings
-from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -425,13 +424,6 @@ class TestWithoutTrials:
         unchecked = ["repeated points", "same algorithm", "times"]
         assert list(verdicts.index[verdicts == "not checked"]) == unchecked
 
-    def test_no_finite_value(self, sound):
-        sound.frame["fun"] = np.inf
-        nothing = Trace(np.array([], dtype=np.int64), np.array([]))
-        table = sound.check(traces=dict.fromkeys(sound.traces, nothing))
-        assert table.at["failures", "verdict"] == "warning"
-        assert table.at["ties", "verdict"] == "not checked"
-
 
 class TestFrames:
     def test_categories_tell_of_cells_without_trials(self, sound):
@@ -442,12 +434,6 @@ class TestFrames:
         assert "24 of 54 planned trials" in found["finding"]
         assert "4 of 9 cells" in found["finding"]
         assert found["cells"] == "c on q; c on r; a on r; b on r"
-
-    def test_the_index_of_the_frame_does_not_matter(self, sound):
-        sound.copy(("p", "a", 1), ("p", "c", 3), trace=True)
-        expected = sound.check()
-        sound.frame.index = [0] * len(sound.frame)
-        pd.testing.assert_frame_equal(sound.check(), expected)
 
     def test_at_most_five_names(self, sound):
         frames = [sound.frame.assign(optimizer=f"o{i}", trial=range(100 * i, 100 * i + 36)) for i in range(8)]
@@ -473,9 +459,3 @@ def test_a_test_that_did_not_reject_is_no_proof(sound):
     for name, figure in (("b", None), ("c", None)):  # whose runs all began at one point
         sound.diagnoses[name] = [each | {"figure": figure} for each in sound.diagnoses[name]]
     assert sound.check().at["starts and seeds", "finding"] == f"{text}a. There was nothing to test for b, c."
-
-
-def test_trials_that_nobody_planned_are_not_called_complete(sound):
-    found = sound.check(planned_trials=dict.fromkeys(product(PROBLEMS, OPTIMIZERS), 0)).loc["completeness"]
-    assert found["verdict"] == "pass"
-    assert found["finding"] == "No plan of the trials is known: 36 are stored, 6 in each cell."

@@ -41,20 +41,12 @@ class TestMatrix:
         for statistic, best in (("median", [True, False]), ("mean", [False, True])):
             assert row_of(matrix_of(cells, statistic=statistic), "best") == best
 
-    def test_alike_compares_with_the_best_one_only(self, matrix_of):
-        matrix = matrix_of({("p", "a"): FAR, ("p", "b"): LOW, ("p", "c"): [v + 0.1 for v in FAR]})
-        assert not matrix["alike"].any()
-
     def test_a_cell_with_a_failure_has_no_mean_and_no_mark(self, matrix_of):
         cells = {("p", "a"): [1, 2, None], ("p", "b"): [3, 4, 5.0], ("p", "c"): [6, 7, 8.0]}
         matrix = matrix_of(cells, statistic="mean")
         assert np.isnan(row_of(matrix, "value")[0])
         assert row_of(matrix, "best") == [False, True, False]
         assert row_of(matrix, "alike") == [False, False, True]
-
-    def test_nothing_is_best_of_one(self, matrix_of):
-        matrix = matrix_of({("p", "a"): [1.0, 2.0]})
-        assert not matrix["best"].any()
 
     def test_nothing_is_best_where_every_median_trial_failed(self, matrix_of):
         matrix = matrix_of({("p", "a"): [None] * 5, ("p", "b"): [None] * 5})
@@ -81,16 +73,6 @@ class TestMatrix:
         assert len(matrix) == 6
         assert row_of(matrix, "best", "q") == [False] * 3
 
-    def test_a_part_of_the_optimizers(self, frame_of):
-        frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("p", "c"): FAR})
-        summary, pairs = summarise(frame), pairwise_tests(frame)
-        part = summary[summary["optimizer"] != "a"]
-        assert row_of(comparison_matrix(part, pairs), "best") == [True, False]
-
-    def test_no_trials_at_all(self, frame_of):
-        frame = frame_of({})
-        assert comparison_matrix(summarise(frame), pairwise_tests(frame)).empty
-
 
 class TestTables:
     def test_the_order_is_that_of_the_rows(self, frame_of):
@@ -106,7 +88,3 @@ class TestTables:
         assert wide.loc["q"].tolist() == [1.0, 1.0]
         assert wide.loc["r"].tolist() == [INF, 2.0]
         assert "p" not in wide.index
-
-    def test_no_complete_problem(self, frame_of):
-        wide = medians(summarise(frame_of({("q", "b"): [1.0], ("p", "a"): [3.0]})))
-        assert wide.shape == (0, 2)

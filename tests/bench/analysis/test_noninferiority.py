@@ -81,20 +81,6 @@ def test_every_problem_is_shown_to_be_not_worse_with_enough_trials_and_a_false_p
     assert passes <= 8  # of 100 at a level of 2.5 %: a binomial exceeds this in 0.2 % of cases
 
 
-def test_every_problem_needs_more_trials_than_the_mean():
-    samples = normal(4, problems=6)
-    mean, every = compare_samples(samples, margin=0.2), compare_samples(samples, margin=0.2, every=True)
-    assert every.needed > 5 * mean.needed
-    shown = [
-        compare_samples(normal(seed, 6, every.needed), margin=0.2, every=True).outcome == "pass" for seed in range(40)
-    ]
-    assert 0.6 < np.mean(shown) < 0.97  # as planned: 0.8
-
-
-def test_a_better_version_passes():
-    assert compare_samples(normal(5, shift=-1.0)).outcome == "pass"
-
-
 def test_the_margin_counts():
     samples = normal(6, problems=12, n=60, shift=0.2)  # A12 = Phi(0.2 / sqrt(2)) = 0.556
     assert compare_samples(samples, margin=0.01).outcome == "worse"
@@ -106,10 +92,6 @@ def test_few_separated_trials_on_one_problem_prove_nothing(n):
     found = compare_samples({"p": (np.arange(n) + 0.0, np.arange(n) + 10.0)})
     assert (found.outcome, found.a12) == ("undecided", 1.0)
     assert found.high == 1.0
-
-
-def test_many_separated_trials_on_one_problem_do():
-    assert compare_samples({"p": (np.arange(20) + 0.0, np.arange(20) + 100.0)}).outcome == "worse"
 
 
 def test_tied_trials_leave_a_doubt_that_falls_with_their_number():

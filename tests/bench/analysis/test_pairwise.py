@@ -1,7 +1,5 @@
 """Pairs on one problem: the adjustment against statsmodels, by hand on small samples, and as properties."""
 
-from itertools import combinations
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,21 +7,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from statsmodels.stats.multitest import multipletests
 
-from bench.analysis import pairwise
 from bench.analysis.cells import cells
 from bench.analysis.direction import effects, intervals, p_values
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.pairwise import (
+    AT_ONCE,
     COLUMNS,
     compare_all,
     effect_size,
     holm,
     pairwise_tests,
-    seen_from,
 )
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
-INF = float("inf")
 INTERVALS = ["a12_low", "a12_high", "joint_low", "joint_high"]
 
 whole_numbers = st.lists(st.integers(-40, 40) | st.none(), min_size=2, max_size=9)
@@ -91,25 +87,12 @@ class TestColumns:
             assert {name: pair[name] for name in expected} == {name: own[0] for name, own in expected.items()}
             assert (pair["n_first"], pair["n_second"]) == tuple(own.shape[1] for own in both)
 
-    def test_do_not_depend_on_how_many_are_compared_at_once(self, monkeypatch):
-        rng = np.random.default_rng(6)
-        samples = [rng.integers(0, 9, rng.choice([1, 9, 12])).astype(float) for _ in range(8)]
+    def test_do_not_depend_on_how_many_are_compared_at_once(self):
+        samples = [*np.random.default_rng(6).integers(0, 9, (70, 3)).astype(float)]
         whole = compare_all([samples])
-        monkeypatch.setattr(pairwise, "AT_ONCE", 3)
-        for name, values in compare_all([samples]).items():
-            np.testing.assert_array_equal(values, whole[name])
-        assert [*zip(whole["n_first"], whole["n_second"], strict=True)] == [
-            *combinations([len(own) for own in samples], 2)
-        ]
-
-    def test_the_order_of_rows_changes_nothing_but_the_order_of_pairs(self, random_frame):
-        frame = random_frame(0)
-        shuffled = pairwise_tests(frame.sample(frac=1, random_state=0)).set_index(["problem", "first", "second"])
-        for pair in pairwise_tests(frame).itertuples():
-            names = (pair.first, pair.second)
-            key = next(k for k in ((pair.problem, *names), (pair.problem, *names[::-1])) if k in shuffled.index)
-            assert shuffled.loc[key, "p_holm"] == pytest.approx(pair.p_holm)
-            assert shuffled.loc[key, "lower"] == pair.lower
+        assert len(whole["a12"]) > AT_ONCE
+        for name, values in compare_all([samples[-9:]]).items():
+            np.testing.assert_array_equal(values, whole[name][-len(values) :])
 
 
 class TestByHand:
@@ -117,13 +100,6 @@ class TestByHand:
         pair = pair_of(frame_of, [6, 7, 8, 9, 10, 11.0], [0, 1, 2, 3, 4, 5.0])
         assert (pair.a12, pair.separated, pair.a12_low) == (0.0, True, pytest.approx(0))
         assert (pair.p, pair.p_holm, pair.lower, pair.significant) == (2**-5, 2**-5, "b", True)
-
-    def test_the_level_decides(self, frame_of):
-        samples = [5, 6, 7, 8, 9, 10.0], [-1, 0, 1, 2, 3, 4.0]
-        pair = pair_of(frame_of, *samples, alpha=2**-5)
-        assert (pair.significant, pair.testable, pair.lower) == (True, True, "b")
-        pair = pair_of(frame_of, *samples, alpha=0.03)
-        assert (pair.significant, pair.testable, pair.lower) == (False, False, "")
 
     def test_testable_counts_all_rows(self, frame_of):
         apart = {("p", "a"): np.arange(6.0), ("p", "b"): np.arange(6.0) + 50}  # p = 1/32 of one pair, 1/16 of two
@@ -173,24 +149,6 @@ class TestByHand:
         assert (pair.significant, pair.lower) == (False, "")
         assert pair.a12_low < 0.5 < pair.a12_high
 
-    def test_one_optimizer_and_an_empty_frame_make_no_pair(self, frame_of):
-        for frame in (frame_of({("p", "a"): [1.0, 2.0]}), frame_of({})):
-            pairs = pairwise_tests(frame)
-            assert pairs.empty
-            assert tuple(pairs.columns) == COLUMNS
-            assert not pairs["significant"].any()
-
-    def test_categories_bring_pairs_without_trials(self, frame_of):
-        frame = frame_of({("p", "a"): np.arange(6.0), ("p", "b"): np.arange(6.0) + 50})
-        frame["optimizer"] = pd.Categorical(frame["optimizer"], ["b", "a", "c"])
-        frame["problem"] = pd.Categorical(frame["problem"], ["q", "p"])
-        pairs = pairwise_tests(frame)
-        assert pairs[["problem", "first", "second"]].to_numpy().tolist() == [
-            [problem, *pair] for problem in "qp" for pair in ("ba", "bc", "ac")
-        ]
-        assert pairs["p_holm"].tolist() == [1.0, 1.0, 1.0, 2**-5, 1.0, 1.0]
-        assert pairs["lower"].tolist() == ["", "", "", "a", "", ""]
-
     @pytest.mark.parametrize(
         ("value", "word"),
         [
@@ -212,13 +170,6 @@ class TestProperties:
         assert (pair.ks_distance, pair.ks_tied) == (mirrored.ks_distance, mirrored.ks_tied)
         assert pair.ks_p == pytest.approx(mirrored.ks_p, rel=1e-9)
         assert {pair.lower, mirrored.lower} in ({"a", "b"}, {""})
-
-    @settings(max_examples=25)
-    @given(whole_numbers, whole_numbers, st.integers(0, 8))
-    def test_failing_is_never_better_than_any_value(self, frame_of, this, other, place):
-        failed = [*this]
-        failed[place % len(this)] = None
-        assert pair_of(frame_of, failed, other).a12 <= pair_of(frame_of, this, other).a12
 
     def test_all_joint_intervals_of_a_study_hold_together(self, frame_of):
         rng = np.random.default_rng(3)
@@ -246,12 +197,3 @@ def test_only_pairs_of_the_subject_are_hypotheses(subjects):
     others = own[own["p_holm"].isna()]
     assert not others[["significant", "testable"]].to_numpy().any()
     assert set(others["lower"]) == {""}
-
-
-def test_pairs_are_seen_from_either_side(subjects):
-    pairs = pairwise_tests(subjects)
-    keys = ["problem", "first", "second"]
-    a12 = pairs.set_index(keys)["a12"]
-    turned = seen_from(pairs.astype(dict.fromkeys(keys, object)), "c").set_index(keys)["a12"]
-    assert len(turned) == 8
-    assert turned["p", "c", "a"] == 1 - a12["p", "a", "c"]

@@ -22,12 +22,6 @@ def standing_of(frame_of):
     return lambda cells: chances(frame_of(cells)).set_index("optimizer")
 
 
-def test_by_hand(standing_of):
-    found = standing_of({("p", "a"): NEAR, ("p", "b"): FAR, ("p", "c"): LOW})
-    assert found["rank"].to_dict() == {"c": 1.0, "a": 2.0, "b": 3.0}
-    assert found.at["b", "chance"] == 0.0
-
-
 def test_ties_share_a_rank_and_failures_lose(standing_of):
     found = standing_of({("p", "a"): LOW, ("p", "b"): LOW, ("p", "c"): [None] * 10, ("p", "d"): [None] * 10})
     assert found["rank"].to_dict() == {"a": 1.5, "b": 1.5, "c": 3.5, "d": 3.5}
@@ -39,10 +33,6 @@ def test_a_cycle_is_a_tie(standing_of):
     assert found["rank"].tolist() == [2.0] * 3
     found = standing_of(dice | {("p", "c"): [3, 5, 70.0]})
     assert found["rank"].idxmax() == "c"
-
-
-def test_one_trial_ranks(standing_of):
-    assert standing_of({("p", "a"): [2.0], ("p", "b"): [1.0]})["rank"].to_dict() == {"a": 2.0, "b": 1.0}
 
 
 def test_one_optimizer_and_a_cell_without_trials(frame_of):
