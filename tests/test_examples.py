@@ -98,28 +98,6 @@ def test_the_optimizer_is_listed_with_its_package(programs, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_missing_extra_is_named_in_one_sentence(programs, tmp_path):
-    done = call(programs / "bench", "solve", "signature-12", "mealpy:OriginalGWO", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.strip().endswith("pip install 'backlash-bench[mealpy]'")
-
-
-@pytest.mark.slow
-def test_bench_check_clears_the_optimizer(programs, tmp_path):
-    printed = succeed(programs / "bench", "check", "hill-climber", "--no-bias", cwd=tmp_path)
-    assert "passed: hill-climber, budget" in printed
-    assert "FAILED" not in printed
-
-
-@pytest.mark.slow
-def test_bench_run_takes_the_optimizer_beside_the_built_ins(programs, tmp_path):
-    options = ("--trials", "2", "--output", "out", "--no-report")
-    succeed(programs / "bench", "run", OPTIMIZER / "study.toml", *options, cwd=tmp_path)
-    status = succeed(programs / "bench", "status", "out", cwd=tmp_path)
-    assert re.search(r"hill-climber +4 +0 +4", status)
-
-
-@pytest.mark.slow
 def test_bench_run_takes_the_problems(programs, tmp_path):
     assert "water-filling-2 … water-filling-8" in succeed(programs / "bench", "list", "problems", cwd=tmp_path)
     succeed(programs / "bench", "run", PROBLEM / "study.toml", "--output", "out", "--no-report", cwd=tmp_path)
@@ -211,18 +189,6 @@ def test_a_package_that_replaced_a_module_is_named_until_this_one_is_installed_a
     assert call(alone.programs / "bench", "--version").returncode == 0
     alone(alone.own)
     assert call(alone.programs / "bench", "--help").returncode == 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("module", ["bench", "problems"])
-def test_a_package_whose_module_this_one_replaced_is_named_also_when_it_is_uninstalled(alone, module, tmp_path):
-    alone(other_package(tmp_path, module))
-    alone(alone.own)
-    assert call(alone.programs / "bench", "--help").returncode == 0
-    alone(f"other-{module}", command="uninstall", options=())
-    done = call(alone.programs / "bench", "list")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert f"the module '{module}' found at no place is not the one of backlash-bench" in done.stderr
 
 
 def test_the_readme_shows_the_whole_optimizer():

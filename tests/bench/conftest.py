@@ -11,6 +11,7 @@ from bench import objective
 from bench.cli import app
 from bench.plugins import registry
 from bench.report.drawing import Drawer, Drawing
+from tests.bench.objectives import LOOPS
 from tests.bench.reports import make as make
 from tests.bench.reports import read as read
 
@@ -166,10 +167,10 @@ def draws(drawn):
         yield
 
 
-COMPILED, INTERPRETED = objective.scanner(10**9, 1), objective._scan
-
-
-@pytest.fixture(params=[COMPILED, INTERPRETED], ids=["compiled", "interpreted"])
-def scanner(request, monkeypatch):
-    """Have objectives count by both: a small budget is not worth loading numba."""
-    monkeypatch.setattr(objective, "scanner", lambda budget, dimension: request.param)
+@pytest.fixture(params=["compiled", "interpreted", "numpy"])
+def scanner(request):
+    """Have objectives look at points by each of their loops: a small budget is not worth loading numba."""
+    loops = {"compiled": objective.scanner(10**9, 1), "interpreted": objective._scan, "numpy": objective._scan_batch}
+    LOOPS[:] = [loops[request.param]]
+    yield
+    LOOPS.clear()

@@ -1,10 +1,8 @@
 """One table says what a trial's columns are; results, stores and frames have no others."""
 
 import sqlite3
-import struct
 
 import numpy as np
-import pytest
 
 from bench import FunctionProblem, load_optimizer
 from bench.columns import COLUMNS, MEASURED, STORED, named, packed
@@ -52,9 +50,3 @@ def test_every_bit_of_a_point_and_of_its_metrics_is_kept():
     assert row["x"] == np.array(values, "<f8").tobytes()
     assert np.array([*named(row, "x").values()]).tobytes() == row["x"]
     assert named(row, "metrics") == {"größe": 1 / 3}
-
-
-@pytest.mark.parametrize("value", ["wide", None])
-def test_a_metric_that_is_no_number_is_refused(value):
-    with pytest.raises(struct.error):
-        packed({"metrics": {"radius": value}})

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench import BudgetExhausted, FunctionProblem, Objective, Problem
+from bench import BudgetExhausted, FunctionProblem, Problem
 from tests.bench.objectives import objective
 
 pytestmark = pytest.mark.usefixtures("scanner")  # compiled and interpreted
@@ -144,7 +144,7 @@ def outcome(objective, x):
 def test_equals_the_literal_reference_to_the_last_bit(data):
     d, budget = data.draw(st.integers(1, 4)), data.draw(st.integers(1, 20))
     problems, refusals = (Scripted(d), Scripted(d)), ([], [])
-    fast = Objective(problems[0], budget, np.random.default_rng(0), refusals[0].append)
+    fast = objective(problems[0], budget, 0, refusals[0].append)
     plain = Reference(problems[1], budget, refusals[1].append)
     for x, answer in data.draw(st.lists(calls(d), min_size=1, max_size=12)):
         problems[0].answer = problems[1].answer = answer

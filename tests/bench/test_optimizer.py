@@ -6,7 +6,7 @@ from typing import Literal
 import pytest
 
 from bench import BenchError, Optimizer, load_optimizer, parameter
-from bench.optimizer import build, is_frozen, settings
+from bench.optimizer import build, is_frozen
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,6 @@ def test_a_budget_below_one_generation_is_refused():
     scatter.check_budget(7, "mine")
     with pytest.raises(BenchError, match="a budget of 6 evaluations is below one generation of 'mine', which takes 7"):
         scatter.check_budget(6, "mine")
-
-
-def test_settings_are_the_values_of_the_fields():
-    assert settings(Sample(rate=0.25)) == {"rate": 0.25, "mode": "a", "size": None}
 
 
 class Thawed(Optimizer):

@@ -1,7 +1,5 @@
 """The contract of a problem, and a user's own function as a problem."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -11,11 +9,6 @@ from bench.problem import with_own_box
 
 def plane(lower=(-1, 0), upper=(1, 4), **options):
     return FunctionProblem(lambda x: x.sum(axis=1), lower, upper, **options)
-
-
-def test_a_function_of_one_point_can_be_a_problem():
-    problem = FunctionProblem(lambda x: float(x[0] ** 2), [-1], [1], vectorized=False)
-    assert problem.evaluate(np.array([[0.5], [1.0]])).tolist() == [0.25, 1.0]
 
 
 A = np.diag([1.0, 2.0, 3.0, 4.0])
@@ -84,20 +77,8 @@ def test_a_function_that_fails_both_ways_says_both_and_is_asked_again():
     assert there.evaluate(np.zeros((4, 2))).tolist() == [1.0] * 4
 
 
-@pytest.mark.parametrize("returned", [None, [1.0, 2.0], {}, "text"])
-def test_what_is_no_number_is_named(returned):
-    with pytest.raises((TypeError, ValueError), match=r"must return one number for a point, not|could not convert"):
-        plane_of(lambda x: returned).evaluate(np.zeros((1, 2)))
-
-
 def plane_of(fun):
     return FunctionProblem(fun, [-1.0] * 2, [1.0] * 2)
-
-
-def test_the_stream_of_noise_is_not_touched_by_finding_out():
-    noisy = FunctionProblem(lambda x, rng: rng.random(), [0], [1], noiseless=lambda x: 0.0)
-    first = np.random.default_rng(1).random()
-    assert noisy.evaluate(np.zeros((1, 1)), np.random.default_rng(1)).tolist() == [first]
 
 
 def test_violations_of_one_point_belong_to_a_function_of_one_point():
@@ -135,19 +116,6 @@ def test_points_are_repaired_to_the_box_and_described_by_nothing():
     assert problem.dimension == 2
     assert problem.describe(np.zeros(2)) == problem.expected == {}
     assert problem.optimum is None
-
-
-def test_the_bounds_are_copies():
-    lower = np.zeros(2)
-    problem = plane(lower)
-    lower[:] = 1.0
-    assert problem.lower.tolist() == [0.0, 0.0]
-
-
-def test_a_problem_may_say_what_kind_it_is():
-    assert plane().features == {}
-    assert pickle.loads(pickle.dumps(FunctionProblem(np.sum, [0], [1]))).features == {}
-    assert plane(features={"suite": "planes", "instance": 2}).features == {"suite": "planes", "instance": 2}
 
 
 def test_a_problem_that_lacks_attributes_is_told_which():

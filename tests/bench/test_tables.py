@@ -3,11 +3,8 @@
 import re
 from html.parser import HTMLParser
 
-import pytest
-
 import bench
 from bench.check.verdict import Checkup, Verdict
-from bench.helpers.text import html_table, listed
 from bench.study import Entry, Study
 
 HOSTILE = "<script>alert(1)</script> & \"'"
@@ -40,26 +37,6 @@ def rows(thing):
     assert set(found.opened) <= {"table", "caption", "thead", "tbody", "tr", "th", "td"}
     assert not re.search(r"color|background", page)  # a notebook's theme, dark or light, has the colours
     return ["".join(found.rows[0])], *found.rows[1:]
-
-
-def test_a_table_escapes_every_text():
-    page = html_table(HOSTILE, [(HOSTILE, HOSTILE)], (HOSTILE, HOSTILE))
-    assert "<script" not in page
-    assert Texts(page).rows[0] == [HOSTILE]
-
-
-@pytest.mark.parametrize(
-    ("names", "text"),
-    [
-        ([], ""),
-        (["a"], "a"),
-        (["a", "b"], "a, b"),
-        (list("abcde"), "a, b, c, d, e"),
-        (list("abcdefg"), "a, b, c, d, e and 2 more"),
-    ],
-)
-def test_many_names_are_shortened(names, text):
-    assert listed(names) == text
 
 
 def test_the_result_of_a_run():

@@ -5,9 +5,9 @@ from textwrap import dedent
 import pytest
 
 from bench import BenchError
-from bench.check.conformance.rules import PROBLEM_RULES, RULES
-from bench.testing import RuleCheck, parametrize_with_checks, parametrize_with_problem_checks
-from tests.bench.check import faulty, faulty_problems
+from bench.check.conformance.rules import RULES
+from bench.testing import parametrize_with_checks
+from tests.bench.check import faulty
 
 pytest_plugins = ["pytester"]
 
@@ -88,12 +88,6 @@ def all_but(optimizer, **other):
 
 
 @pytest.mark.slow
-def test_each_rule_and_optimizer_has_an_id(author):
-    outcomes, _ = author('@parametrize_with_checks([Sound, "hill-climber", Sound(step=0.3)])')
-    assert outcomes == all_but("Sound") | all_but("hill-climber") | all_but("Sound(step=0.3)")
-
-
-@pytest.mark.slow
 def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_fix_it(author):
     outcomes, printed = author("@parametrize_with_checks([Chatty, Quitting])")
     assert outcomes == all_but("Chatty", silence="FAILED") | all_but("Quitting", values="FAILED")
@@ -112,24 +106,11 @@ def test_a_rule_that_needs_a_broken_one_is_skipped(author):
 
 
 @pytest.mark.slow
-def test_one_rule_can_be_checked_alone(author):
-    outcomes, _ = author("@parametrize_with_checks([Sound, Clocked])", "-k", "no-state")
-    assert outcomes == {"Sound-no-state": "PASSED", "Clocked-no-state": "SKIPPED"}
-
-
-@pytest.mark.slow
 def test_a_failure_can_be_expected_and_must_then_occur(author):
     outcomes, printed = author("@parametrize_with_checks([Chatty, Sound], expected_failures={'silence': 'a banner'})")
     assert outcomes == all_but("Chatty", silence="XFAIL") | all_but("Sound", silence="FAILED")
     assert "XFAIL test_author.py::test_conforms[Chatty-silence] - a banner" in printed
     assert "[XPASS(strict)] a banner" in printed
-
-
-@pytest.mark.slow
-def test_a_failure_can_be_expected_of_one_optimizer(author):
-    expected = "lambda optimizer: {'silence': 'a banner'} if optimizer is Chatty else {}"
-    outcomes, _ = author(f"@parametrize_with_checks([Chatty, Sound], expected_failures={expected})", "-k", "silence")
-    assert outcomes == {"Chatty-silence": "XFAIL", "Sound-silence": "PASSED"}
 
 
 def test_an_optimizer_that_no_process_can_load_breaks_the_rule_of_pickling(author):
@@ -138,6 +119,7 @@ def test_an_optimizer_that_no_process_can_load_breaks_the_rule_of_pickling(autho
     assert "not checked: it cannot be sent to another process: TypeError: cannot pickle" in printed
 
 
+@pytest.mark.slow
 def test_an_unknown_name_is_no_expected_failure(author):
     decorator = "@parametrize_with_checks(['gwp'], expected_failures={'box': 'it leaves the box'})"
     outcomes, printed = author(decorator, "-k", "box")
@@ -150,17 +132,6 @@ def test_nothing_runs_and_no_name_is_loaded_while_tests_are_collected(author):
     outcomes, printed = author("@parametrize_with_checks([Sound, 'gwp'])", "--collect-only", "-q", setup=refuse)
     assert list(outcomes) == []
     assert "36 tests collected" in printed
-
-
-def test_a_check_names_its_optimizer_and_its_rule():
-    mark = parametrize_with_checks([faulty.Sound])
-    name, cases = mark.args
-    assert name == "check"
-    checks = [case.values[0] for case in cases]
-    assert all(isinstance(check, RuleCheck) for check in checks)
-    assert [check.rule for check in checks] == [rule.name for rule in RULES]
-    assert {check.source for check in checks} == {faulty.Sound}
-    assert repr(checks[2]) == "<check of Sound: budget>"
 
 
 @pytest.mark.parametrize(
@@ -214,10 +185,3 @@ low, high = bench.FunctionProblem(lambda x: x[:, 0], [0], [1], name="low"), benc
         "low-values": "PASSED", "low-repair": "PASSED", "function-values": "FAILED", "function-repair": "PASSED",
     }  # fmt: skip
     assert "function breaks the rule 'values': " in printed
-
-
-def test_problems_are_given_as_a_list_and_have_one_case_a_rule():
-    with pytest.raises(BenchError, match="give a list of problems, such as"):
-        parametrize_with_problem_checks("signature-12")
-    _, cases = parametrize_with_problem_checks([faulty_problems.Sound()]).args
-    assert [case.id for case in cases] == [f"sound-{rule.name.replace(' ', '-')}" for rule in PROBLEM_RULES]

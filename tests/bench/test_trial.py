@@ -2,7 +2,6 @@
 
 import os
 from dataclasses import dataclass, replace
-from itertools import cycle
 from math import inf, nan
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from bench import FunctionProblem, Optimizer
 from bench.columns import named
 from bench.errors import ProblemError
-from bench.trial import Trial, as_row, doubt, search
+from bench.trial import as_row, doubt, search
 from tests.bench.made import result
 
 
@@ -70,11 +69,6 @@ def test_a_trial_ends_by_its_budget_a_declared_reason_or_without_one(optimizer, 
     assert result.fun == (result.x**2).sum() == result.trace.values[-1]
 
 
-def test_a_search_does_not_describe_its_best_point_which_may_take_for_ever(monkeypatch):
-    monkeypatch.setattr(SPHERE, "describe", lambda x: pytest.fail("described"))
-    assert search(SPHERE, Drawing(), 10, seed=3).metrics == {}
-
-
 def test_the_seed_repeats_a_trial():
     one, two, other = (search(SPHERE, Drawing(), 10, seed=seed) for seed in (1, 1, 2))
     assert one.x.tolist() == two.x.tolist() != other.x.tolist()
@@ -131,10 +125,6 @@ def test_what_makes_no_columns_is_refused(variables, figures, sentence):
     result = replace(search(SPHERE, Drawing(), 10, seed=0), metrics=figures)
     with pytest.raises(ValueError, match=sentence):
         as_row(result, variables)
-
-
-def test_a_trial_is_known_by_its_cell_and_number():
-    assert Trial("sphere", "gwo", 3, seed=99).key == ("sphere", "gwo", 3)
 
 
 def raises_beyond(limit):
@@ -212,16 +202,6 @@ def test_a_value_that_the_best_point_does_not_have_is_doubted(fun, value):
     assert f"the best value is {fun!r}, and its point has" in doubts(fun, lambda x: np.full(len(x), value))
 
 
-@pytest.mark.parametrize("value", [0.0, 1e-30, 3.0, 1e300])
-def test_noise_is_told_from_rounding_relative_to_the_value(value):
-    for share, words in ((1e-10, ""), (1e-8, "has noise that it does not declare")):
-        signs = cycle([1, -1])
-        noise = share * value or 1e-300 * (share > 1e-9)
-        said = doubts(value, lambda x: np.full(len(x), value + next(signs) * noise))  # noqa: B023
-        assert words in said
-        assert bool(words) == bool(said)
-
-
 def test_what_is_left_of_large_terms_may_depend_on_the_batch():
     def cancelling(x):
         return 2e-17 * (np.arange(len(x)) > 0)
@@ -235,19 +215,6 @@ def test_a_point_is_evaluated_alone_and_only_once_where_its_value_is_the_same():
     assert doubts(0.75, lambda x: sizes.append(len(x)) or x.sum(axis=1)) == ""
     assert sizes[-1:] == [1]
     assert sizes.count(1) <= 2  # a function problem may try its function once
-
-
-def test_a_problem_that_writes_into_its_points_moves_none():
-    def write(x):
-        values = x.sum(axis=1)
-        x[:] = 0.0
-        return values
-
-    assert doubts(0.75, write) == ""
-
-
-def test_a_point_outside_the_box_has_no_value_to_doubt():
-    assert doubts(inf, lambda x: x.sum(axis=1), x=(7.0, 0.0)) == ""
 
 
 def test_what_the_problem_raises_at_a_best_point_is_its_own_error():

@@ -77,19 +77,6 @@ def test_a_block_imports_a_module_that_the_page_has_written(tmp_path, monkeypatc
     assert str(tmp_path / "run") not in sys.path
 
 
-def test_what_a_block_printed_is_returned_where_the_page_does_not_show_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(blocks, "ROOT", tmp_path)
-    page = tmp_path / "page.md"
-    page.write_text(
-        "```console\necho a\n```\n\n```output\na\n```\n\n"
-        "% not run: it would fail\n```console\nfalse\n```\n\n"
-        "```python\nprint('b')\n```\n\n```console\ntrue\n```\n",
-        encoding="utf-8",
-    )
-    assert blocks.run(page, tmp_path) == {3: "b\n"}
-    assert page.read_text(encoding="utf-8").splitlines()[blocks.blocks(page)[3].last - 1] == "```"
-
-
 def test_a_page_has_run_as_long_as_its_blocks_and_the_code_are_the_same(tmp_path, monkeypatch):
     page, code = tmp_path / "how-to" / "page.md", tmp_path / "bench" / "execution" / "made.py"
     for part, place in (("ROOT", tmp_path), ("DOCS", tmp_path)):

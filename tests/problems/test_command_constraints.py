@@ -84,7 +84,7 @@ def test_points_that_fail_are_infeasible_and_are_run_once(counted):
 
 def test_trials_of_such_a_program_repeat(counted, tmp_path):
     study = {
-        "name": "s", "trials": 1, "budget": 30, "on_error": "worst", "optimizers": ["gwo", "cma-es"],
+        "name": "s", "trials": 1, "budget": 12, "on_error": "worst", "optimizers": ["cma-es"],
         "problems": [{"name": counted[0], "label": "counted"}],
     }  # fmt: skip
     assert not run(study, tmp_path / "out", n_jobs=1).failed

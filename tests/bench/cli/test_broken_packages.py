@@ -74,12 +74,6 @@ def test_what_is_left_out_is_named(kind, said, tmp_path):
     assert said in " ".join(called(tmp_path, kind, *WORKS).stderr.split())
 
 
-@pytest.mark.slow
-def test_a_gate_never_passes_where_a_plug_in_ends_the_process(tmp_path):
-    for kind in ("exits", "ends"):
-        assert called(tmp_path, kind, "gate", "no", "folders").returncode == 2
-
-
 def test_a_command_that_a_plug_in_ends_in_its_midst_is_no_success(tmp_path):
     PLUGINS["midst"] = ("[bench.commands]\nmine = mine:command\n", "import sys\ndef command():\n    sys.exit(0)\n")
     done = called(tmp_path, "midst", "mine")

@@ -52,18 +52,3 @@ def test_a_problem_that_cannot_be_loaded_costs_no_other_of_its_family(bench_here
     assert done.returncode == 1
     assert "bbob-f99-d2-i1 could not be checked: bbob has no function 'f99'" in done.stderr
     assert "bbob-f01-d2-i1 keeps the contract" in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("name", "sentence"),
-    [
-        ("bbob-f99-d2-i1", "bbob has no function 'f99'"),
-        ("no/such.py:Mine", "cannot be read"),
-        ("own.py:Absent", "holds no optimizer called 'Absent'"),
-        ("nothing-*", "no problem matches 'nothing-*'"),
-    ],
-)
-def test_what_cannot_be_checked_is_one_sentence(bench_here, files, name, sentence):
-    done = bench_here("check", name, cwd=files)
-    assert done.returncode == 2
-    assert sentence in done.stderr

@@ -95,20 +95,6 @@ def test_rm_makes_a_cell_new(bench_here, copied):
     assert again.drop(columns=times).equals(before.drop(columns=times))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ([], "name what to remove"),
-        (["--optimizer", "scater"], "no optimizer 'scater'; did you mean 'scatter'?"),
-        (["--problem", "sphere-4"], "no problem 'sphere-4'; did you mean"),
-    ],
-)
-def test_rm_refuses_what_it_does_not_know(bench_here, made, arguments, said):
-    done = bench_here("rm", made / "out", *arguments)
-    assert done.returncode == 2
-    assert said in done.stderr
-
-
 def test_a_dry_run_prints_the_plan_and_the_time_and_writes_nothing(bench_here, made):
     before = sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir())
     done = bench_here("run", made / "mixed.toml", "--output", made / "out", "--dry-run", "--trials", 1000, "--jobs", 2)
@@ -153,46 +139,6 @@ def test_resuming_with_other_versions_warns(bench_here, copied):
     )
     assert "were made by another environment (numpy 1.99.0 → " in done.stdout
     assert len(json.loads((copied / "out" / "environment.json").read_text())) == 2
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--timeout", "0"], "the timeout of a trial must be a positive number of seconds"),
-        (["--timeout", "-3"], "the timeout of a trial must be a positive number of seconds"),
-        (["--memory", "0"], "the memory of a trial must be a positive number of gigabytes"),
-        (["--memory", "nan"], "the memory of a trial must be a positive number of gigabytes"),
-        (["--shard", "3"], "as in 3/20"),
-        (["--backend", "dask"], "needs --scheduler"),
-        (["--backend", "local", "--scheduler", "tcp://localhost:1"], "no other backend takes one"),
-    ],
-)
-def test_wrong_limits_are_one_sentence(bench_here, made, arguments, said):
-    done = bench_here("run", made / "mixed.toml", "--output", made / "no", *arguments)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert not (made / "no").exists()
-
-
-@pytest.mark.slow
-def test_a_run_with_another_handling_of_constraints(bench_here, tmp_path):
-    def run(constraints):
-        (tmp_path / "ring.toml").write_text(
-            f'name = "ring"\ntrials = 2\nbudget = 30\nconstraints = "{constraints}"\n'
-            '[[problems]]\nname = "ring-2"\n[[optimizers]]\nname = "scatter"\n'
-        )
-        return bench_here("run", tmp_path / "ring.toml", "--output", tmp_path / "out", "--jobs", 1, "--no-report")
-
-    refused = run("deth")
-    assert refused.returncode != 0
-    assert "'constraints' must be one of death, penalty, lexicographic, repair, not 'deth'" in refused.stderr
-    refused = run("repair")
-    assert "problem 'ring-2' has no rule that repairs violated constraints" in refused.stderr
-    assert not (tmp_path / "out" / "trials.sqlite").exists()
-    assert run("death").returncode == 0
-    assert 'constraints = "death"' in (tmp_path / "out" / "study.toml").read_text()
-    assert (load_results(tmp_path / "out")["violation"] == 0).all()
 
 
 @pytest.mark.slow

@@ -16,7 +16,3 @@ def lines(made, width=40):
 def test_cells_are_printed_as_they_are_and_numbers_stand_at_the_right():
     made = table(("[b]name", "n"), [("[red]a[/red]", 7), (Text("b", "red"), 12)], right=True, title="two")
     assert lines(made) == ["two", "[b]name        n", "[red]a[/red]   7", "b             12"]
-
-
-def test_a_long_word_is_folded_and_not_cut():
-    assert lines(table(("", ""), [("x" * 10, "y")]), width=8) == ["xxxxx  y", "xxxxx"]

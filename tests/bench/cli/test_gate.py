@@ -101,35 +101,6 @@ def test_another_look_after_more_trials_is_said_with_the_way_out(bench_here, fol
     assert "was extended" not in bench_here("gate", "old", "other", cwd=folders).stdout
 
 
-def test_an_optimizer_is_chosen_by_its_label(bench_here, folders):
-    done = bench_here("gate", "two", "worse", "--optimizer", "mine", cwd=folders)
-    assert done.returncode == 1
-
-
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (("two", "old"), "two holds 2 optimizers (mine and scatter); choose one with --optimizer"),
-        (("old", "same", "--optimizer", "mime"), "old holds no optimizer 'mime'; did you mean 'mine'?"),
-        (("old", "fewer"), "there are no trials on sphere-3 of mine (fewer); run them, or compare"),
-        (("old", "old"), "old is given twice"),
-        (("old", "same", "--not-worse-than", "5"), "the margin is 5.0, but must be above 0 and below 0.5"),
-        (("unknown", "unknown-too", "--target", "1"), "no target can be set on p, whose optimum is unknown or beaten"),
-    ],
-)
-def test_bad_input_costs_one_sentence(bench_here, folders, arguments, reason):
-    done = bench_here("gate", *arguments, cwd=folders)
-    assert done.returncode == 2
-    assert reason in done.stderr
-    assert done.stderr.count("\n") == 1
-
-
-def test_problems_that_one_lacks_can_be_left_out(bench_here, folders):
-    done = bench_here("gate", "old", "fewer", "--common", cwd=folders)
-    assert done.returncode == 0
-    assert "Left out, as one version has no trial: sphere-3." in done.stdout
-
-
 def test_speed_counts_with_a_target(bench_here, folders):
     done = bench_here("gate", "old", "worse", "--target", "1e9", cwd=folders)  # all reach it with their first points
     assert done.returncode == CODES["undecided"]

@@ -6,9 +6,9 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
-from bench import BenchError, Study
+from bench import Study
 from bench.cli.app import app
-from bench.plugins import catalogue, registry
+from bench.plugins import registry
 
 
 def test_an_optimizer_is_listed_with_its_lineage(bench_here):
@@ -26,22 +26,6 @@ def test_a_plugin_that_fails_to_import_is_named_and_hides_no_other(bench_here):
     assert "hill-climber A (1+1)-ES" in text
 
 
-def test_a_family_without_names_says_how_it_is_used():
-    shown = " ".join(CliRunner().invoke(app, ["list", "command"]).stdout.split())
-    assert "command:./mine' runs the program ./mine" in shown
-    assert "what it is" not in shown  # the head of a table
-
-
-@pytest.mark.slow
-def test_the_list_as_json_holds_every_optimizer(bench_here):
-    listed = {each["name"]: each for each in json.loads(bench_here("list", "--json", "optimizers").stdout)}
-    assert listed["gwo"]["parameters"][0] == {
-        "name": "agents", "default": 30, "kind": "int", "minimum": 3, "maximum": None,
-    }  # fmt: skip
-    assert "failed to load" in listed["broken"]["error"]
-    assert listed["scipy:differential_evolution"]["family"] == "scipy"
-
-
 @pytest.mark.parametrize("kind", ["problems", "studies", "commands"])
 def test_the_list_of_another_kind_as_json_holds_its_plugins(bench_here, kind):
     listed = {each["name"]: each for each in json.loads(bench_here("list", "--json", kind).stdout)}
@@ -56,19 +40,6 @@ def test_the_list_of_another_kind_as_json_holds_its_plugins(bench_here, kind):
     assert about in listed[name]["about"]
 
 
-def test_an_unknown_kind_is_refused_as_json_too(bench_here):
-    done = bench_here("list", "--json", "problem")
-    assert done.returncode == 2
-    assert "no kind, family, suite or plug-in is called 'problem'; did you mean 'problems'?" in done.stderr
-
-
-def test_a_family_lists_its_members(bench_here):
-    done = bench_here("list", "scipy")
-    assert done.returncode == 0
-    for name in ("differential_evolution", "dual_annealing", "shgo", "direct", "basinhopping"):
-        assert f"scipy:{name}" in done.stdout
-
-
 def test_a_member_of_a_family_is_listed_with_its_parameters_and_what_is_not_mapped(bench_here):
     for words in (("scipy:shgo",), ("optimizers", "scipy:shgo")):
         text = " ".join(bench_here("list", *words).stdout.split())
@@ -76,26 +47,6 @@ def test_a_member_of_a_family_is_listed_with_its_parameters_and_what_is_not_mapp
         assert "iters=1 (>= 1)" in text
         assert "not mapped values above 1e+100" in text
     assert "scipy has no optimizer 'shg'; did you mean 'shgo'?" in bench_here("list", "scipy:shg").stderr
-
-
-def test_an_optimizer_that_cannot_be_loaded_is_refused(bench_here):
-    done = bench_here("list", "broken")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert "failed to load: ModuleNotFoundError" in done.stderr
-
-
-def test_an_unknown_kind_is_refused(bench_here):
-    done = bench_here("list", "optimisers")
-    assert done.returncode == 2
-    assert "no kind, family, suite or plug-in is called 'optimisers'; did you mean 'optimizers'?" in done.stderr
-
-
-@pytest.mark.parametrize("words", [["cec2022"], ["problems", "cec2022"]])
-def test_a_suite_lists_its_functions_and_dimensions(bench_here, words):
-    done = bench_here("list", *words)
-    rows = [line.split("  ") for line in done.stdout.splitlines() if line.startswith("f")][1:]
-    assert [row[0].strip() for row in rows] == [f"f{number:02}" for number in range(1, 13)]
-    assert "f12       composition 4             10, 20      cec2022-f12-d10" in done.stdout
 
 
 def test_a_suite_with_instances_lists_their_number(bench_here):
@@ -110,35 +61,6 @@ def test_a_suite_with_instances_lists_their_number(bench_here):
         "title": "sphere",
     }
     assert (len(listed), listed[0]) == (24, first)
-
-
-def test_another_family_of_problems_lists_its_names(bench_here):
-    assert "signature-07" in bench_here("list", "signature").stdout.split()
-    assert "recording:<name>" in bench_here("list", "recording").stdout.split()
-    assert {"name": "signature-07"} in json.loads(bench_here("list", "signature", "--json").stdout)
-
-
-def test_one_optimizer_is_listed_alone(bench_here):
-    said = bench_here("list", "optimizers", "gwo").stdout
-    assert "Mirjalili" in said
-    assert "hill-climber" not in said
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["problems", "cec202"], "unknown family of problems 'cec202'; did you mean 'cec2020' or 'cec2022'?"),
-        (["studies", "thesis"], "'studies' has no families or suites; leave out 'thesis'"),
-    ],
-)
-def test_a_second_word_must_be_a_family(bench_here, words, sentence):
-    done = bench_here("list", *words)
-    assert (done.returncode, done.stderr) == (2, f"bench: {sentence}\n")
-
-
-def test_a_record_of_what_cannot_be_loaded_says_why():
-    with pytest.raises(BenchError, match="failed to load"):
-        catalogue.record("broken")
 
 
 def listed(monkeypatch, missing, *words):
@@ -160,11 +82,6 @@ def test_a_search_finds_functions_by_what_they_are_called(bench_here):
     assert "bbob-f08-d2-i1" in said
     assert "classical-rosenbrock-d2-i1" in said
     assert "bbob-f01-d2-i1" not in said
-
-
-def test_a_search_without_a_match_is_an_error(bench_here):
-    done = bench_here("list", "studies", "--search", "nowhere")
-    assert (done.returncode, done.stderr) == (2, "bench: no plug-in has 'nowhere' in its name or description\n")
 
 
 def test_a_suite_without_its_library_says_how_to_get_it(monkeypatch):

@@ -23,15 +23,3 @@ def test_plan_prints_the_gap_that_trials_show_and_the_trials_that_a_gap_needs(be
     asked = bench_here("plan", "out", "--power", 0.95, "--gap", 0.9, cwd=tmp_path).stdout
     assert "power of 95%" in asked
     assert "an A12 of 0.9 needs" in asked
-
-
-def test_what_cannot_be_planned_is_one_sentence(bench_here, tmp_path):
-    run(Study.from_dict(STUDY), tmp_path / "out", n_jobs=1)
-    for arguments, reason in (
-        (["out", "--power", 0], "the power is a chance"), (["out", "--gap", 0.5], "the gap is an A12"),
-        (["nowhere"], "holds no study.toml"),
-    ):  # fmt: skip
-        failed = bench_here("plan", *arguments, cwd=tmp_path)
-        assert failed.returncode == 2
-        assert reason in failed.stderr
-        assert failed.stderr.count("\n") == 1

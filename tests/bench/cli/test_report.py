@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from bench import BenchError, Study, run, write_report
+from bench import Study, run, write_report
 from bench.check.bias import diagnose_all
 from bench.check.verdict import Verdict
 
@@ -74,15 +74,6 @@ def test_status_prints_the_answer_of_a_report_of_these_trials_only(bench_here, f
     assert "the report is of other trials; write it again: bench report" in done.stdout
 
 
-def test_what_cannot_be_compared_ends_in_one_sentence(bench_here, folders, tmp_path):
-    done = bench_here("report", folders / "old", folders / "short", "--output", tmp_path / "out")
-    assert done.returncode == 2
-    assert "only runs of one budget can be compared" in done.stderr
-    assert not (tmp_path / "out").exists()
-    with pytest.raises(BenchError, match="whose own report would be lost"):
-        write_report(folders / "old", folders / "new", output=folders / "short")
-
-
 @pytest.mark.slow
 def test_a_report_that_is_written_again_leaves_no_stale_file_and_touches_no_foreign_one(folders, tmp_path):
     out = tmp_path / "out"
@@ -105,35 +96,6 @@ def test_export_says_where_it_wrote(bench_here, folders, tmp_path, kind):
     assert (tmp_path / "out" / "README.txt").exists()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["export", "old", "--format", "xls"], "xls"),
-        (["export", "nowhere", "--format", "csv"], "holds no study.toml"),
-        (["report", "nowhere"], "holds no study.toml"),
-        (["report", "old", "old"], "given twice"),
-        (["check", "nothing"], "unknown optimizer 'nothing'"),
-        (["check", "scatter", "--set", "agents=none"], "agents"),
-    ],
-)
-def test_bad_input_is_one_sentence_and_exit_code_2(bench_here, folders, arguments, sentence):
-    done = bench_here(*arguments, cwd=folders)
-    assert done.returncode == 2
-    assert sentence in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arguments", "code"), [(["export", "old", "--format", "csv"], 0), (["export", "nowhere", "--format", "csv"], 2)]
-)
-def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders, arguments, code):
-    alone, here = bench(*arguments, cwd=folders), bench_here(*arguments, cwd=folders)
-    assert alone.returncode == here.returncode == code
-    assert (alone.stdout, alone.stderr) == (here.stdout, here.stderr)
-    assert here.stdout or here.stderr
-
-
 @pytest.mark.slow
 def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
@@ -147,16 +109,6 @@ def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tm
     assert again.stdout == first.stdout + kept
     assert anew.stdout == first.stdout
     assert json.loads((folder / "checks.json").read_text()).keys() == {"scatter", "early"}
-
-
-@pytest.mark.slow
-def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path):
-    folder = shutil.copytree(folders / "old", tmp_path / "old")
-    noted = {"check": "centre bias", "passed": False, "figure": 5e6, "finding": "Errors are higher off the centre."}
-    (folder / "checks.json").write_text(json.dumps({"scatter": [noted]}))
-    assert bench_here("report", folder).returncode == 0
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "scatter 5e+06 times" in page
 
 
 @pytest.mark.slow

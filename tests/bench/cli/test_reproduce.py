@@ -43,10 +43,6 @@ def test_reading_names_each_cell_that_contradicts_itself_and_ends_with_1(called)
     assert printed.endswith("2 of 3 cells contradict themselves, each other or the problem\n")
 
 
-def test_a_file_that_is_no_table_is_refused_in_a_sentence(called):
-    assert called("a,b\n1,2\n") == (2, "bench: paper.csv has no column of functions; its columns are a, b\n")
-
-
 @pytest.mark.slow
 def test_the_protocol_is_run_and_each_cell_judged(called, tmp_path):
     rows = "sphere,Mine,1.00E9,1\nsphere,GWO,0.5,0.5\nsphere,Unheard,1,1\nackley,GWO,1,see text\n"
@@ -71,19 +67,6 @@ def test_the_protocol_is_run_and_each_cell_judged(called, tmp_path):
     assert again == 1
     assert all(part.rstrip(".") in once_more for part in content["sentence"].split("; "))
     assert "study paper" not in once_more
-
-
-def test_an_optimizer_for_a_name_that_is_not_printed_is_refused(called):
-    text = f"{HEAD}function,optimizer,mean,sd\nsphere,Mine,0.5,0.5\n"
-    assert called(text, "--optimizer", "Other=gwo") == (
-        2, "bench: --optimizer 'Other=gwo' must be PRINTED=NAME; the table prints Mine\n",
-    )  # fmt: skip
-
-
-def test_a_table_of_which_nothing_can_be_run_is_refused_in_a_sentence(called):
-    code, printed = called(f"{HEAD}function,optimizer,mean,sd\nsphere,Unheard,0.5,0.5\n")
-    assert code == 2
-    assert "bench: no cell of paper.csv can be run: no optimizer is called 'Unheard'" in printed
 
 
 def test_the_trials_of_a_folder_are_judged_beside_the_table(called, results, tmp_path):  # noqa: F811

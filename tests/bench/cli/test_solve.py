@@ -83,19 +83,6 @@ def test_a_return_before_the_budget_without_a_reason_is_no_success(solve):
     assert "returned before the budget was spent and declared no reason" in " ".join(done.stderr.split())
 
 
-def test_a_stop_reason_without_a_text_loses_no_search(solve):
-    done = solve("sphere-2", "Silent")
-    assert done.returncode == 0
-    assert "4 (stopped by: <Unspeakable>)" in done.stdout
-
-
-def test_an_error_without_a_text_is_one_sentence(solve):
-    done = solve("sphere-2", "Raising")
-    assert done.returncode == 1
-    assert done.stderr.count("\n") == 1
-    assert "failed on sphere-2: UnspeakableError: its message cannot be read" in done.stderr
-
-
 def test_a_best_point_that_cannot_be_described_is_printed_with_a_warning(solve):
     with pytest.warns(UserWarning, match="vague does not describe its best point: RuntimeError: no figures"):
         done = solve("p.py:Vague", "Markup")

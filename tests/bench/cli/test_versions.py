@@ -3,12 +3,9 @@
 import os
 import subprocess
 import sys
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 
 import pytest
-
-import bench as package
-from bench.cli import versions
 
 
 @pytest.fixture
@@ -17,28 +14,12 @@ def printed(bench_here):
     return lambda: dict(line.split("  ", 1) for line in bench_here("--version").stdout.splitlines())
 
 
-def test_the_first_line_is_the_version_of_the_package(bench_here):
-    done = bench_here("--version")
-    assert (done.returncode, done.stdout.splitlines()[0].split()) == (0, ["backlash-bench", package.__version__])
-    assert package.__version__ == version("backlash-bench")
-
-
 def test_libraries_platform_and_extras_are_printed(printed):
     found = {name: value.strip() for name, value in printed().items()}
     assert found["numpy"] == version("numpy")
     assert found["extra xlsx"] == f"openpyxl {version('openpyxl')}"
     assert "threads" in found["BLAS"]
     assert {"Python", "scipy", "numba", "cma", "pandas", "platform", "extra mealpy"} <= set(found)
-
-
-def test_a_missing_package_is_named(printed, monkeypatch):
-    def found(name):
-        if name == "cmaes":
-            raise PackageNotFoundError(name)
-        return version(name)
-
-    monkeypatch.setattr(versions, "version", found)
-    assert "cmaes not installed" in printed()["extra optuna"]
 
 
 def test_it_works_where_a_foreign_module_stops_every_other_command(tmp_path):

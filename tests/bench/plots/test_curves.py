@@ -1,10 +1,9 @@
 """Curves over evaluations and targets: scales, where they end, and the axes of shares."""
 
-import numpy as np
 import pytest
 
 from bench import plots
-from tests.bench.plots.frames import GRID, axes, curves, fractions, svg, times
+from tests.bench.plots.frames import axes, curves, fractions, times
 
 
 def test_an_infinite_median_is_not_drawn():
@@ -20,12 +19,6 @@ def test_bands_are_drawn_as_long_as_they_can_be_distinguished(number, bands):
     assert len(plots.convergence(curves(["p"], optimizers), "p", ax=axes()).collections) == bands
 
 
-def test_wide_values_have_a_log_axis():
-    wide = curves(["p"], ["a"]).assign(median=np.geomspace(1, 100, len(GRID)))
-    assert plots.convergence(wide, "p", ax=axes()).get_yscale() == "log"
-    assert plots.convergence(wide.assign(median=-wide["median"]), "p", ax=axes()).get_yscale() == "linear"
-
-
 def test_a_curve_ends_in_an_open_marker_where_targets_are_left():
     ax = plots.ert(times(["p"], ["a", "b"], unreached=["b"]), "p", ax=axes())
     full, short, end = ax.lines
@@ -34,12 +27,6 @@ def test_a_curve_ends_in_an_open_marker_where_targets_are_left():
     assert (end.get_xdata()[0], end.get_markerfacecolor()) == (0.1, "white")
     left, right = ax.get_xlim()
     assert left > 1.0 > 0.001 > right
-
-
-def test_a_problem_on_which_no_target_was_reached_has_axes_all_the_same():
-    ax = plots.ert(times(["p"], ["a"]).assign(ert=np.inf), "p", ax=axes())
-    svg(ax.figure)
-    assert [len(line.get_xdata()) for line in ax.lines] == [0]
 
 
 def test_shares_go_from_none_to_all():

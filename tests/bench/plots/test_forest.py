@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from bench import plots
-from tests.bench.plots.frames import axes, svg
+from tests.bench.plots.frames import axes
 
 
 class TestForest:
@@ -20,9 +20,3 @@ class TestForest:
         assert (clear.get_xdata().tolist(), open_.get_xdata().tolist()) == ([0.9], [0.45])
         assert open_.get_markerfacecolor() == "white"
         np.testing.assert_allclose([s[:, 0] for s in ax.collections[-1].get_segments()], [[0.8, 1.0], [0.3, 0.6]])
-
-    def test_a_missing_effect_keeps_its_row(self):
-        pairs = self.pairs.assign(a12=np.nan, joint_low=np.nan, joint_high=np.nan)
-        ax = plots.a12_forest(pairs, "p", ax=axes())
-        svg(ax.figure)
-        assert len(ax.get_yticklabels()) == 2

@@ -53,18 +53,6 @@ def test_an_optimum_that_a_log_axis_cannot_show_is_said(optimum, text):
     assert [each.get_text() for each in ax.get_legend().texts] == [text]
 
 
-def test_solved_trials_are_drawn_at_the_precision_that_counts_as_solved():
-    ax = plots.box_plot(trials({("p", "a"): [0.0, 0.0, 2.0], ("p", "b"): [0.0]}), "p", least=1e-8, ax=axes())
-    assert ax.get_xscale() == "log"
-    assert points_of(ax) == [[1e-8, 1e-8, 2.0], [1e-8]]
-    assert ax.get_xlim()[0] < 1e-8 < 2.0 < ax.get_xlim()[1]
-
-
-def test_an_axis_is_drawn_where_every_trial_solved_the_problem():
-    ax = plots.box_plot(trials({("p", "a"): [0.0, 0.0]}), "p", least=1e-8, ax=axes())
-    assert ax.get_xlim() == pytest.approx((1e-8 / 3, 3e-6))
-
-
 def test_bars_are_split_and_unknown_times_said():
     table = clock(["a", "b"])
     table.loc[1, ["trials", "wall_mean", "objective_mean"]] = [0, np.nan, np.nan]

@@ -1,7 +1,5 @@
 """The look that all plots share, whose axes they draw on, and which problems they refuse."""
 
-from itertools import product
-
 import matplotlib
 import numpy as np
 import pandas as pd
@@ -11,20 +9,6 @@ from matplotlib.axes import Axes
 from bench import BenchError, plots
 from bench.plots import style
 from tests.bench.plots.frames import axes, clock, curves, fractions, improvements, times, trials
-
-
-@pytest.mark.parametrize(("count", "length"), [(1, 3), (7, 3), (30, 20)])
-def test_a_legend_above_takes_the_height_it_says(count, length):
-    texts = [f"{'x' * length}{i}" for i in range(count)]
-    figure, (ax,) = style.grid(1, height=1.0, left=0.5, top=style.legend_height(texts))
-    for text in texts:
-        ax.plot([0, 1], [0, 1], label=text)
-    style.legend_above(figure, ax.get_legend_handles_labels()[0])
-    figure.draw_without_rendering()
-    box = figure.legends[0].get_window_extent().transformed(figure.dpi_scale_trans.inverted())
-    assert box.x1 <= style.PAGE
-    assert box.y0 >= figure.get_figheight() - style.legend_height(texts)
-    assert [text.get_text() for text in figure.legends[0].texts] == texts
 
 
 def test_a_title_has_as_many_letters_as_its_panel_has_room_for():
@@ -40,12 +24,6 @@ def test_long_labels_stay_apart():
     assert max(map(len, names.values())) <= 20
     assert names["gwo"] == "gwo"
     assert style.names(labels[3:5] + labels[:3] + labels[5:], 20) == names  # whatever their order
-
-
-def test_widths_are_measured():
-    assert style.text_width([]) == 0.0
-    assert style.text_width(["i"]) < style.text_width(["W"]) < style.text_width(["i", "WW"])
-    assert style.text_width(["日" * 10], 8.0) >= 10 * 8 / 72
 
 
 def test_a_grid_has_the_margins_asked_for():
@@ -113,10 +91,6 @@ class TestLooks:
         assert len(set(pens_of([str(i) for i in range(280)]).values())) == 280
         assert len({color for color, _, _ in pens_of([f"o{i}" for i in range(8)]).values()}) == 8
 
-    def test_they_do_not_depend_on_the_order(self):
-        labels = [f"optimizer {i}" for i in range(20)]
-        assert pens_of(labels) == pens_of(labels[::-1])
-
     def test_they_are_the_same_in_every_process_and_version(self):
         known = {"cma-es": "#009E73", "gwo": "#000000", "random-search": "#8C6D31"}
         assert {label: color for label, (color, _, _) in pens_of(list(known)).items()} == known
@@ -148,11 +122,6 @@ class TestLooks:
                 assert (high + 0.05) / (low + 0.05) > 2, (color, page)
 
 
-def test_offsets_are_fixed_and_bounded():
-    assert np.abs(style.spread(1000)).max() <= 0.25
-    assert (style.spread(5) == style.spread(5)).all()
-
-
 def test_a_subject_stands_out_and_its_rivals_are_paler():
     pens = style.pens("abc")
     shown = style.standing_out(pens, "b")
@@ -181,18 +150,3 @@ def test_long_labels_of_a_sweep_show_the_values_that_differ():
     ]  # fmt: skip
     assert names["gwo"] == "gwo"
     assert style.names(labels[:1], 24)[labels[0]] == style.plain(labels[0], 24)  # nothing differs
-
-
-@pytest.mark.parametrize("at_most", [14, 18, 24])
-def test_names_of_a_sweep_over_many_parameters_are_distinct(at_most):
-    every = product((15, 30), (0.5, 0.9), (0.1, 0.9), ("false", "true"))
-    labels = ["RestartDE[agents={},F={},CR={},restart={}]".format(*values) for values in every]
-    names = [*style.names(labels, at_most).values()]
-    assert len(set(names)) == 16
-    assert max(map(len, names)) <= at_most
-    assert names[0] == {14: "Restar…se] 1", 18: "15,0.5,0.1,false", 24: "Res…DE[15,0.5,0.1,false]"}[at_most]
-
-
-def test_short_labels_of_a_sweep_stay_as_they_are():
-    labels = ["gwo[agents=30,a=1]", "gwo[agents=50,a=1]"]
-    assert style.names(labels, 24) == dict(zip(labels, labels, strict=True))

@@ -6,7 +6,7 @@ import pytest
 
 from bench import Study
 from bench.study import Entry
-from bench.study.cell import Cell, alike, differences, read, record, relabelled, with_inputs
+from bench.study.cell import Cell, alike, differences, record, with_inputs
 
 STUDY = Study("s", (Entry("p", "p"),), (Entry("o", "o", {"F": 0.5}),), budget="10 * d", seed=3)
 
@@ -54,18 +54,6 @@ def test_other_dimensions_and_inputs_make_another_cell():
 )
 def test_what_decides_no_trial_makes_none(changes):
     assert cell(replace(STUDY, **changes)) == cell()
-
-
-def test_results_of_which_no_dimension_is_known_have_no_evaluations():
-    (one,) = STUDY.cells({}).values()
-    assert one.evaluations == 0
-
-
-def test_a_label_alone_makes_no_difference_to_what_is_alike():
-    one = cell().optimizer
-    assert alike(one, relabelled(one, "other"))
-    assert read(relabelled(one, "other"))["label"] == "other"
-    assert relabelled(one, "o") == one
 
 
 def test_differences_name_options():

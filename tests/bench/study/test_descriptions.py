@@ -8,7 +8,6 @@ import pytest
 from bench import Results, Study, load_optimizer, run, write_report
 from bench.execution.job import Task
 from bench.execution.supervisor import check
-from bench.sandbox.process import Process
 from bench.storage.folder import Folder
 from bench.storage.merge import merge
 from bench.study.descriptions import Description, noted
@@ -109,29 +108,16 @@ def made(ran, tmp_path):
     return shutil.copytree(ran, tmp_path / "out")
 
 
-def refuse(*args, **more):
-    raise AssertionError("a report starts no process")
-
-
-def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, monkeypatch):
-    monkeypatch.setattr(Process, "__init__", refuse)
+def test_a_run_notes_what_a_report_reads_and_the_report_imports_no_stranger(ran, made):
+    imported = ran.parent / "mine.pid"
+    imported.unlink()
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(WORK, {"agents": "7", "handling": "mirror"}, {"agents": "7", "handling": "mirror"})
     assert gwo.values["agents"] == "9"
     page = write_report(made, n_jobs=1)
     assert "Doe, Jane" in (page.parent / "references.bib").read_text(encoding="utf-8")
-
-
-@pytest.mark.slow
-def test_a_folder_without_the_note_has_the_built_in_ones_only(made, monkeypatch):
-    monkeypatch.setattr(Process, "__init__", refuse)
-    (made / "optimizers.json").unlink()
-    results = Results(made)
-    mine, gwo = noted(results.study, results.descriptions).values()
-    assert mine == Description()
-    assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
-    assert write_report(made, n_jobs=1).exists()
+    assert not imported.exists()
 
 
 def test_a_note_may_hold_anything(made):

@@ -84,10 +84,8 @@ def test_a_csv_file_holds_them_with_or_without_names(tmp_path):
     ("initial", "sentence"),
     [
         ([], "'initial' must be a list of points of one dimension"),
-        ([1.0, 2.0], "'initial' must be a list of points of one dimension"),
         ([[1.0], [1.0, 2.0]], "'initial' must be a list of points of one dimension"),
         ([[float("nan"), 1.0]], "'initial' must be a list of points of one dimension"),
-        ([["a", 1.0]], "'initial' must be a list of points of one dimension"),
         ([[1.0]], "a point of 'initial' has 1 numbers, and the problem has 2 variables"),
         ([[1.0, 6.0]], "the point (1.0, 6.0) of 'initial' lies outside the box"),
         ("no.csv", "the points in no.csv cannot be read: No such file or directory"),

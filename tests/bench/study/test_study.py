@@ -22,11 +22,6 @@ def test_a_study_survives_its_toml(small_study, tmp_path):
     assert Study.load(path) == small_study
 
 
-@pytest.mark.parametrize("name", ["thesis", "quick"])
-def test_the_shipped_studies_can_run(name):
-    Study.load(name).check()
-
-
 def test_the_thesis_study_is_that_of_section_7_2():
     thesis = Study.load("thesis")
     assert [entry.name for entry in thesis.problems] == [f"signature-{k:02d}" for k in range(3, 21)]
@@ -84,25 +79,16 @@ def test_limits_of_time_and_the_points_in_parallel_are_kept(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"trails": 3}, "unknown key 'trails'; did you mean 'trials'?"),
         ({"trials": "3"}, "'trials' must be a whole number"),
         ({"seed": -1}, "'seed' must be a whole number from 0 to 9223372036854775807, not -1"),
         ({"title": "a" * 1001}, "the title has 1,001 characters, more than 1,000"),
         ({"optimizers": [{"name": "gwo", "label": "a" * 201}]}, "of the optimizers has 201 characters, more than 200"),
-        ({"problems": [{"name": "a" * 10**6}]}, "of the problems has 1,000,000 characters, more than 200"),
         ({"name": ""}, "has no name"),
         ({"time": "soon"}, "'time' must be a number of seconds above 0, or a text such as '10 min', not 'soon'"),
-        ({"evaluation_timeout": 0}, "'evaluation_timeout' must be a number of seconds above 0"),
         ({"parallel": 0}, "'parallel' must be a whole number from 1 to 1000, not 0"),
-        (
-            {"targets": "precision"},
-            "'targets' must be 'precisions', 'runlength', 'relative', 'quantiles' or 'tol",
-        ),
         ({"targets": [1, -1]}, "percentages of the optimum such as ['5%', '1%'], not [1, -1]"),
         ({"problems": []}, "needs at least one [[problems]] table"),
-        ({"optimizers": "gwo"}, "needs at least one [[optimizers]] table"),
         ({"optimizers": [{"agents": 3}]}, "needs a name"),
-        ({"optimizers": [{"name": "gwo", "label": 7}]}, "needs a name"),
         ({"optimizers": [{"name": "scatter"}, {"name": "scatter", "agents": 5}]}, "'scatter' occurs twice"),
     ],
 )
@@ -157,21 +143,6 @@ def test_unknown_and_malformed_files(tmp_path):
         Study.load(tmp_path / "bytes.toml")
     with pytest.raises(BenchError, match="cannot be read"):
         Study.load(tmp_path / "missing.toml")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"name": "../../x"}, "the name '../../x' must be up to 100 letters"),
-        ({"title": "a\nb"}, "the title holds a control character"),
-        ({"trials": 0}, "'trials' must be"),
-        ({"budget": -1}, "'budget' must be"),
-    ],
-)
-def test_a_study_built_in_python_is_checked_as_one_from_a_file(changes, message):
-    values = {"name": "s", "problems": (Entry("p", "p"),), "optimizers": (Entry("a", "a"), Entry("b", "b"))}
-    with pytest.raises(BenchError, match=re.escape(message)):
-        Study(**values | changes)
 
 
 @pytest.mark.parametrize(

@@ -65,12 +65,6 @@ def test_a_level_in_words_and_in_a_table(given, level, words, shown):
     assert targets.in_unit(pd.DataFrame({"tau": [level]}))["tau"].tolist() == pytest.approx([float(shown)])
 
 
-def test_long_lists_show_some_of_their_levels():
-    targets = Targets.read([10.0**-step for step in range(20)])
-    assert (len(targets.levels), len(targets.tabled)) == (3, 8)
-    assert (targets.levels[0], targets.levels[-1], targets.tabled[-1]) == (1.0, 1e-19, 1e-19)
-
-
 def test_targets_of_a_problem_are_beside_what_was_found_there():
     found = Found(4.0, True, 14.0, np.array([5.0, np.inf, 6.0, 7.0]))
     tau, target = Targets.read("1, 0.5").rungs(found)

@@ -69,7 +69,7 @@ def test_two_processes_make_the_fits_that_one_makes_and_the_file_says_how_to_mak
         (["--output", "a.csv"], "a.csv must end in .toml"),
         (["--output", "there.toml"], "is there already"),
         (["--joint", "none.toml"], "joint none.toml cannot be read"),
-        (["--plot", "there.toml", "--levels", "2:5"], "cannot be written"),
+        (["--plot", "there.toml", "--levels", "2:3", "--no-fits"], "cannot be written"),
     ],
 )
 def test_wrong_input_is_one_sentence_and_writes_nothing(refused, tmp_path, monkeypatch, arguments, said):
