@@ -1,23 +1,19 @@
 """Optimizers that hang, crash, lie and litter: each costs only its own trials, whatever it does."""
 
-import pickle
 import re
-import sqlite3
 import sys
-from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import psutil
 import pytest
 
-from bench import BenchError, FunctionProblem, Results, load_results, run
-from bench.objective import Objective
-from bench.storage.rows import VALUES
-from bench.storage.store import Store
+from bench import load_results, run
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, forks and limits of POSIX")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="signals, forks and limits of POSIX"),
+]
 
 HEAD = 'name = "{name}"\ntrials = 2\nbudget = 60\n[[problems]]\nnames = ["sphere-2", "sphere-3"]\n'
 HONEST = '[[optimizers]]\nname = "scatter"\n[[optimizers]]\nname = "hill-climber"\n'
@@ -95,7 +91,6 @@ def of(frame, deed, problem="sphere-2"):
     return frame[(frame["optimizer"] == deed) & (frame["problem"] == problem)]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("deed", EXPECTED)
 def test_each_ends_as_a_row_with_its_reason(frame, deed):
     status, words = EXPECTED[deed]
@@ -105,18 +100,15 @@ def test_each_ends_as_a_row_with_its_reason(frame, deed):
     assert all(words in error for error in rows["error"]), list(rows["error"])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("deed", HARMLESS)
 def test_what_harms_nobody_does_not_fail(frame, deed):
     assert of(frame, deed)["status"].eq("ok").all()
 
 
-@pytest.mark.slow
 def test_trials_elsewhere_are_all_finished(frame):
     assert frame.loc[frame["problem"] == "sphere-3", "status"].eq("ok").all()
 
 
-@pytest.mark.slow
 def test_honest_results_are_the_same_to_the_last_bit_as_without_them(frame, tmp_path, testing_plugins):
     (tmp_path / "study.toml").write_text(HEAD.format(name="honest") + HONEST)
     run(tmp_path / "study.toml", tmp_path / "out", n_jobs=1)
@@ -126,13 +118,11 @@ def test_honest_results_are_the_same_to_the_last_bit_as_without_them(frame, tmp_
     pd.testing.assert_frame_equal(mine.astype(object), alone.astype(object), check_exact=True)
 
 
-@pytest.mark.slow
 def test_one_that_is_killed_from_outside_is_begun_again_once(ran, frame):
     assert Path(ran[2]).exists()
     assert of(frame, "kill-once")["status"].eq("ok").all()
 
 
-@pytest.mark.slow
 def test_the_command_fails_and_says_little(ran):
     done = ran[0]
     assert done.returncode == 1
@@ -141,7 +131,6 @@ def test_the_command_fails_and_says_little(ran):
     assert "78 trials failed" in done.stdout + done.stderr
 
 
-@pytest.mark.slow
 def test_no_process_is_left(ran):
     left = []
     for process in psutil.process_iter(["pid", "environ"]):
@@ -150,7 +139,6 @@ def test_no_process_is_left(ran):
     assert left == []
 
 
-@pytest.mark.slow
 def test_the_status_and_the_report_say_the_reasons(ran, bench_here):
     status = bench_here("status", ran[1]).stdout
     assert "failed: raise on " in status
@@ -162,7 +150,6 @@ def test_the_status_and_the_report_say_the_reasons(ran, bench_here):
     assert "its process ended with signal SIGSEGV" in page
 
 
-@pytest.mark.slow
 def test_no_escape_or_markup_of_theirs_reaches_a_file(ran):
     files = [file for file in ran[1].rglob("*") if file.suffix in (".html", ".tex", ".md", ".csv", ".json")]
     assert len(files) > 10
@@ -175,70 +162,8 @@ def test_no_escape_or_markup_of_theirs_reaches_a_file(ran):
             assert "\\input{x}" not in text
 
 
-@pytest.mark.slow
 def test_a_reason_to_stop_is_one_short_line(frame):
     reason = of(frame, "stop")["stop"].iloc[0]
     assert reason.startswith("\ufffd[31m")
     assert len(reason) == 201
     assert "\n" not in reason
-
-
-# One at a time
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"evaluate": lambda x: x[:, 0] + 1j}, "values of problem 'f' must be real numbers"),
-        ({"evaluate": lambda x: ["1"] * len(x)}, "values of problem 'f' must be real numbers"),
-        ({"evaluate": lambda x: None}, "float() argument|returned shape"),
-        ({"repair": lambda x: x[:, :1]}, "repaired points of shape"),
-        ({"repair": lambda x: "no"}, "repaired points of problem 'f' must be real numbers"),
-    ],
-)  # fmt: skip
-def test_a_problem_s_rubbish_is_named(changes, words):
-    problem = FunctionProblem(lambda x: x.sum(axis=1), [0, 0], [1, 1], name="f")
-    for name, function in changes.items():
-        setattr(problem, name, function)
-    objective = Objective(problem, 10, np.random.default_rng(0))
-    with pytest.raises((TypeError, ValueError)) as raised:
-        objective(objective.initial(3))
-    assert any(word in str(raised.value) for word in words.split("|"))
-
-
-class Bomb:
-    """Makes a file when it is unpickled."""
-
-    def __init__(self, path):
-        self.path = path
-
-    def __reduce__(self):
-        return open, (self.path, "w")
-
-
-def _rows(folder):
-    return list(Store(folder).rows())
-
-
-def _frame(folder):
-    return Results(folder).frame
-
-
-def _traces(folder):
-    return Results(folder).traces
-
-
-def test_nothing_is_unpickled_from_a_store(small_study, tmp_path):
-    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
-    mark = tmp_path / "unpickled"
-    bomb = pickle.dumps(Bomb(str(mark)))
-    for column in VALUES:
-        with sqlite3.connect(tmp_path / "out" / "trials.sqlite") as connection:
-            kept = connection.execute(f"SELECT {column} FROM results LIMIT 1").fetchone()[0]
-            connection.execute(f"UPDATE results SET {column} = ? WHERE {column} = ?", (bomb, kept))
-        for read in (_rows, _frame, _traces):
-            with suppress(BenchError, ValueError, TypeError):  # a damaged store may be refused
-                read(tmp_path / "out")
-        assert not mark.exists()
-    pickle.loads(bomb).close()
-    assert mark.exists()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem, Study, load_results, run
+from bench.objective import Objective
 from bench.storage.folder import Folder
 
 CODE = """
@@ -93,3 +94,23 @@ def test_masked_values_of_a_vectorised_function_fail():
     problem = FunctionProblem(lambda x: np.ma.array(x[:, 0], mask=True), [0, 0], [1, 1], vectorized=True)
     with pytest.raises(TypeError, match="fill the masked ones"):
         problem.evaluate(np.zeros((3, 2)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"evaluate": lambda x: x[:, 0] + 1j}, "values of problem 'f' must be real numbers"),
+        ({"evaluate": lambda x: ["1"] * len(x)}, "values of problem 'f' must be real numbers"),
+        ({"evaluate": lambda x: None}, "float() argument|returned shape"),
+        ({"repair": lambda x: x[:, :1]}, "repaired points of shape"),
+        ({"repair": lambda x: "no"}, "repaired points of problem 'f' must be real numbers"),
+    ],
+)  # fmt: skip
+def test_a_problem_s_rubbish_is_named(changes, words):
+    problem = FunctionProblem(lambda x: x.sum(axis=1), [0, 0], [1, 1], name="f")
+    for name, function in changes.items():
+        setattr(problem, name, function)
+    objective = Objective(problem, 10, np.random.default_rng(0))
+    with pytest.raises((TypeError, ValueError)) as raised:
+        objective(objective.initial(3))
+    assert any(word in str(raised.value) for word in words.split("|"))

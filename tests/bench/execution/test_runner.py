@@ -8,13 +8,9 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run, solve
-from bench.columns import packed
 from bench.execution.runner import plan
-from bench.plugins.inputs import Present, named
-from bench.plugins.observing import PARTS, hash_of
 from bench.storage.folder import Folder
 from bench.study import Entry
-from tests.bench.reports import finished
 
 TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 
@@ -138,25 +134,6 @@ def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
         run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
 
 
-@pytest.mark.slow
-def test_data_that_changed_under_a_study_make_other_trials(tmp_path):
-    t = np.arange(1000) * 0.002
-    for frequency in (5.0, 7.0):
-        table = np.column_stack([t, 100 + np.sin(frequency * t)])
-        np.savetxt(tmp_path / "a.csv", table, delimiter=",")
-        study = Study.from_dict(
-            {"name": "mine", "trials": int(frequency), "budget": 60,
-             "problems": [{"name": f"recording:{tmp_path / 'a.csv'}"}], "optimizers": [{"name": "scatter"}]}
-        )  # fmt: skip
-        if frequency == 5.0:
-            run(study, tmp_path / "out", n_jobs=1)
-        else:
-            assert any(
-                f"changed ({tmp_path / 'a.csv'}): 7 trials to make; the 5 before are kept" in note
-                for note in plan(study, tmp_path / "out").notes
-            )
-
-
 @pytest.mark.parametrize("file", ["verification.json", "checks.json", "study.toml"])
 @pytest.mark.parametrize("content", ['{"sphere-2": "f0', "[]", "\xff"])
 def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, content, tmp_path):
@@ -172,34 +149,6 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     assert str(tmp_path / file) in str(caught.value)
     assert (tmp_path / file).read_text(encoding="latin-1") == content
     assert "\n" not in str(caught.value)
-
-
-def test_trials_of_other_data_or_code_are_no_trials_of_what_would_be_made_now(small_study, tmp_path):
-    data, code = tmp_path / "data.csv", tmp_path / "a.py"
-    data.write_text("1")
-    code.write_text("A = 1")
-    (tmp_path / "out").mkdir()
-    folder = Folder(tmp_path / "out")
-    folder.claim(small_study)
-    read = {str(file): [hash_of(str(file)), False, []] for file in (data, code)}
-    parts = [named({"files": {str(file): read[str(file)]}}) for file in (data, code)]
-    with folder.store.writer() as writer:
-        trial = next(small_study.plan())
-        writer.add(
-            trial,
-            packed(finished(1.0, np.random.default_rng(0))),
-            None,
-            json.dumps(dict(zip(PARTS, parts, strict=True))),
-        )
-    folder.require_unchanged(small_study, {}, Present())
-    code.write_text("A = 1  # as before")
-    folder.require_unchanged(small_study, {}, Present())
-    data.write_text("2")
-    with pytest.raises(BenchError, match=rf"{trial.problem} changed \({data}\): .*; 'bench run' makes the"):
-        folder.require_unchanged(small_study, {}, Present())
-    code.write_text("A = 2")
-    with pytest.raises(BenchError, match=rf"{trial.optimizer} changed \({code}\)"):
-        folder.require_unchanged(small_study, {}, Present())
 
 
 @pytest.mark.slow

@@ -75,23 +75,6 @@ def test_a_message_too_long_breaks_the_channel_before_it_is_read(ends):
         receiver.receive(LONG)
 
 
-def test_an_end_breaks_the_channel_once_all_before_it_is_read(ends):
-    receiver, sender, _ = ends
-    sender.send(1, b"last words")
-    sender.close()
-    assert receiver.receive(LONG) == (1, b"last words")
-    with pytest.raises(BrokenChannelError, match="has ended"):
-        receiver.receive(LONG)
-    with pytest.raises(BrokenChannelError):
-        receiver.send(2, b"")
-
-
-def test_one_that_reads_nothing_holds_the_sender_up_no_longer_than_allowed(ends):
-    _, sender, _ = ends
-    with pytest.raises(BrokenChannelError, match="takes no message"):
-        sender.send(1, b"x" * 3_000_000, seconds=0.1)
-
-
 @POSIX
 def test_files_arrive_with_a_message_above_the_standard_streams(ends):
     one, other = socket.socketpair()
@@ -107,15 +90,3 @@ def test_files_arrive_with_a_message_above_the_standard_streams(ends):
         os.close(file)
         assert os.read(reading, 100) == b"through it"
         os.close(reading)
-
-
-@POSIX
-def test_files_are_refused_by_a_side_that_takes_none(ends):
-    receiver, sender, _ = ends
-    reading, writing = os.pipe()
-    sender.send(1, b"", [writing])
-    os.close(writing)
-    assert receiver.receive(LONG) == (1, b"")
-    assert receiver.files == []
-    assert os.read(reading, 1) == b""  # the only other end is closed
-    os.close(reading)

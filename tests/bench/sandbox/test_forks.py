@@ -10,7 +10,6 @@ from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
     DiedError,
     LostError,
-    MemoryExceededError,
     Process,
     RemoteError,
     TimeExceededError,
@@ -86,20 +85,6 @@ def test_a_process_has_an_output_and_a_session_of_its_own(calls, server):
         assert wait_for(lambda: process.printed == 4)
         session, pid = process.call(calls.evaluate, "(os.getsid(0), os.getpid())", seconds=LONG)
         assert session == pid
-
-
-@pytest.mark.slow
-def test_a_crash_and_a_limit_are_reported_of_the_process_concerned(calls, server):
-    server.call(calls.load, "one", seconds=LONG)
-    with pytest.raises(DiedError, match="signal SIGSEGV"):
-        server.process().call(calls.crash, seconds=LONG)
-    with pytest.raises(MemoryExceededError):
-        server.process().call(calls.hog, 600, seconds=LONG, memory=300_000_000)
-    with pytest.raises(DiedError) as caught:
-        server.process().call(calls.leave, 3, b"the reason", seconds=LONG)
-    assert (caught.value.code, caught.value.end_of_output) == (3, "the reason")
-    with server.process() as process:
-        assert process.call(calls.evaluate, "loaded", seconds=LONG) == ["one"]
 
 
 def test_all_end_when_another_thread_kills_the_server(calls, server, tmp_path):

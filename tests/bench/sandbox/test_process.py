@@ -8,9 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from textwrap import dedent
 from threading import Thread
-from time import sleep
 
-import psutil
 import pytest
 
 from bench.sandbox.messages import describe_error, end_of_output
@@ -24,35 +22,7 @@ from bench.sandbox.process import (
     TimeExceededError,
     TooManyProcessesError,
 )
-from bench.sandbox.server import UNANSWERABLE
 from tests.bench.sandbox.helpers import LINUX, LONG, gone, of_call, running, wait_for, written
-
-
-class Clocked(Process):
-    """A process for which a second passes with each of its notes, and no time otherwise."""
-
-    now = 0.0
-    received = 0
-
-    @property
-    def note(self):
-        return self._note
-
-    @note.setter
-    def note(self, value):
-        self._note = value
-        if value is not None:
-            Clocked.now += 1.0
-            Clocked.received += 1
-
-
-@pytest.fixture
-def clocked(monkeypatch):
-    monkeypatch.setattr("bench.sandbox.process.monotonic", lambda: Clocked.now)
-    monkeypatch.setattr(Clocked, "received", 0)
-    with Clocked(hash_seed=0) as process:
-        yield process
-
 
 # Starts
 
@@ -89,14 +59,6 @@ def test_a_call_returns_what_the_function_does_as_json(calls, shared):
         1, "two", None, [0.1, float("inf")]
     ]  # fmt: skip
     assert not shared.closed
-
-
-def test_any_thread_may_call(calls, shared):
-    answers = []
-    thread = Thread(target=lambda: answers.append(shared.call(calls.echo, 3, seconds=LONG)))
-    thread.start()
-    thread.join()
-    assert answers == [[3]]
 
 
 def test_large_arguments_and_answers_pass(calls, shared):
@@ -194,15 +156,6 @@ def test_an_answer_is_never_unpickled(calls, process, tmp_path):
     assert not mark.exists()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("length", [(1 << 26) + 1, 1 << 63])
-def test_one_that_announces_too_long_a_message_is_ended(calls, process, length):
-    with pytest.raises(DiedError) as caught:
-        process.call(calls.send_head, length, seconds=LONG)
-    assert caught.value.code == UNANSWERABLE
-    assert process.closed
-
-
 def test_one_that_announces_a_message_and_does_not_send_it_is_ended_in_time(calls, process):
     with pytest.raises(TimeExceededError):
         process.call(calls.send_head, 1 << 26, seconds=0.5)
@@ -272,11 +225,10 @@ def test_one_that_hangs_is_ended_after_its_time(calls, process):
     assert process.closed
 
 
-def test_notes_prolong_no_time_limit(calls, clocked, tmp_path):
-    with pytest.raises(TimeExceededError, match=r"^9 s$"):
-        clocked.call(calls.work, str(tmp_path / "never"), seconds=9.0)
-    assert 9 <= Clocked.received <= 10
-    assert clocked.closed
+def test_notes_prolong_no_time_limit(calls, process, tmp_path):
+    with pytest.raises(TimeExceededError, match=r"^0\.7 s$"):
+        process.call(calls.work, str(tmp_path / "never"), seconds=0.7)
+    assert process.closed
 
 
 class Paused(Process):
@@ -308,43 +260,6 @@ def test_the_time_for_which_all_processes_were_stopped_counts_against_no_limit(c
     Thread(target=lambda: wait_for(lambda: Paused.now > 1001) and path.touch()).start()
     paused.call(calls.wait, str(path), seconds=60.0)
     assert Paused.now > 1000
-
-
-@pytest.mark.slow
-def test_after_it_a_limit_holds_as_before(calls, paused):
-    with pytest.raises(TimeExceededError, match=r"^2 s$"):
-        paused.call(calls.sleep, 10 * LONG, seconds=2.0)
-    assert 1002 <= Paused.now < 1004
-
-
-SUSPENDED = """
-import sys, testing_calls
-from bench.sandbox.process import Process
-with Process() as process:
-    process.start(testing_calls.wait, sys.argv[1])
-    print("begun", flush=True)
-    process.finish(seconds=2.0)
-"""
-
-
-@pytest.mark.slow
-@LINUX
-def test_a_suspension_by_signals_counts_against_no_limit(calls, tmp_path):
-    path = tmp_path / "enough"
-    owner = subprocess.Popen([sys.executable, "-c", SUSPENDED, path], stdout=subprocess.PIPE)
-    with owner:
-        assert owner.stdout.readline() == b"begun\n"
-        sleep(0.5)
-        all_of_them = [psutil.Process(owner.pid), *psutil.Process(owner.pid).children(recursive=True)]
-        assert len(all_of_them) > 1
-        for each in all_of_them:
-            each.suspend()
-        sleep(3.0)
-        for each in all_of_them:
-            each.resume()
-        sleep(0.3)
-        path.touch()
-        assert owner.wait(LONG) == 0
 
 
 def test_one_that_does_not_read_its_call_holds_nobody_up(calls, process, monkeypatch):

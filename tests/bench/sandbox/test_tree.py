@@ -60,13 +60,3 @@ def test_one_that_has_ended_holds_none():
     assert tree.look(ended.pid) is None  # though its parent has not waited for it
     ended.wait()
     assert tree.look(ended.pid) is None
-
-
-@pytest.mark.slow
-def test_a_killed_tree_leaves_nothing(parent):
-    parent, child = parent
-    tree.kill(parent.pid)
-    assert parent.wait() == -9
-    psutil.wait_procs([child], timeout=60)
-    assert not child.is_running() or child.status() == psutil.STATUS_ZOMBIE
-    tree.kill(parent.pid)  # again

@@ -1,15 +1,18 @@
 """Damage is named, nothing is read beside it, and no run adds to it."""
 
+import pickle
 import random
 import shutil
 import sqlite3
-from contextlib import closing
+from contextlib import closing, suppress
 
 import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_results, run
 from bench.storage.folder import Folder
+from bench.storage.rows import VALUES
+from bench.storage.store import Store
 from tests.bench.storage.changes import change
 from tests.bench.storage.filled import damage_of, traces
 
@@ -93,3 +96,32 @@ def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(sm
     assert len(made) == len(set(made)) == 12
     times = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
     pd.testing.assert_frame_equal(load_results(other).drop(columns=times), before.drop(columns=times), check_exact=True)
+
+
+class Bomb:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return open, (self.path, "w")
+
+
+READERS = (lambda path: list(Store(path).rows()), lambda path: Results(path).frame, lambda path: Results(path).traces)
+
+
+def test_nothing_is_unpickled_from_a_store(small_study, tmp_path):
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
+    mark = tmp_path / "unpickled"
+    bomb = pickle.dumps(Bomb(str(mark)))
+    for column in VALUES:
+        with sqlite3.connect(tmp_path / "out" / "trials.sqlite") as connection:
+            kept = connection.execute(f"SELECT {column} FROM results LIMIT 1").fetchone()[0]
+            connection.execute(f"UPDATE results SET {column} = ? WHERE {column} = ?", (bomb, kept))
+        for read in READERS:
+            with suppress(BenchError, ValueError, TypeError):  # a damaged store may be refused
+                read(tmp_path / "out")
+        assert not mark.exists()
+    pickle.loads(bomb).close()
+    assert mark.exists()
