@@ -42,7 +42,6 @@ class Format(NamedTuple):
 FORMATS = {
     "coco": Format("logs of COCO, for cocopp", "coco.reader:READER", "coco.writer:WRITER"),
     "ioh": Format("logs of IOHprofiler, for IOHanalyzer", "ioh.reader:READER", "ioh.writer:WRITER"),
-    "ioh-info": Format("its logs before there were JSON files", "ioh.info:READER"),
     "table": Format("results of any tool in CSV, TSV, xlsx, parquet or JSON", "tables.foreign:READER"),
     "csv": Format("plain tables", "tables.reader:READER", "tables.writer:CSV"),
     "parquet": Format("the same with column types, by the extra 'parquet'", writing="tables.writer:PARQUET"),

@@ -1,8 +1,8 @@
 r"""Read the format of COCO: an index of runs (``.info``), and logs of each data set (``.dat``, ``.tdat``).
 
-The archives of 2009 write exponents of three digits and no suite into the index (:mod:`bench.formats.index`), and the
-final value less the precision of 1e-8; later ones name the suite. In every version the first column of a
-log is the number of evaluations of the objective, and the third the best noise-free value less f_opt, which is in the
+The archives of 2009 write exponents of three digits and no suite into the index (:mod:`bench.formats.coco.index`), and
+the final value less the precision of 1e-8; later ones name the suite. In every version the first column of a log is the
+number of evaluations of the objective, and the third the best noise-free value less f_opt, which is in the
 header of each run.
 
 A run's trace joins the improvements of both logs; the times of COCO's targets are those of the ``.dat`` file. The
@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.formats import naming
+from bench.formats.coco.index import Logged, LoggedRuns, algorithm_labels, by_log, data_sets
 from bench.formats.coco.writer import STAND_IN
-from bench.formats.index import Logged, LoggedRuns, algorithm_labels, by_log, data_sets
 from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, quoted, require_increasing
 from bench.formats.source import Source
 from bench.helpers.text import joined
@@ -42,7 +42,6 @@ TARGETS = np.power(10, np.arange(-40, 11) / 5)
 """COCO's precisions, 1e-8 to 1e2, five a decade."""
 
 NOISY = 101  # the first function of bbob-noisy, in indices that name no suite
-_ENTRY = re.compile(r"(\d+)(?::(\d+)(?:\|(.+))?)?")
 _SEVERAL_OBJECTIVES = re.compile(r"\bsuite\s*=\s*'[^']*biobj|\bindicator\s*=")
 _FOPT = re.compile(r"Fopt\s*\(([^)]*)\)")
 
@@ -95,7 +94,7 @@ def indexed(source: Source, file: PurePosixPath) -> Iterator[LoggedRuns]:
     """Yield the data sets of an index; their functions are numbers, and each has a suite."""
     if _SEVERAL_OBJECTIVES.search(source.text(file).lstrip().partition("\n")[0]):
         raise BenchError(f"{file} is an index of bi-objective results, which are not supported")
-    for data in data_sets(source, file, "COCO", _ENTRY):
+    for data in data_sets(source, file):
         if not data.function.isdecimal():
             raise BenchError(f"{data.where} has no number of the function or dimension")
         data.suite = label(data.suite or ("bbob" if int(data.function) < NOISY else "bbob-noisy"), data.where)

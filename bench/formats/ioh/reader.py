@@ -41,13 +41,13 @@ from bench.numbers import is_finite, is_whole
 from bench.objective import Trace
 from bench.typing import Floats
 
-VALUE = "raw_y"
+FIRST, VALUE = "evaluations", "raw_y"
 DECIMALS = 1e-9  # to which a log and the JSON file of a run must agree
 
 SBOX = "sbox-cost"
 """The suite SBOX-COST, whose logs name its functions as those of bbob are named; their f_opt are the same."""
 
-GUESSED = "The logs name no suite; functions with the numbers and names of bbob's are taken for those of {}."
+_GUESSED = "The logs name no suite; functions with the numbers and names of bbob's are taken for those of {}."
 
 _COLUMN = re.compile(r'"([^"]*)"|(\S+)')
 _UNNAMED = ("", "unknown_suite", "unknown suite", "no suite")
@@ -81,11 +81,11 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     unnamed = [
         data
         for data in scenarios
-        if is_guessed(data.head.get("suite"), data.head["function_id"], data.head.get("function_name"))
+        if _is_guessed(data.head.get("suite"), data.head["function_id"], data.head.get("function_name"))
     ]
     if unnamed:
         suite = "bbob" if all(map(_is_bbob, unnamed)) else SBOX
-        reading.notes.append(GUESSED.format(suite))
+        reading.notes.append(_GUESSED.format(suite))
         for data in unnamed:
             data.head["suite"] = suite
     names = optimizer_labels(
@@ -93,7 +93,7 @@ def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> 
     )
 
     def runs_of(data: _Data) -> Iterator[ImportedRun]:
-        blocks = logged(source, data.log, "evaluations", VALUE, data.file, len(data.runs))
+        blocks = _logged(source, data.log, data.file, len(data.runs))
         for position, (run, block) in enumerate(zip(data.runs, blocks, strict=True), start=1):
             yield _run(data, names[data.file.parent, data.algorithm], run, block, f"{data.log}, run {position},")
 
@@ -121,13 +121,11 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
         raise BenchError(f"{file} is no file of IOHprofiler: it {what}") from error
 
 
-def logged(
-    source: Source, log: PurePosixPath, first: str, value: str, index: PurePosixPath, number: int
-) -> list[Block]:
-    """Return evaluations and values of each run of a log; a line that begins with the column ``first`` begins a run.
+def _logged(source: Source, log: PurePosixPath, index: PurePosixPath, number: int) -> list[Block]:
+    """Return evaluations and values of each run of a log; a line of the names of columns begins a run.
 
     Raises:
-        BenchError: for a log that is missing, is cut short, lacks the column ``value``, or has another number of runs
+        BenchError: for a log that is missing, is cut short, lacks the column ``raw_y``, or has another number of runs
             than its index names.
     """
     if log not in source.files:
@@ -140,20 +138,20 @@ def logged(
     columns: list[str] = []
     rows: list[tuple[int, float]] = []
     begin = 1
-    for place, line in enumerate([*lines, f'"{first}"'], start=1):
+    for place, line in enumerate([*lines, FIRST], start=1):
         cells = line.split()
         if not cells:
             continue
-        if line.lstrip(' "').startswith(first):
+        if line.lstrip(' "').startswith(FIRST):
             if columns:
                 blocks.append(_block(rows, log, begin))
             columns = [quoted or plain for quoted, plain in _COLUMN.findall(line)]
             rows, begin = [], place + 1
-            if place <= len(lines) and value not in columns:
-                raise BenchError(f"{log}, line {place}, has no column {value!r}")
+            if place <= len(lines) and VALUE not in columns:
+                raise BenchError(f"{log}, line {place}, has no column {VALUE!r}")
             continue
         try:
-            rows.append((evaluation(cells[0]), float(cells[columns.index(value)])))
+            rows.append((evaluation(cells[0]), float(cells[columns.index(VALUE)])))
         except (ValueError, IndexError) as error:
             raise BenchError(f"{log}, line {place}, is no row of evaluations and values: {quoted(line)}") from error
     if len(blocks) != number:
@@ -177,7 +175,7 @@ def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: 
         problem, less = label(name, str(data.file)), 0.0
     else:
         function = data.head["function_id"]
-        problem, less = problem_of(data.head.get("suite"), function, name, data.dimension, run["instance"], data.file)
+        problem, less = _problem_of(data.head.get("suite"), function, name, data.dimension, run["instance"], data.file)
         less = float(run[F_OPT]) if exported else less
     trace = _exact(improvements(*block), run.get("best") or {}, where)
     trace = improvements(trace.evaluations, trace.values + less)
@@ -201,15 +199,14 @@ def _is_bbob(data: _Data) -> bool:
     return value is None or optimum is None or math.isclose(value - optimum, y, rel_tol=1e-6, abs_tol=1e-6)
 
 
-def is_guessed(suite: object, function: int | str, name: object) -> bool:
+def _is_guessed(suite: object, function: int, name: object) -> bool:
     """Return whether a function is known as one of bbob's by its number and name alone, as no suite is named."""
     unnamed = str(suite or "").strip().lower() in _UNNAMED
-    numbered = isinstance(function, int) and 1 <= function <= len(BBOB)
-    return unnamed and numbered and BBOB[int(function) - 1].lower() == str(name).lower()
+    return unnamed and 1 <= function <= len(BBOB) and BBOB[function - 1].lower() == str(name).lower()
 
 
-def problem_of(
-    suite: object, function: int | str, name: str, dimension: int, instance: int, file: PurePosixPath
+def _problem_of(
+    suite: object, function: int, name: str, dimension: int, instance: int, file: PurePosixPath
 ) -> tuple[str, float]:
     """Return the label of a problem, and what its raw values lack: f_opt of bbob and SBOX-COST, 0 of others.
 
@@ -218,9 +215,7 @@ def problem_of(
     """
     named = str(suite or "").strip()
     shifted = {"bbob": "bbob", "sbox": SBOX, SBOX: SBOX}.get(named.lower())
-    if shifted is None and is_guessed(suite, function, name):
-        shifted = "bbob"
-    if shifted is None or isinstance(function, str):
+    if shifted is None:
         return naming.problem_name(named or name, function, dimension, instance, name), 0.0
     for tried in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
         optimum = naming.known(naming.problem_name("bbob", function, tried, instance)).optimum

@@ -1,8 +1,8 @@
-"""Read an index in the form of COCO's (``.info``), which IOHprofiler took over before its JSON files.
+"""Read an index of COCO (``.info``).
 
 It has three lines for a function and dimension: keys and values, a comment, and the logs with the runs in each,
-``instance:evaluations|final``, where attributes of the run may follow after semicolons. A long list of runs may go on
-over several lines. The archives of 2009 write paths with backslashes.
+``instance:evaluations|final``. A long list of runs may go on over several lines. The archives of 2009 write paths with
+backslashes.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from bench.formats.runs import inside, label, optimizer_labels, quoted
 from bench.formats.source import Source
 
 _PAIR = re.compile(r"""(\w+)\s*=\s*(?:(['"])(.*?)\2(?=\s*(?:,|$))|([^,]*))""")
+_ENTRY = re.compile(r"(\d+)(?::(\d+)(?:\|(.+))?)?")
 _LOG = re.compile(r".*\.[tmc]?dat")
 
 
@@ -33,12 +34,11 @@ class Logged(NamedTuple):
 class LoggedRuns:
     """The runs of an algorithm on a function in one dimension.
 
-    ``keys`` has all that its first line names. Logs end in ``.dat`` here; other endings stand for the same runs.
+    Logs end in ``.dat`` here; other endings stand for the same runs.
     """
 
     index: PurePosixPath
     line: int
-    keys: dict[str, str]
     suite: str
     function: str
     dimension: int
@@ -57,8 +57,8 @@ class LoggedRuns:
         return ((log, run) for log, runs in self.logs for run in runs)
 
 
-def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[str]) -> Iterator[LoggedRuns]:
-    """Yield the data sets of an index of a tool; the groups of ``run`` are instance, evaluations and final value.
+def data_sets(source: Source, file: PurePosixPath) -> Iterator[LoggedRuns]:
+    """Yield the data sets of an index.
 
     Raises:
         BenchError: with the line that cannot be read, and for an index that is cut short.
@@ -75,11 +75,11 @@ def data_sets(source: Source, file: PurePosixPath, tool: str, run: re.Pattern[st
         elif text and not text.startswith("%"):
             if data is None:
                 raise BenchError(
-                    f"{file}, line {number}, is no index of {tool}: it must begin with the function and dimension"
+                    f"{file}, line {number}, is no index of COCO: it must begin with the function and dimension"
                 )
-            _add_runs(text, f"{file}, line {number},", data, run)
+            _add_runs(text, f"{file}, line {number},", data)
     if data is None:
-        raise BenchError(f"{file} is empty, and no index of {tool}")
+        raise BenchError(f"{file} is empty, and no index of COCO")
     yield _whole(data)
 
 
@@ -110,13 +110,13 @@ def _begun(text: str, file: PurePosixPath, line: int) -> LoggedRuns:
     except (KeyError, ValueError) as error:
         raise BenchError(f"{where} has no dimension (DIM)") from error
     algorithm = label(keys.get("algId") or file.parent.name or "unknown", where)
-    return LoggedRuns(file, line, keys, keys.get("suite", ""), label(keys["funcId"], where), dimension, algorithm)
+    return LoggedRuns(file, line, keys.get("suite", ""), label(keys["funcId"], where), dimension, algorithm)
 
 
-def _add_runs(text: str, where: str, data: LoggedRuns, run: re.Pattern[str]) -> None:
+def _add_runs(text: str, where: str, data: LoggedRuns) -> None:
     """Add the logs and runs of a line."""
     for item in filter(None, (part.strip() for part in text.split(","))):
-        if match := run.fullmatch(item):
+        if match := _ENTRY.fullmatch(item):
             if not data.logs:
                 raise BenchError(f"{where} names a run before its log: {quoted(item)}")
             instance, evaluations, final = match.groups()
