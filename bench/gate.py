@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 
@@ -14,10 +14,12 @@ from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
 from bench.errors import BenchError, nearest
 from bench.helpers.markdown import table
+from bench.helpers.text import short_hash
 from bench.report.wording import count, listing, p_text
 from bench.results.results import StoredResults
 from bench.storage.folder import Folder
 from bench.study import Study
+from bench.topics.answer.changes import extended
 from bench.topics.findings import Findings, Trials
 
 AnyPath = str | PathLike[str]
@@ -32,24 +34,24 @@ class Gate:
     """The comparison of a new version with an old one, and the words for it.
 
     Attributes:
-        found: the test; its outcome is "pass" also where every trial is identical.
+        found: the test; its outcome is "not worse" also where every trial is identical.
+        title: which versions were compared, and the outcome.
         sentence: the verdict.
         notes: sentences on the conditions and on what the reader must know.
         rows: cells of a table with the heads :data:`HEADS`, at most :data:`SHOWN`, the worst problems first.
     """
 
     found: Noninferiority
+    title: str
     sentence: str
     notes: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
     def markdown(self) -> str:
         """Return the verdict as Markdown, for a pull request."""
-        sign = {"pass": "✅", "worse": "❌", "undecided": "⚠️"}[self.found.outcome]
+        sign = {"worse": "❌", "undecided": "⚠️"}.get(self.found.outcome, "✅")
         notes = [f"- {note}" for note in self.notes]
-        return "\n".join(
-            [f"## {sign} {self.found.outcome}", "", self.sentence, "", table(HEADS, self.rows), "", *notes, ""]
-        )
+        return "\n".join([f"## {sign} {self.title}", "", self.sentence, "", table(HEADS, self.rows), "", *notes, ""])
 
 
 def gate(
@@ -63,7 +65,9 @@ def gate(
     common: bool = False,
     every: bool = False,
 ) -> Gate:
-    """Compare one optimizer of the folder ``new`` with one of the folder ``old``; read both, write nothing.
+    """Compare one optimizer of the folder ``new`` with one of the folder ``old``.
+
+    The folder of the new version notes the comparison and its outcome, for the sake of later ones.
 
     Args:
         old: the folder of the old version.
@@ -89,12 +93,14 @@ def gate(
         where = listing([f"{problem} of {chosen[place]}" for problem, place in missing.items()], at_most=4)
         raise BenchError(f"there are no trials on {where}; run them, or compare the other problems with --common")
     frame = frame[~frame["problem"].isin(list(missing))]
+    compared = _of_first_trials(frame)
     if target is not None:
         frame = _by_speed(findings.trials, frame, target)
     test = noninferiority(frame, *chosen, margin=margin, alpha=alpha, every=every)
     left_out = [instance for label in missing for instance in findings.trials.pooled.members[label]]
     same = _identical(findings.results.frame, chosen, left_out)
-    return _worded(test, findings, frame, chosen, missing, same, target)
+    made = _worded(test, findings, frame, chosen, missing, same, target)
+    return replace(made, notes=(*made.notes, *_looked(Folder(new or old), made.found, compared, len(frame))))
 
 
 def _of_two(old: AnyPath, new: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, str]]:
@@ -187,7 +193,7 @@ def _worded(
     problems, (alike, trials) = test.problems, same
     identical = alike == trials
     if identical:
-        test = replace(test, outcome="pass")
+        test = replace(test, outcome="not worse")
     low, high = problems[["n_old", "n_new"]].to_numpy().min(), problems[["n_old", "n_new"]].to_numpy().max()
     measure = "final values" if target is None else f"evaluations to the precision {target:g}, else final values"
     sizes = f"{count(int(low), 'trial') if low == high else f'{low:,} to {high:,} trials'} of each on each"
@@ -209,9 +215,10 @@ def _worded(
             "a new seed, as another look at more trials of this one errs more often."
         )
     notes += [
-        f"{name} was extended from {least:,} to {most:,} trials: after an undecided look, a false alarm has a chance "
-        f"above {test.alpha:g}. Plan all trials at once, with a new seed."
-        for name, least, most in _extended(findings.results)
+        f"{name} was extended from {grown[0]:,} to {grown[1]:,} trials: after an undecided look, a false alarm has a "
+        f"chance above {test.alpha:g}. Plan all trials at once, with a new seed."
+        for name, history in zip(findings.results.names, findings.results.histories, strict=True)
+        if (grown := extended(history))
     ]
     if 0 < alike < trials:
         notes.append(f"{alike:,} of {count(trials, 'trial')} are identical, as their seeds are.")
@@ -234,17 +241,33 @@ def _worded(
     ]  # fmt: skip
     if len(ordered) > SHOWN:
         notes.append(f"The table shows {SHOWN} of {len(ordered):,} problems, those with the largest lower ends first.")
-    return Gate(test, _sentence(test, identical), tuple(notes), tuple(rows))
+    title = f"{chosen[1]} against {chosen[0]}: {test.outcome}"
+    return Gate(test, title, _sentence(test, identical), tuple(notes), tuple(rows))
 
 
-def _extended(results: StoredResults) -> list[tuple[str, int, int]]:
-    """Return the folders whose trials were extended, with the fewest and the most that runs of one seed asked for."""
-    found = []
-    for name, history in zip(results.names, results.histories, strict=True):
-        asked = [int(each["trials"]) for each in history if each["seed"] == history[-1]["seed"]]
-        if asked and min(asked) < max(asked):
-            found.append((name, min(asked), max(asked)))
-    return found
+def _of_first_trials(frame: pd.DataFrame) -> list[str]:
+    """Return a hash a problem of the first trials of both versions, which stay the same when trials are added."""
+    first = frame[frame["trial"] == frame.groupby(["problem", "optimizer"], observed=True)["trial"].transform("min")]
+    return [
+        short_hash(rows[["seed", "fun"]].to_json(orient="values"))
+        for _, rows in first.groupby("problem", observed=True)
+    ]
+
+
+def _looked(folder: Folder, test: Noninferiority, compared: list[str], trials: int) -> Iterator[str]:
+    """Note this look at a comparison; yield a sentence on an earlier one at fewer of its trials that was undecided."""
+    looks = [each for each in folder.looks() if set(compared) & {*each["compared"]} and each["trials"] < trials]
+    undecided = [each["trials"] for each in looks if each["outcome"] == "undecided"]
+    if undecided:
+        yield (
+            f"An earlier look at this comparison, at {max(undecided):,} of these {trials:,} trials, was undecided: the "
+            f"level of {test.alpha:g} does not hold any more. Plan {test.needed:,} trials a problem with a new seed, "
+            "which restores it."
+        )
+    try:
+        folder.note_look({"compared": compared, "trials": trials, "outcome": test.outcome})
+    except BenchError as error:
+        yield f"This look is not noted for later ones: {error}"
 
 
 def _sentence(test: Noninferiority, identical: bool) -> str:
@@ -254,14 +277,16 @@ def _sentence(test: Noninferiority, identical: bool) -> str:
     worse = [str(label) for label in test.problems.loc[test.problems["worse"], "problem"]]
     several, allowed = len(test.problems) > 1, f"and {test.bound:.1%} are allowed"
     seen = f"the old version ends better in {test.a12:.1%} of the pairs of trials ({test.low:.1%} to {test.high:.1%})"
-    if test.outcome == "pass" and test.every and several:
-        most = test.problems["high"].max()
+    average = " on average" * several
+    if test.passed and test.every and several:
+        most, better = test.problems["high"].max(), f" It is better{average}: {seen}." * (test.outcome == "better")
         return (
             "The new version is not worse by more than the margin on any problem: the old version ends better in at "
-            f"most {most:.1%} of the pairs of trials on each, {allowed}."
+            f"most {most:.1%} of the pairs of trials on each, {allowed}.{better}"
         )
-    if test.outcome == "pass":
-        average = " on average" if several else ""
+    if test.outcome == "better":
+        return f"The new version is better{average}: {seen}.{_not_shown(test)}"
+    if test.passed:
         return f"The new version is not worse{average} by more than the margin: {seen}, {allowed}.{_not_shown(test)}"
     if test.outcome == "undecided":
         missing = _not_shown(test) if test.every else ""

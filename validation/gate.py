@@ -62,7 +62,7 @@ def main() -> None:
         found = [compare_samples(draw(), margin, every=True) for _ in range(pairs)]
         worse = [each.outcome == "worse" for each in found]
         average = [each.high <= each.bound and each.outcome != "worse" for each in found]
-        rates = [rate(each) for each in (average, [each.outcome == "pass" for each in found], worse)]
+        rates = [rate(each) for each in (average, [each.passed for each in found], worse)]
         print(f"{name:40} {margin:6} {pairs:6,}  {rates[0]:>15}  {rates[1]:>15}  {rates[2]:>15}", flush=True)
 
 

@@ -35,7 +35,7 @@ from bench.analysis.strata import Samples, strata
 from bench.errors import BenchError
 from bench.typing import Floats
 
-Outcome = Literal["pass", "worse", "undecided"]
+Outcome = Literal["better", "not worse", "worse", "undecided"]
 
 MARGIN = 0.05  # of A12
 LARGEST_MARGIN = 0.5
@@ -48,9 +48,9 @@ class Noninferiority:
     """The comparison of a new version with an old one.
 
     Attributes:
-        outcome: "pass" where the new version is shown to be not worse, on average over the problems or on ``every``
-            one of them, "worse" where it is shown to be worse by more than the margin, on average or on any problem,
-            else "undecided".
+        outcome: "worse" where the new version is shown to be worse by more than the margin, on average over the
+            problems or on any of them, else "not worse" where that is shown on average or on ``every`` one of them, and
+            "better" where it is, too, shown to end lower on average, else "undecided".
         margin: by which A12 may exceed 0.5.
         alpha: the chance of the outcome "worse" where no problem exceeds the margin, at most.
         every: whether a pass needs every problem to be shown to be not worse.
@@ -76,6 +76,11 @@ class Noninferiority:
     needed: int
 
     @property
+    def passed(self) -> bool:
+        """Whether the new version is shown to be not worse, or better."""
+        return self.outcome in ("better", "not worse")
+
+    @property
     def bound(self) -> float:
         """The largest A12 that is not worse."""
         return 0.5 + self.margin
@@ -93,9 +98,10 @@ def noninferiority(
 
     The new version is "worse" where the mean of A12 over problems is above 0.5 + margin at the level alpha / 2, or
     where it is on any problem at alpha / 2 after Holm's adjustment over the problems: a loss on one of twenty problems
-    would not show in the mean. The chance of a false "worse" is thus at most alpha. It is a "pass" where it is not
-    worse and the whole interval of the mean is below 0.5 + margin; with ``every``, where the interval of each problem
-    is. The chance of a pass where the mean, or any problem, exceeds the margin is at most alpha / 2.
+    would not show in the mean. The chance of a false "worse" is thus at most alpha. It is "not worse"
+    where the whole interval of the mean is below 0.5 + margin; with ``every``, where the interval of each problem is.
+    The chance of that where the mean, or any problem, exceeds the margin is at most alpha / 2. It is "better" where
+    the interval of the mean is also below 0.5, with a chance of at most alpha / 2 where the mean is not.
 
     Trials are independent, and problems are these ones: the interval shows how far other trials would move the mean,
     not other problems. Failed trials count as +inf, near-ties as ties. Problems without a trial of either are left out.
@@ -147,7 +153,7 @@ def _compared(samples: Mapping[str, Sequence[Samples]], margin: float, alpha: fl
     worse = p <= alpha / 2 or bool(problems["worse"].any())
     shown = bool(problems["not_worse"].all()) if every else high <= bound
     return Noninferiority(
-        outcome="worse" if worse else "pass" if shown else "undecided",
+        outcome="worse" if worse else "undecided" if not shown else "better" if high < 0.5 else "not worse",
         margin=margin,
         alpha=alpha,
         every=every,

@@ -15,8 +15,8 @@ from bench.cli.console import table
 from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
 
-STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
-CODES = {"pass": 0, "worse": 1, "undecided": 3}
+STYLES = {"better": "green", "not worse": "green", "worse": "red", "undecided": "yellow"}
+CODES = {"better": 0, "not worse": 0, "worse": 1, "undecided": 3}
 
 
 def command(
@@ -59,11 +59,12 @@ def command(
         Path | None, typer.Option(help="Write the verdict as Markdown into this file, for a pull request.")
     ] = None,
 ) -> None:
-    """Compare a new version of an optimizer with an old one: 0 not worse, 1 worse by more than the margin, 3 undecided.
+    """Compare a new version of an optimizer with an old one: 0 better or not worse, 1 worse, 3 undecided.
 
     A12 is the chance that a trial of the old version ends better than one of the new version. The verdict is "worse"
-    where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "pass" where it is
-    shown to stay below on average (with --every-problem on each problem), and else "undecided".
+    where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "not worse" where
+    it is shown to stay below on average (with --every-problem on each problem), "better" where it is then also shown to
+    be below 50%, and else "undecided". The folder of the new version notes it, for later looks at more trials.
     """
     from bench.gate import HEADS, gate
 
@@ -72,7 +73,7 @@ def command(
     if markdown is not None:
         with replacing(markdown) as temporary:
             temporary.write_text(verdict.markdown(), encoding="utf-8")
-    console.print(Panel(Text(verdict.sentence), title=outcome, style=STYLES[outcome]))
+    console.print(Panel(Text(verdict.sentence), title=verdict.title, style=STYLES[outcome]))
     rows = [[Text(cell, style="red" if row[-1] == "worse" else "") for cell in row] for row in verdict.rows]
     console.print(table(HEADS, rows))
     for note in verdict.notes:

@@ -187,11 +187,24 @@ class Folder:
     def history(self) -> list[dict[str, Any]]:
         """Return what runs selected here, and in the folders that trials were taken from, oldest first.
 
+        Looks of a gate are no runs (:meth:`looks`).
+
         Each record has ``when``, ``study`` (its identity), ``seed``, ``trials``, ``budget``, ``subject``, the labels of
         ``problems`` and ``optimizers``, and ``reused``, the name of the folder where it was another one.
         """
         with self.store.reader() as reader:
-            return sorted(reader.records("history").values(), key=lambda record: str(record.get("when", "")))
+            runs = [record for record in reader.records("history").values() if "look" not in record]
+        return sorted(runs, key=lambda record: str(record.get("when", "")))
+
+    def looks(self) -> list[dict[str, Any]]:
+        """Return what was noted of comparisons of trials that are here, or in folders that they were taken from."""
+        with self.store.reader() as reader:
+            return [record["look"] for record in reader.records("history").values() if "look" in record]
+
+    def note_look(self, look: dict[str, Any]) -> None:
+        """Add a comparison and its outcome to the history; raises BenchError where a run holds the folder."""
+        with self.lock(), self.store.writer() as writer:
+            writer.history({"look": look})
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.

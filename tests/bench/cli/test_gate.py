@@ -58,7 +58,9 @@ def test_a_worse_version_fails_and_the_markdown_says_so(bench_here, folders, tmp
     done = bench_here("gate", "old", "worse", "--markdown", tmp_path / "gate.md", cwd=folders)
     assert done.returncode == 1
     text = (tmp_path / "gate.md").read_text(encoding="utf-8")
-    assert text.startswith("## ❌ worse\n\nThe new version is worse by more than the margin over all problems: ")
+    assert text.startswith(
+        "## ❌ mine (worse) against mine (old): worse\n\nThe new version is worse by more than the m"
+    )
     assert "| sphere-2 | 12 |" in text
     assert "A problem is worse where its one-sided p, by Holm’s method over the problems, is at most 0.025." in text
     assert bench_here("gate", "worse", "old", cwd=folders).returncode == 0
@@ -68,7 +70,8 @@ def test_a_pass_is_one_on_average_and_names_the_problems_that_are_open(bench_her
     done = bench_here("gate", "before", "after", cwd=folders)
     assert done.returncode == 0
     text = " ".join(done.stdout.replace("│", " ").split())
-    assert "The new version is not worse on average by more than the margin: the old version ends better in 3" in text
+    assert "mine (after) against mine (before): better" in text
+    assert "The new version is better on average: the old version ends better in 3" in text
     assert "It is not shown to be not worse on p" in text
     assert "(up to 6" in text
     assert "not shown" in text.split("95% interval")[1]
@@ -99,6 +102,28 @@ def test_another_look_after_more_trials_is_said_with_the_way_out(bench_here, fol
         "new was extended from 4 to 12 trials: after an undecided look, a false alarm has a chance above 0.05" in said
     )
     assert "was extended" not in bench_here("gate", "old", "other", cwd=folders).stdout
+
+
+def test_a_look_that_was_undecided_is_said_at_the_next_one(bench_here, tmp_path):
+    write(tmp_path, "old", trials=30)
+    write(tmp_path, "new", seed=2, trials=4)
+    first = " ".join(bench_here("gate", "old", "new", cwd=tmp_path).stdout.split())
+    assert "undecided" in first
+    assert "earlier look" not in first + bench_here("gate", "old", "new", cwd=tmp_path).stdout  # at the same trials
+    write(tmp_path, "more", seed=2, trials=30)
+    with Folder(tmp_path / "more").store.writer() as writer:  # as a run that extends the folder keeps it
+        (look,) = (each for each in Folder(tmp_path / "new").looks())
+        writer.history({"look": look})
+    said = " ".join(bench_here("gate", "old", "more", cwd=tmp_path).stdout.split())
+    assert (
+        "An earlier look at this comparison, at 68 of these 120 trials, was undecided: the level of 0.05 does" in said
+    )
+    assert "trials a problem with a new seed, which restores it" in said
+    write(tmp_path, "anew", seed=3, trials=30)
+    with Folder(tmp_path / "anew").store.writer() as writer:
+        writer.history({"look": look})
+    assert "earlier look" not in bench_here("gate", "old", "anew", cwd=tmp_path).stdout
+    assert Folder(tmp_path / "more").history() == []
 
 
 def test_speed_counts_with_a_target(bench_here, folders):
