@@ -24,7 +24,7 @@ NAME = "comparison"
 """The name of the study, unless another one is given."""
 
 Table = Mapping[str, object]
-"""What a table of a study's file would hold, with ``name``; in its place may be an object."""
+"""A table of a study's file, with ``name``, in whose place may be an object."""
 
 
 def compare(
@@ -62,7 +62,7 @@ def compare(
             ``timeout``.
 
     Raises:
-        BenchError: for what is no problem or no optimizer, a study that cannot be run, and where no trial succeeds.
+        BenchError: for an unknown problem or optimizer, a study that cannot be run, and where no trial succeeds.
         WorkerDiedError: when workers are killed several times in a row.
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """

@@ -240,14 +240,14 @@ class Objective:
         return bool(len(self.x0)) and not self._begun
 
     def log(self, **values: float) -> None:
-        """Keep numbers of the search, such as ``objective.log(step=0.3)``, beside the evaluations made so far.
+        """Keep numbers of the search, such as ``objective.log(step=0.3)``, with the evaluations made so far.
 
-        They cost no evaluation, are stored with the trial, and reports draw them beside the convergence. Of each of at
+        They cost no evaluation, are stored with the trial, and reports draw them next to the convergence. Of each of at
         most 20 names, 200 values are kept, evenly thinned.
 
         Raises:
             ValueError: for a name too many.
-            TypeError: for what is no number.
+            TypeError: for a value that is not a number.
         """
         for name, value in values.items():
             self._log.add(self._nfev, name, value)
@@ -271,9 +271,9 @@ class Objective:
         """Return the (n,) values of (n, d) points, or the float of one (d,) point.
 
         Raises:
-            BudgetExhausted: when the budget ends before the last row; the rows it still holds are evaluated and kept.
+            BudgetExhausted: when the budget ends before the last row; the rows before are evaluated and kept.
             ValueError: for points of another shape.
-            TypeError: for points that are no real numbers.
+            TypeError: for points that are not real numbers.
         """
         points = x.copy() if type(x) is ndarray and x.dtype is _FLOAT64 else floats(x, "points")
         single = points.shape == self._single

@@ -47,7 +47,7 @@ class Optimizer(ABC):
 
     A parameter is declared as a field with a type (``int``, ``float``, ``bool``, ``str``, ``Literal[…]`` or a union
     with None) and a default, with :func:`parameter` where it has a range; its value is checked on construction.
-    A field ``agents`` is the population size, and a trial's budget must hold at least one generation of it. Reports
+    A field ``agents`` is the population size, and a trial's budget must suffice for one generation of it. Reports
     compare it, ``handling`` and ``start`` (:data:`CONDITIONS`) among the optimizers that have them.
 
     Attributes:
@@ -55,7 +55,7 @@ class Optimizer(ABC):
             be letters, fonts and formulas only.
         code: whose implementation runs, such as ``"the cma package"``.
         unmapped: one sentence for each feature of another library's algorithm that its adapter cannot reproduce.
-        libraries: the distributions whose versions decide its trials, beside the package that holds the class, such as
+        libraries: the distributions whose versions decide its trials, besides the package of the class, such as
             ``("cma",)`` for a wrapper of pycma.
         invariances: the changes of a problem under which a run is the same, or has the same law: some of
             "translation", "scale", "monotone", "budget", "order" and "rotation", which ``bench check`` tests.

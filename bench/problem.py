@@ -42,8 +42,8 @@ class Problem(ABC):
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
             "function": "f08", "instance": 1, "group": "low or moderate conditioning"}``; empty where nothing is known.
-            ``sweep`` names what problems with the same value are steps of: they are no independent sample of problems,
-            and reports say so beside tests across them.
+            ``sweep`` names what problems with the same value are steps of: they are not independent, and reports say so
+            next to tests across them.
         repairs: whether the points that :meth:`repair` returns violate no constraint.
         integer: (d,) bool, the variables that are whole numbers, or None without any (default). The harness rounds them
             before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.
@@ -121,7 +121,7 @@ class Problem(ABC):
         """
 
     def close(self) -> None:  # noqa: B027 - few problems hold anything
-        """Let go of what evaluations hold, such as a program that runs; called at the end of every trial.
+        """Release what evaluations use, such as a program that runs; called at the end of every trial.
 
         The problem may be evaluated again afterwards. By default nothing is held.
         """
@@ -294,7 +294,7 @@ def with_own_box(problem: Problem) -> Problem:
     Otherwise code that computes in place, such as ``low = self.lower; low -= 1``, would move the box of later trials.
 
     Raises:
-        BenchError: where the problem lacks an attribute, or the bounds are no box; see :func:`own_box`.
+        BenchError: where the problem lacks an attribute, or the bounds are not a box; see :func:`own_box`.
     """
     if missing := [name for name in ("name", "variables", "lower", "upper") if not hasattr(problem, name)]:
         raise BenchError(f"the problem {type(problem).__name__} has no {' and no '.join(missing)}; see bench.Problem")

@@ -20,7 +20,8 @@ def command(
         Path | None, typer.Option("--output", "-o", help="Folder to write; default: FOLDER/export/FORMAT.")
     ] = None,
     evaluations: Annotated[
-        bool, typer.Option("--evaluations", help="Write evaluations.csv: each one that the journals of trials hold.")
+        bool,
+        typer.Option("--evaluations", help="Write evaluations.csv: each one that is noted in the journals of trials."),
     ] = False,
 ) -> None:
     """Write a study's results for other tools: for cocopp or IOHanalyzer, or as plain tables.

@@ -38,7 +38,7 @@ def command(
     optimizer: Annotated[
         str | None,
         typer.Option(
-            help="The optimizer to compare, where a folder holds several; in one folder, 'mine@2' compares it with its "
+            help="The optimizer to compare, where a folder has several; in one folder, 'mine@2' compares it with its "
             "version 2, and 'mine' with the version before.",
         ),
     ] = None,

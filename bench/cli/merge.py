@@ -19,7 +19,7 @@ def command(
 ) -> None:
     """Combine the trials of one study that different machines made.
 
-    A trial that several folders hold must be identical in all of them; a finished trial replaces a failed one.
+    A trial that several folders have must be identical in all of them; a finished trial replaces a failed one.
     """
     from bench.storage.merge import merge
 

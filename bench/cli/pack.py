@@ -19,7 +19,7 @@ def command(
 ) -> None:
     """Write a study's folder into one archive, for Zenodo or a paper's supplement.
 
-    The zip file holds trials, frozen study, environments, hashes of data and code, the report, and the SHA-256 of every
+    The zip file has trials, frozen study, environments, hashes of data and code, the report, and the SHA-256 of every
     file (SHA256SUMS). The same folder gives the same bytes.
     """
     from bench.formats.archive import pack

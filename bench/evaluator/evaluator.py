@@ -76,7 +76,7 @@ class Evaluator:
         budget: evaluations of a trial, or a multiple of the dimension.
         trials: of a candidate on each problem of ``train``.
         timeout: wall seconds that a trial may take, with the loading of the candidate.
-        memory: GB that a trial may hold.
+        memory: GB that a trial may use.
         n_jobs: trials made at a time; -1 takes every core.
         seed: from which the seeds of all trials derive.
         sandbox: whether candidates run in a sandbox of bubblewrap. False has them run in processes of their own, with

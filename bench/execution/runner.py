@@ -131,20 +131,20 @@ def run(
     on_trial: Listener | None = None,
     progress: bool | None = None,
 ) -> Outcome:
-    """Run every trial of a study that its folder does not hold yet.
+    """Run every trial of a study that its folder lacks.
 
     Rerunning the same call continues where the last one ended; failed trials are tried again. Results depend on the
     study alone: not on the number of jobs, on the order of trials or on the other optimizers. Every optimizer runs in
     processes of its own, so that one that hangs or crashes costs only its own trials.
 
     Args:
-        study: a study, a dict of what its file would hold, the name of an installed one, or a TOML file's path.
+        study: a study, a dict with the keys of its file, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
         n_jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
         backend: where trials are made, "local" (this machine) or "dask" (a cluster).
         scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
         timeout: wall seconds that a trial may take before it is stopped.
-        memory: gigabytes that a trial's process may hold; by default an equal share of 90% of the machine's memory.
+        memory: gigabytes that a trial's process may use; by default an equal share of 90% of the machine's memory.
         untrusted: keep problem, budget and trace of every trial in another process than its optimizer, run all
             plug-ins in a sandbox of bubblewrap (Linux), and limit a trial to 10 minutes and 4 GB where no other limits
             are given.

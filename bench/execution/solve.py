@@ -90,7 +90,7 @@ def solve(
             (:mod:`bench.execution.journal`); of a problem without noise.
 
     Raises:
-        BenchError: for an unknown name, what is no problem or no optimizer, bounds that are no box, a budget below 1, a
+        BenchError: for an unknown problem or optimizer, bounds that are not a box, a budget below 1, a
             handling or a limit that cannot be, and for a noisy problem where its points are to be evaluated by other
             processes.
         ProblemError: where the problem raises; its ``raised`` is what the problem raised.

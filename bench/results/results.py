@@ -86,7 +86,7 @@ class StoredResults:
             changed after trials of it were made.
 
     Raises:
-        BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means,
+        BenchError: when a folder has no study, or the folders differ in budget or in what a problem's label means,
             or imported results share no problem with the others.
     """
 
@@ -361,7 +361,7 @@ def load_results(path: AnyPath | pd.DataFrame, *others: AnyPath) -> pd.DataFrame
     warning says what was taken for what.
 
     Raises:
-        BenchError: when a frame cannot be recognised, a folder holds no study or no trials, or damaged ones, or the
+        BenchError: when a frame cannot be recognised, a folder has no study, no trials or damaged ones, or the
             folders cannot be compared (:class:`StoredResults`).
     """
     if isinstance(path, pd.DataFrame):

@@ -115,10 +115,10 @@ class Study:
 
     @classmethod
     def load(cls, source: str | os.PathLike[str] | Mapping[str, object]) -> Study:
-        """Return the study of an installed name (``"thesis"``), of a TOML file's path, or of what such a file holds.
+        """Return the study of an installed name (``"thesis"``), of a TOML file's path, or of such a file's content.
 
         Raises:
-            BenchError: for an unknown name, an unreadable or malformed file, or contents that are no valid study.
+            BenchError: for an unknown name, an unreadable or malformed file, or contents that are not a valid study.
         """
         if isinstance(source, Mapping):
             return cls.from_dict(dict(source))

@@ -40,7 +40,7 @@ def calibrate(
     """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
 
     The default, the thesis's joint at its levels 2 to 11, reproduces eq. 4.7, whose cubic is printed. The amplitude of
-    the best fit to a recording is some per cent off; a calibration holds this difference, unless --no-fits leaves it
+    the best fit to a recording is some per cent off; a calibration contains this difference, unless --no-fits leaves it
     out.
     """
     from problems.backlash.joint import Joint, load_joint
