@@ -291,6 +291,8 @@ class Folder:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             if any(not item.name.startswith(".") for item in self.path.iterdir()) and not self._begun:
+                if holder := self.running():  # which has just begun
+                    raise self._taken(holder)
                 raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
             hold.acquire()
         except Timeout as error:

@@ -7,7 +7,6 @@ import socket
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
 
@@ -135,17 +134,6 @@ def slow_study(trials):
 
 
 @pytest.mark.slow
-def test_a_worker_s_processes_import_nothing_of_its_working_folder(machines, tmp_path, shadows):
-    for file in shadows.glob("*.py"):
-        shutil.copy(file, machines.folder)
-    machines.worker("one")
-    code = "import random\ndef draw(objective, rng):\n    while True:\n        objective(objective.initial(1))\n"
-    study = study_of("draw", tmp_path, code, 2)
-    assert machines.run(study, tmp_path / "dask").made == 2
-    assert not [*shadows.glob("*.imported")]
-
-
-@pytest.mark.slow
 def test_functions_and_classes_travel_to_the_workers_by_value(machines, tmp_path):
     machines.worker("one")
     goal = 0.25
@@ -241,15 +229,6 @@ def test_the_third_worker_in_a_row_that_is_killed_ends_the_run(times, ends, mach
         assert machines.run(study_of("kill", tmp_path, code, 3), tmp_path / "out").made == 3
         assert load_results(tmp_path / "out")["status"].eq("ok").all()
     assert (tmp_path / "kills").stat().st_size == times
-
-
-@pytest.mark.slow
-def test_every_trial_is_made_once_and_nothing_is_left_at_the_end(machines, small_study, tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "QUEUED", 1)
-    worker = psutil.Process(machines.worker("one").pid)
-    assert machines.run(replace(small_study, trials=5), tmp_path / "out").made == 30
-    assert len(load_results(tmp_path / "out")) == 30
-    until(lambda: not worker.children(), "the idle processes to end")
 
 
 @pytest.mark.slow

@@ -9,7 +9,9 @@ import pytest
 
 from bench import BenchError, Results, Study, load_results, run, solve
 from bench.execution.runner import plan
+from bench.storage import provenance
 from bench.storage.folder import Folder
+from bench.storage.under_way import noting
 from bench.study import Entry
 
 TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
@@ -80,6 +82,9 @@ def test_a_folder_that_no_run_wrote_is_refused(small_study, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(BenchError, match="cannot be written"):
         run(small_study, tmp_path / "file", n_jobs=1)
+    holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}
+    with noting(tmp_path / "full", holder), pytest.raises(BenchError, match="another run"):
+        run(small_study, tmp_path / "full", n_jobs=1)  # its study is not there yet
 
 
 def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
