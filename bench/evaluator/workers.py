@@ -23,11 +23,11 @@ from bench.errors import BenchError
 from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.job import LOADING, PRINTED, Task, make_apart, sandbox_of
-from bench.execution.supervisor import ATTEMPTS, KILLED, failed, row_of
+from bench.execution.supervisor import ATTEMPTS, failed, is_killed, row_of
 from bench.plugins.objects import Objects
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.forks import ForkServer
-from bench.sandbox.process import FAILURES, DiedError, LostError, Process
+from bench.sandbox.process import FAILURES, LostError, Process
 from bench.trial import Trial
 
 LIBRARIES = ("scipy.linalg", "scipy.optimize", "scipy.spatial.distance", "scipy.special", "scipy.stats")
@@ -118,7 +118,7 @@ class _Worker:
             except (*FAILURES, RefusedError, ValueError) as error:
                 self._let_go()
                 row = row_of(error, cut=lambda text: text.partition("\n")[0])
-                if not (isinstance(error, DiedError) and error.code in KILLED) or attempt:
+                if attempt or not is_killed(error):
                     return row
         return row
 

@@ -79,8 +79,7 @@ def check(task: Task) -> Loaded:
                 f"{doing} takes more than {error}; try each with 'bench solve' to find which hangs"
             ) from error
         except (DiedError, RemoteError, LostError) as error:
-            killed = isinstance(error, LostError) or (isinstance(error, DiedError) and error.code in KILLED)
-            if not (killed and left):
+            if not (left and is_killed(error)):
                 raise BenchError(f"{doing} failed: {error}") from error
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
@@ -122,6 +121,11 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
     return Loaded(dimensions, Present(modules), json.dumps(machine), described)
 
 
+def is_killed(error: Exception) -> bool:
+    """Return whether a process, or one that it was forked from, was ended from outside: it may be no fault of it."""
+    return isinstance(error, LostError) or (isinstance(error, DiedError) and error.code in KILLED)
+
+
 def failed(reason: str) -> Row:
     """Return the row of a trial that failed."""
     return {"status": "failed", "error": printable(reason, 4000)}
@@ -161,22 +165,18 @@ class Supervisor:
             KilledError: after :meth:`kill`.
         """
         for _ in range(ATTEMPTS):
-            lost, row = "", Row()
             try:
                 job = self._started()
             except BenchError as error:  # there is no sandbox here
                 return failed(str(error))
             try:
-                row = self._made(trial, job)
+                return self._made(trial, job)
             except LostError:
                 lost = "its process or one that it was forked from was ended or stopped"
             except (*FAILURES, RefusedError, ValueError) as error:
-                row = row_of(error, job.doing, self._cut)
-                lost = (
-                    f"its process ended with {error}" if isinstance(error, DiedError) and error.code in KILLED else ""
-                )
-            if not (lost or self._killed):
-                return row
+                if not (is_killed(error) or self._killed):
+                    return row_of(error, job.doing, self._cut)
+                lost = f"its process ended with {error}"
             self.close()  # what killed one process may have killed or stopped others
             if self._killed:
                 raise KilledError
