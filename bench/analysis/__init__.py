@@ -1,7 +1,7 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`chances`, :func:`pairwise_tests`,
-:func:`within_problems`, :func:`comparison_matrix`, :func:`regret`. Over these problems: :func:`order`,
+:func:`comparison_matrix`, :func:`regret`. Over these problems: :func:`order`,
 :func:`compare`, :func:`wins_all`, :func:`medians`. How many trials are enough: :func:`detectable_a12`,
 :func:`trials_to_separate`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`target_table`,
 :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`,
@@ -35,7 +35,7 @@ from bench.analysis.anytime import (
     success_rates,
 )
 from bench.analysis.cells import Budgets, Traces, coverage, in_study_order, labels, regret, scores, summarise, timing
-from bench.analysis.comparison import chances, compare, order, wins_all, within_problems
+from bench.analysis.comparison import chances, compare, order, wins_all
 from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
 from bench.analysis.feasibility import feasibility
@@ -89,7 +89,6 @@ __all__ = [
     "trials_to_separate",
     "u_scores",
     "wins_all",
-    "within_problems",
 ]
 
 for _name in __all__:

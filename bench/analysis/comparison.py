@@ -9,8 +9,8 @@ Claims are of three kinds, each with its own 5%, of which no other kind knows:
 - over these problems, :func:`compare`: a winner that the results name, each of its tests at 5%, as all of them must
   reject (intersection-union test; Berger 1982, Technometrics 24); or the k - 1 tests of a subject that was named before
   the results, at 5% / (k - 1) each;
-- on each problem, :func:`within_problems`: pairs by Holm's method within the problem. Of N problems without any
-  difference, N / 20 would show one;
+- on each problem, :func:`bench.analysis.pairwise_tests`: pairs by Holm's method within the problem. Of N problems
+  without any difference, N / 20 would show one;
 - curves: bands that hold together with 95% (:mod:`bench.analysis.bands`).
 
 The test over problems is stratified. Its variance is that of the runs alone, so it holds whatever the problems are, and
@@ -32,19 +32,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import t
 
 from bench.analysis.cells import labels, scores
 from bench.analysis.direction import (
     ALPHA,
     Effects,
     effects,
-    least_p,
+    inference,
     stratified,
-    wilson_form,
     wins,
 )
-from bench.analysis.pairwise import holm
 from bench.analysis.standings import a12_matrix, mean_chance, ranks
 from bench.analysis.strata import Places, Samples, rows, strata
 from bench.typing import Floats
@@ -53,8 +50,6 @@ OUTCOMES = ("better", "worse", "open")
 """What a test says of the chosen optimizer: it ends lower than the rival, higher, or neither is shown."""
 
 COLUMNS = ("rival", "problems", "chance", "low", "high", "p", "level", "outcome")
-COUNTED = 0.75
-"""The part of the largest variance, that of a share of runs, from which on A12 counts as one; equal samples: 0.69."""
 
 
 def chances(frame: pd.DataFrame) -> pd.DataFrame:
@@ -137,38 +132,6 @@ def wins_all(comparison: pd.DataFrame) -> bool:
     return bool(len(comparison)) and bool((comparison["outcome"] == OUTCOMES[0]).all())
 
 
-def within_problems(pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return pairs on problems with p-values adjusted within each problem (Holm 1979), and the intervals of that test.
-
-    Columns p_holm; ``level``, at which a pair was tested: alpha over the hypotheses that were left at its step, and for
-    those that are not rejected, over those that were left at the last step; low to high, the interval of A12 of this
-    level, which holds 0.5 just where the pair is not significant; significant; and ``lower``, the optimizer that ends
-    lower, else "". ``pairs`` are those of :func:`bench.analysis.pairwise_tests`; where these have no p_holm, as of
-    pairs without a subject, they are no hypotheses.
-    """
-    chance, ratio = (pairs[name].to_numpy(dtype=float) for name in ("a12", "ratio"))
-    smaller = pairs[["n_first", "n_second"]].min(axis=1).to_numpy(dtype=float)
-    found = Effects(chance, ratio, np.maximum(smaller, 1))
-    p = inference(found, alpha)[2]
-    tested = pairs["p_holm"].notna().to_numpy() & (smaller > 0)
-    adjusted, level = np.full((2, len(pairs)), np.nan)
-    problem = pd.factorize(pairs["problem"])[0]
-    for place in range(problem.max(initial=-1) + 1):
-        own = np.flatnonzero((problem == place) & tested)
-        if len(own):
-            adjusted[own] = holm(p[own])
-            left = len(own) - np.argsort(np.argsort(p[own], kind="stable"), kind="stable")
-            rejected = adjusted[own] <= alpha
-            level[own] = alpha / np.where(rejected, left, max(len(own) - int(rejected.sum()), 1))
-    clear = adjusted <= alpha
-    low, high, _ = inference(found, level)
-    first, second = (pairs[name].astype(object).to_numpy() for name in ("first", "second"))
-    return pairs.assign(
-        p_holm=adjusted, level=level, low=low, high=high, significant=clear,
-        lower=np.where(clear, np.where(chance > 0.5, first, second), ""),
-    )  # fmt: skip
-
-
 def _tested(
     pairs: Sequence[Sequence[Places]], values: Floats, seeds: NDArray[Any] | None, level: float
 ) -> tuple[float, float, float, float, float, str]:
@@ -193,26 +156,6 @@ def _tested(
 def over_problems(found: Sequence[Sequence[Effects]]) -> Effects:
     """Return the mean over problems of the mean over their strata, of estimates of one shape each."""
     return stratified([stratified(of_problem) for of_problem in found])
-
-
-def inference(found: Effects, level: float | Floats, freedom: float | Floats = np.inf) -> tuple[Floats, Floats, Floats]:
-    """Return both ends of the interval of each mean, (g,), and the p of the test that it inverts, that it is 0.5.
-
-    It is the test of :func:`bench.analysis.direction.p_values` but for two things. Quantiles are those of Student's t
-    with ``freedom``. And where nearly all variance is that of runs which end lower than all runs of the rival or than
-    none, as of two basins about a single one, A12 is a share of these runs, and moves in steps: then half a step is
-    taken off (a continuity correction). Of 8 runs this test would err in 7.2% otherwise, at 5%. Where nothing can be
-    tested p is 1, and the ends are missing.
-    """
-    steps = np.clip((found.ratio * (found.smaller - 1) - COUNTED) / (1 - COUNTED), 0, 1) / (2 * found.smaller)
-    quantile = t.isf(np.asarray(level) / 2, freedom)
-    low, _ = wilson_form(np.maximum(found.a12 - steps, 0), found.ratio, quantile)
-    _, high = wilson_form(np.minimum(found.a12 + steps, 1), found.ratio, quantile)
-    apart = (np.asarray(level) / 2) ** (1 / np.asarray(found.smaller))
-    size = np.maximum(np.abs(found.a12 - 0.5) - steps, 0) / (0.5 * np.sqrt(found.ratio))
-    p = np.maximum(2 * t.sf(size, freedom), least_p(found.smaller))
-    low, high = np.minimum(low, apart), np.maximum(high, 1 - apart)
-    return low, high, np.where(np.isnan(found.ratio), 1.0, p)  # a single run leaves no variance
 
 
 def shared(seeds: Sequence[Sequence[Samples]]) -> bool:

@@ -17,8 +17,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, quantiles, traces_of
-from bench.analysis.comparison import inference
-from bench.analysis.direction import ALPHA, effects
+from bench.analysis.direction import ALPHA, effects, inference
 from bench.analysis.instances import SOLVED
 from bench.typing import Floats
 

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import norm
+from scipy.stats import norm, t
 
 from bench.helpers.compiled import compiled
 from bench.typing import Floats
@@ -39,6 +39,8 @@ ALPHA = 0.05  # thesis section 7.2
 TWO_SIDED = 1.959963984540054  # the normal quantile of 0.975
 LEAST_SHARE = 0.75  # of the ratio of two equal distributions
 UNTIED = 6  # values that always count as different from all others
+COUNTED = 0.75
+"""The part of the largest variance, that of a share of runs, from which on A12 counts as one; equal samples: 0.69."""
 
 
 class Effects(NamedTuple):
@@ -191,3 +193,23 @@ def wilson_form(chance: Floats, ratio: Floats, quantile: float | Floats = TWO_SI
     root = np.sqrt(width**2 + 4 * chance * (1 - chance) * width)
     centre, scale = 2 * chance + width, 2 * (1 + width)
     return (centre - root) / scale, (centre + root) / scale
+
+
+def inference(found: Effects, level: float | Floats, freedom: float | Floats = np.inf) -> tuple[Floats, Floats, Floats]:
+    """Return both ends of the interval of each mean, (g,), and the p of the test that it inverts, that it is 0.5.
+
+    It is the test of :func:`p_values` but for two things. Quantiles are those of Student's t
+    with ``freedom``. And where nearly all variance is that of runs which end lower than all runs of the rival or than
+    none, as of two basins about a single one, A12 is a share of these runs, and moves in steps: then half a step is
+    taken off (a continuity correction). Of 8 runs this test would err in 7.2% otherwise, at 5%. Where nothing can be
+    tested p is 1, and the ends are missing.
+    """
+    steps = np.clip((found.ratio * (found.smaller - 1) - COUNTED) / (1 - COUNTED), 0, 1) / (2 * found.smaller)
+    quantile = t.isf(np.asarray(level) / 2, freedom)
+    low, _ = wilson_form(np.maximum(found.a12 - steps, 0), found.ratio, quantile)
+    _, high = wilson_form(np.minimum(found.a12 + steps, 1), found.ratio, quantile)
+    apart = (np.asarray(level) / 2) ** (1 / np.asarray(found.smaller))
+    size = np.maximum(np.abs(found.a12 - 0.5) - steps, 0) / (0.5 * np.sqrt(found.ratio))
+    p = np.maximum(2 * t.sf(size, freedom), least_p(found.smaller))
+    low, high = np.minimum(low, apart), np.maximum(high, 1 - apart)
+    return low, high, np.where(np.isnan(found.ratio), 1.0, p)  # a single run leaves no variance

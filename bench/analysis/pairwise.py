@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -16,90 +17,102 @@ from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.strata import Samples, strata
 from bench.typing import Flags, Floats
 
-RESAMPLES = 9_999  # of every bootstrap; with the sample itself 10,000
 CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2000, Table 1
 AT_ONCE = 2_000  # pairs of samples in memory
 
 COLUMNS = (
-    "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "joint_low",
-    "joint_high", "p", "p_holm", "significant", "lower", "testable", "separated", "ks_distance",
-    "ks_p", "ks_tied",
+    "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "p", "p_holm", "level",
+    "low", "high", "significant", "lower", "ks_distance", "ks_p", "ks_tied",
 )  # fmt: skip
 
+Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]  # the places of the first and of the second samples
 
-def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd.DataFrame:
+
+def pairwise_tests(
+    frame: pd.DataFrame, alpha: float = ALPHA, subject: str = "", kept: Collection[str] | None = None
+) -> pd.DataFrame:
     """Return one row a problem and pair of optimizers.
 
     The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, of pooled
-    instances the mean of that within each of them (:mod:`bench.analysis.strata`), with the 95%
-    interval a12_low to a12_high, and joint_low to joint_high, intervals of which all together hold with 1 - ``alpha``
-    (Bonferroni); ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); separated, whether
-    a12 is 0 or 1.
+    instances the mean of that within each of them (:mod:`bench.analysis.strata`), with the 95% interval a12_low to
+    a12_high; ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); and p, of the hypothesis
+    a12 = 0.5, which allows that the spreads differ.
 
-    The test of its direction: p, of the hypothesis a12 = 0.5, which allows that the spreads differ
-    (:mod:`bench.analysis.direction`); p_holm, adjusted over all rows, so over pairs and problems (Holm 1979);
-    significant (p_holm <= ``alpha``); lower, the optimizer that is *separably lower*, "" where the row is not
-    significant; testable, whether complete separation would be significant beside as many rows.
+    The claim: p_holm, adjusted within the problem (Holm 1979), missing where a pair is no hypothesis; ``level``, at
+    which a pair was tested: ``alpha`` over the hypotheses that were left at its step, and for those that are not
+    rejected, over those that were left at the last step; low to high, the interval of a12 of this level, which holds
+    0.5 just where the pair is not ``significant``; and ``lower``, the optimizer that then ends lower, else "".
 
     The thesis's test of one distribution, unadjusted: ks_distance, ks_p and ks_tied
     (:mod:`bench.analysis.kolmogorov_smirnov`).
 
     Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties. A pair of which a cell has
-    fewer than two trials has no interval and p = 1, and is no hypothesis of the adjustment where a cell has none.
-    With a ``subject``, only its pairs are hypotheses; the others have no p_holm and are never significant.
-    Names are categories: texts would take most of the memory.
+    fewer than two trials has no interval and p = 1, and is no hypothesis where a cell has none. Names are categories:
+    texts would take most of the memory.
+
+    Args:
+        frame: the tidy frame.
+        alpha: the level of each problem.
+        subject: the optimizer whose pairs alone are hypotheses; "" for all.
+        kept: the optimizers that one of a row's two is, by default any. All pairs are tested, and the clearest one of
+            each problem has a row in any case.
     """
-    by_problem, optimizers, problems = strata(frame), labels(frame, "optimizer"), labels(frame, "problem")
-    sizes = np.array(
-        [[sum(map(len, samples)) for samples in zip(*by_problem[problem], strict=True)] for problem in problems],
-        dtype=np.int64,
-    )
+    optimizers, tables = labels(frame, "optimizer"), list[pd.DataFrame]()
     one, other = np.triu_indices(len(optimizers), 1)
-    tested = np.array([subject in ("", optimizers[i], optimizers[j]) for i, j in zip(one, other, strict=True)], bool)
-    tests = int(np.sum((np.minimum(sizes[:, one], sizes[:, other]) > 0) & tested)) if len(problems) else 0
-    # Of each column one array from the beginning: many small ones would leave gaps in the memory.
-    columns: dict[str, Any] = {}
-    for place, problem in enumerate(problems):
-        compared = compare_all(by_problem[problem], 1 - alpha / max(tests, 1))
-        for name, values in compared.items():
-            every = columns.setdefault(name, np.empty((len(problems), len(one)), dtype=values.dtype))
-            every[place] = values
-    columns = {name: every.ravel() for name, every in columns.items()}
-    names: dict[str, tuple[Any, Sequence[str]]] = {
-        "problem": (np.repeat(np.arange(len(problems)), len(one)), problems),
-        "first": (np.tile(one, len(problems)), optimizers),
-        "second": (np.tile(other, len(problems)), optimizers),
-    }
-    columns |= {
-        name: pd.Categorical.from_codes(codes, pd.Index(categories)) for name, (codes, categories) in names.items()
-    }
-    pairs = pd.DataFrame(columns, columns=list(COLUMNS), copy=False)
-    smaller = pairs[["n_first", "n_second"]].min(axis=1).to_numpy(dtype=float)
-    return adjusted(pairs, alpha, subject).assign(
-        testable=(2.0 ** (1 - smaller) * max(tests, 1) <= alpha) & of_subject(pairs, subject),
-        separated=pairs["a12"].isin((0.0, 1.0)),
-        ks_tied=pairs["ks_tied"].eq(True),
+    pairs = [*combinations(optimizers, 2)]
+    own, wanted = (
+        np.array([chosen is None or bool({first, second} & {*chosen}) for first, second in pairs], dtype=bool)
+        for chosen in ([subject] if subject else None, kept)
     )
+    problems = pd.Index(labels(frame, "problem"))
+    for place, groups in enumerate(strata(frame).values()):
+        samples = [np.concatenate(of_one) for of_one in zip(*groups, strict=True)]
+        columns = _directions(groups, np.array([len(sample) for sample in samples], dtype=np.int64), own, alpha)
+        known = np.flatnonzero(~np.isnan(columns["p_holm"]))
+        clearest = known[columns["p_holm"][known].argsort(kind="stable")[:1]]
+        rows = np.union1d(np.flatnonzero(wanted), clearest)
+        columns = {name: values[rows] for name, values in columns.items()}
+        columns |= _distributions(samples, (one[rows], other[rows]))
+        named = {
+            "problem": (np.full(len(rows), place), problems),
+            "first": (one[rows], pd.Index(optimizers)),
+            "second": (other[rows], pd.Index(optimizers)),
+            "lower": (columns["lower"], pd.Index(["", *optimizers])),
+        }
+        columns |= {name: pd.Categorical.from_codes(*codes) for name, codes in named.items()}
+        tables.append(pd.DataFrame(columns, columns=list(COLUMNS)))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 
 
-def adjusted(pairs: pd.DataFrame, alpha: float = ALPHA, subject: str = "") -> pd.DataFrame:
-    """Return the rows of :func:`pairwise_tests` with what follows from p and a12 of all rows, or of a subject's."""
-    tested = of_subject(pairs, subject)
-    present = ((pairs["n_first"] > 0) & (pairs["n_second"] > 0)).to_numpy(dtype=bool) & tested
-    p_holm = np.where(tested, 1.0, np.nan)
-    p_holm[present] = holm(pairs["p"].to_numpy(dtype=float)[present])
-    significant, chance = p_holm <= alpha, pairs["a12"].to_numpy(dtype=float)
-    first, second = (pairs[name].cat.codes.to_numpy(dtype=np.int64) for name in ("first", "second"))
-    lower = np.where(significant & (chance > 0.5), first + 1, np.where(significant & (chance < 0.5), second + 1, 0))
-    names = pd.Index(["", *pairs["first"].cat.categories])
-    return pairs.assign(p_holm=p_holm, significant=significant, lower=pd.Categorical.from_codes(lower, names))
+def _directions(groups: Sequence[Samples], sizes: NDArray[np.int64], own: Flags, alpha: float) -> dict[str, Any]:
+    """Return the columns on the direction of each pair of k optimizers on one problem; ``lower`` is a place from 1."""
+    one, other = np.triu_indices(len(sizes), 1)
+    estimates = direction.stratified([_estimates(samples) for samples in groups])
+    p, smaller = direction.p_values(estimates), np.minimum(sizes[one], sizes[other])
+    found = estimates._replace(smaller=np.maximum(smaller, 1).astype(np.float64))
+    claim, tested = direction.inference(found, alpha)[2], own & (smaller > 0)
+    adjusted, level = np.full((2, len(one)), np.nan)
+    adjusted[tested] = holm(claim[tested])
+    number, clear = int(tested.sum()), adjusted <= alpha
+    left = number - np.argsort(np.argsort(claim[tested], kind="stable"), kind="stable")
+    level[tested] = alpha / np.where(clear[tested], left, max(number - int(clear.sum()), 1))
+    a12_low, a12_high = direction.intervals(estimates)
+    low, high, _ = direction.inference(found, level)
+    return {
+        "n_first": sizes[one], "n_second": sizes[other], "a12": found.a12, "ratio": found.ratio, "a12_low": a12_low,
+        "a12_high": a12_high, "p": np.where(np.isnan(p), 1.0, p), "p_holm": adjusted, "level": level, "low": low,
+        "high": high, "significant": clear, "lower": np.where(clear, np.where(found.a12 > 0.5, one, other) + 1, 0),
+    }  # fmt: skip
 
 
-def of_subject(pairs: pd.DataFrame, subject: str) -> Flags:
-    """Return a flag for each row: True where the subject is first or second; all True without a subject."""
-    if not subject:
-        return np.ones(len(pairs), dtype=bool)
-    return ((pairs["first"] == subject) | (pairs["second"] == subject)).to_numpy(dtype=bool)
+def _distributions(samples: Samples, pairs: Pairs) -> dict[str, Any]:
+    """Return the columns on whether the distributions of pairs of samples differ, as far as none is empty."""
+    size = len(pairs[0])
+    columns = {"ks_distance": np.full(size, np.nan), "ks_p": np.ones(size), "ks_tied": np.zeros(size, dtype=bool)}
+    for places, these, others in alike(samples, pairs):
+        for name, values in ks_tests(these, others).items():
+            columns[name][places] = values
+    return columns
 
 
 def seen_from(pairs: pd.DataFrame, optimizer: str) -> pd.DataFrame:
@@ -124,50 +137,24 @@ def effect_size(a12: float) -> str:
     return next((word for word, least in CUTOFFS.items() if size >= least), "negligible")
 
 
-def compare_all(by_stratum: Sequence[Samples], joint: float = 0.95) -> dict[str, Any]:
-    """Return those columns of :func:`pairwise_tests` that need the k samples of one problem alone, by stratum.
-
-    Each has k (k - 1) / 2 values, one a pair, in the order of :func:`itertools.combinations`. Pairs of equal sizes are
-    compared at once. ``joint`` is the level of the joint intervals.
-    """
-    samples = [np.concatenate(own) for own in zip(*by_stratum, strict=True)]
-    one, other = np.triu_indices(len(samples), 1)
-    sizes = np.array([len(sample) for sample in samples], dtype=np.int64)
-    estimates = direction.stratified([_estimates(own) for own in by_stratum])
-    p = direction.p_values(estimates)
-    columns: dict[str, Any] = {
-        "n_first": sizes[one], "n_second": sizes[other], "a12": estimates.a12, "ratio": estimates.ratio,
-        "p": np.where(np.isnan(p), 1.0, p), "ks_distance": np.full(len(one), np.nan), "ks_p": np.ones(len(one)),
-        "ks_tied": np.zeros(len(one), dtype=bool),
-    }  # fmt: skip
-    columns["a12_low"], columns["a12_high"] = direction.intervals(estimates)
-    columns["joint_low"], columns["joint_high"] = direction.intervals(estimates, joint)
-    for places, these, others in alike(samples):
-        if min(these.shape[1], others.shape[1]):
-            for name, values in ks_tests(these, others).items():
-                columns[name][places] = values
-    return columns
-
-
 def _estimates(samples: Samples) -> direction.Effects:
     """Return A12 of each pair of k samples, all missing where one is empty."""
-    chance, ratio, smaller = np.full((3, len(samples) * (len(samples) - 1) // 2), np.nan)
-    for places, these, others in alike(samples):
-        if min(these.shape[1], others.shape[1]):
-            chance[places], ratio[places], smaller[places] = direction.effects(these, others)
+    pairs = np.triu_indices(len(samples), 1)
+    chance, ratio, smaller = np.full((3, len(pairs[0])), np.nan)
+    for places, these, others in alike(samples, pairs):
+        chance[places], ratio[places], smaller[places] = direction.effects(these, others)
     return direction.Effects(chance, ratio, smaller)
 
 
-def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats, Floats]]:
-    """Yield the pairs of k samples, many of the same sizes n and m at once.
+def alike(samples: Samples, pairs: Pairs) -> Iterator[tuple[NDArray[np.intp], Floats, Floats]]:
+    """Yield pairs of samples, none of which is empty, many of the same sizes n and m at once.
 
-    Yields their places in the order of :func:`itertools.combinations`, (g,), and the values, (g, n) and (g, m).
+    Yields their places among the pairs, (g,), and the values, (g, n) and (g, m).
     """
-    one, other = np.triu_indices(len(samples), 1)
     sizes = np.array([len(sample) for sample in samples], dtype=np.int64)
-    n, m = sizes[one], sizes[other]
-    for sizes_of_pair in sorted(set(zip(n.tolist(), m.tolist(), strict=True))):
-        same = np.flatnonzero((n == sizes_of_pair[0]) & (m == sizes_of_pair[1]))
-        for part in np.split(same, range(AT_ONCE, len(same), AT_ONCE)):
-            these, others = (np.array([samples[i] for i in places[part]]) for places in (one, other))
+    n, m = (sizes[side] for side in pairs)
+    for of_these, of_others in sorted(set(zip(n.tolist(), m.tolist(), strict=True))):
+        same = np.flatnonzero((n == of_these) & (m == of_others))
+        for part in np.split(same, range(AT_ONCE, len(same), AT_ONCE)) if min(of_these, of_others) else ():
+            these, others = (np.array([samples[i] for i in side[part]]) for side in pairs)
             yield part, these, others

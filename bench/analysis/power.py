@@ -8,8 +8,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.stats import norm
 
-from bench.analysis.comparison import inference, over_problems
-from bench.analysis.direction import Effects, effects, least_p
+from bench.analysis.comparison import over_problems
+from bench.analysis.direction import Effects, effects, inference, least_p
 from bench.typing import Flags
 
 DRAWS, FEW = 20_000, 1_000  # of a simulated power, and those that find about where it is reached

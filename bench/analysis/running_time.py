@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from scipy.special import betaincinv, stdtrit
 
 from bench.analysis.cells import labels
-from bench.analysis.comparison import inference
-from bench.analysis.direction import ALPHA, effects, least_p
+from bench.analysis.direction import ALPHA, effects, inference, least_p
 from bench.analysis.pairwise import holm
 from bench.typing import Flags, Floats
 

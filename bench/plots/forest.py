@@ -23,8 +23,8 @@ def a12_forest(
     Delaney (2000). A point is filled where its pair is significant.
 
     Args:
-        pairs: the rivals of :func:`bench.analysis.comparison.compare`, with the intervals of the tests that fill the
-            points; or pairs of :func:`bench.analysis.pairwise_tests`, whose joint intervals are drawn.
+        pairs: the rivals of :func:`bench.analysis.comparison.compare`, or pairs of
+            :func:`bench.analysis.pairwise_tests`, with the intervals of the tests that fill the points.
         problem: the label of the problem to draw, where ``pairs`` has several.
         names: of the rows; by default the rivals, or "A vs B".
     """
@@ -32,8 +32,7 @@ def a12_forest(
     ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)
     against = "outcome" in rows
     number = "chance" if against else "a12"
-    ends = ["low", "high"] if against else ["joint_low", "joint_high"]
-    chance, low, high = rows[[number, *ends]].to_numpy(dtype=float).T
+    chance, low, high = rows[[number, "low", "high"]].to_numpy(dtype=float).T
     at = np.arange(len(rows))
     ax.vlines(EFFECTS, 0, 1, color="#BBBBBB", linewidth=0.5, linestyle=":", transform=ax.get_xaxis_transform())
     ax.axvline(0.5, color="black", linewidth=0.7)

@@ -86,7 +86,7 @@ def facts(findings: Findings) -> Facts:
 def on_problems(findings: Findings) -> pd.DataFrame:
     """Return the outcome of the chosen optimizer on each problem, problems by rivals, by tests within the problem."""
     known = findings.of(facts)
-    pairs = findings.final.on_problems.astype({"first": object, "second": object, "lower": object})
+    pairs = findings.final.pairs.astype({"first": object, "second": object, "lower": object})
     own = seen_from(pairs[pairs["problem"].isin(known.problems)], known.chosen)
     outcome = own["lower"].map(lambda lower: "better" if lower == known.chosen else "worse" if lower else "open")
     wide = own.assign(outcome=outcome).pivot(index="problem", columns="second", values="outcome")

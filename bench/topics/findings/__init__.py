@@ -19,8 +19,8 @@ from bench.study.descriptions import Descriptions, noted
 from bench.study.targets import Targets
 from bench.study.values import Checked
 from bench.topics.findings.anytime import BEST, Anytime
-from bench.topics.findings.display import CROWD, FEW, Excerpt
-from bench.topics.findings.final import Final
+from bench.topics.findings.display import FEW, Excerpt
+from bench.topics.findings.final import CROWD, FIRST, Final
 from bench.topics.findings.selection import selection, versions
 from bench.topics.findings.trials import Trials
 
@@ -28,6 +28,7 @@ __all__ = [
     "BEST",
     "CROWD",
     "FEW",
+    "FIRST",
     "Anytime",
     "Excerpt",
     "Final",
@@ -69,7 +70,7 @@ class Findings:
     @cached_property
     def final(self) -> Final:
         """The values that the trials reached at the end."""
-        return Final(self.trials, self.subject if self.declared else "")
+        return Final(self.trials, self.subject if self.declared else "", self.subject)
 
     @cached_property
     def anytime(self) -> Anytime:

@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import pandas as pd
-
 from bench.plots import style
-from bench.topics.findings.final import Final
+from bench.topics.findings.final import FIRST, Final
 from bench.topics.findings.trials import Trials
 
-FEW, FIRST = 12, 10
-"""Of more optimizers than the one, figures and tables show the first ones, as many as the other, and the subject."""
-CROWD = 60
-"""Of more optimizers than these the file of tests has those between the first ones, as all would fill a disk."""
+FEW = 12
+"""Of more optimizers, figures and tables show the first ten and the subject."""
 
 
 @dataclass(frozen=True)
@@ -24,13 +20,6 @@ class Excerpt:
     trials: Trials
     final: Final
     subject: str = ""
-
-    @property
-    def written_pairs(self) -> pd.DataFrame:
-        """The tests that a report writes as a file."""
-        first = self.final.ranked[:CROWD]
-        pairs = self.final.on_problems
-        return pairs[pairs["first"].isin(first) & pairs["second"].isin(first)]
 
     @cached_property
     def shown(self) -> list[str]:

@@ -8,8 +8,11 @@ from functools import cached_property
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.comparison import chances, order, within_problems
+from bench.analysis.comparison import chances, order
 from bench.topics.findings.trials import Trials
+
+FIRST, CROWD = 10, 60
+"""Of more optimizers than the other, only pairs of the first ones have rows, as all would fill memory and disk."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +21,7 @@ class Final:
 
     trials: Trials
     subject: str = ""  # whose pairs alone are tested
+    about: str = ""  # the optimizer that the page is about, named late or not
 
     @cached_property
     def chances(self) -> pd.DataFrame:
@@ -43,13 +47,9 @@ class Final:
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
-        """The tests of each pair of optimizers on each problem."""
-        return analysis.pairwise_tests(self.trials.frame, subject=self.subject)
-
-    @cached_property
-    def on_problems(self) -> pd.DataFrame:
-        """The pairs with their claims on each problem: p adjusted within it, and which optimizer ends lower."""
-        return within_problems(self.pairs)
+        """The tests of the pairs on each problem; of many optimizers, those of the first ones with each other one."""
+        kept = {*self.ranked[:FIRST], self.about} if len(self.ranked) > CROWD else None
+        return analysis.pairwise_tests(self.trials.frame, subject=self.subject, kept=kept)
 
     @property
     def pairs_words(self) -> str:

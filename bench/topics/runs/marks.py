@@ -24,9 +24,9 @@ def marks(final: Final, panels: Mapping[str, Sequence[str]]) -> pd.DataFrame:
     On a panel of several problems a test separates them where it shows the first to end lower on any of these.
     """
     ranks = ranks_on(final, panels)
-    tests = final.on_problems
+    tests = final.pairs
     tests = tests[tests["p_holm"].notna()]
-    shown = tests[tests["lower"] != ""].astype({"problem": object, "first": object, "second": object})
+    shown = tests[tests["lower"] != ""].astype(dict.fromkeys(("problem", "first", "second", "lower"), object))
     higher = shown["second"].where(shown["lower"] == shown["first"], shown["first"])
     by_problem = pd.DataFrame({"problem": shown["problem"], "lower": shown["lower"], "higher": higher})
     tested = {*tests["first"], *tests["second"]}

@@ -16,7 +16,7 @@ def section(findings: Findings) -> Section | None:
     if not findings.trials.problems:
         return None
     figure = runs_figure(findings, comparison(findings))
-    tests = findings.final.on_problems
+    tests = findings.final.pairs
     tests = tests[tests["p_holm"].notna()]
     tested, shown = (each["problem"].nunique() for each in (tests, tests[tests["lower"] != ""]))
     text = (words.differences(tested, shown),) if tested else ()

@@ -9,7 +9,7 @@ from bench.analysis.matrix import table
 from bench.analysis.pairwise import seen_from
 from bench.report.parts import File, Table
 from bench.report.wording import row_texts
-from bench.topics.findings import CROWD, Findings
+from bench.topics.findings import CROWD, FIRST, Findings
 from bench.topics.runs.words import table_note
 
 TESTS = ["a12", "p", "p_holm"]
@@ -50,7 +50,7 @@ def cells_of(findings: Findings) -> pd.DataFrame:
     ``a12`` is the chance that a run of the leader ends lower, and ``p_holm`` is p adjusted within the problem.
     """
     final = findings.final
-    pairs = seen_from(final.on_problems.astype({"first": object, "second": object}), findings.leader)
+    pairs = seen_from(final.pairs.astype({"first": object, "second": object}), findings.leader)
     tests = pairs[["problem", "second", *TESTS, "lower"]].rename(columns={"second": "optimizer"})
     cells = final.summary.merge(final.chances[["problem", "optimizer", "chance", "rank"]], on=["problem", "optimizer"])
     above = analysis.regret(final.measured_summary, findings.trials.unbeaten, ("median",))
@@ -69,8 +69,9 @@ def files(findings: Findings) -> tuple[File, ...]:
         File("tables/trials.csv", "All runs, one row a run.", findings.results.frame),
         File(
             "tables/tests.csv",
-            f"The tests of {final.pairs_words} on every problem, of at most the {CROWD} first optimizers.",
-            findings.display.written_pairs,
+            f"The tests of {final.pairs_words} on every problem; of more than {CROWD} optimizers, of the first {FIRST} "
+            "with each other one, and the clearest pair.",
+            final.pairs,
         ),
         File("tables/ranking.csv", "The order of the optimizers over all problems.", final.order),
     ]

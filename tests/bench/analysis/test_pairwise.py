@@ -8,19 +8,18 @@ from hypothesis import strategies as st
 from statsmodels.stats.multitest import multipletests
 
 from bench.analysis.cells import cells
-from bench.analysis.direction import effects, intervals, p_values
+from bench.analysis.direction import Effects, effects, inference, intervals, p_values
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.pairwise import (
     AT_ONCE,
     COLUMNS,
-    compare_all,
     effect_size,
     holm,
     pairwise_tests,
 )
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
-INTERVALS = ["a12_low", "a12_high", "joint_low", "joint_high"]
+INTERVALS = ["a12_low", "a12_high", "low", "high"]
 
 whole_numbers = st.lists(st.integers(-40, 40) | st.none(), min_size=2, max_size=9)
 
@@ -45,14 +44,16 @@ class TestAdjustment:
         assert (np.diff(adjusted[np.argsort(p, kind="stable")]) >= 0).all()
 
     @pytest.mark.parametrize("seed", range(3))
-    def test_is_over_all_pairs_of_all_problems(self, frame_of, seed):
+    def test_is_over_all_pairs_of_a_problem(self, frame_of, seed):
         rng = np.random.default_rng(seed)
         shifts = dict(zip("abcd", 2 * rng.random(4), strict=True))
         pairs = pairwise_tests(
             frame_of({(each, name): rng.normal(shifts[name], 1, 20) for each in "pqr" for name in shifts})
         )
         assert len(pairs) == 18
-        np.testing.assert_allclose(pairs["p_holm"], multipletests(pairs["p"], method="holm")[1])
+        for _, own in pairs.groupby("problem"):
+            p = inference(Effects(own["a12"].to_numpy(), own["ratio"].to_numpy(), 20.0), 0.05)[2]
+            np.testing.assert_allclose(own["p_holm"], multipletests(p, method="holm")[1])
         assert (pairs["significant"] == (pairs["p_holm"] <= 0.05)).all()
         assert 0 < pairs["significant"].sum() < (pairs["p"] <= 0.05).sum()
         for pair in pairs.itertuples():
@@ -60,15 +61,24 @@ class TestAdjustment:
             assert pair.lower == (favoured if pair.significant else "")
 
     @pytest.mark.parametrize("seed", range(3))
-    def test_another_optimizer_changes_nothing_but_the_adjusted_p_and_the_joint_intervals(self, random_frame, seed):
+    def test_another_optimizer_changes_nothing_but_the_claims(self, random_frame, seed):
         frame = random_frame(seed)
         pairs, fewer = pairwise_tests(frame), pairwise_tests(frame[frame["optimizer"] != "c"])
         common = pairs[(pairs["first"] != "c") & (pairs["second"] != "c")].reset_index(drop=True)
-        joint = ["p_holm", "significant", "lower", "testable", "joint_low", "joint_high"]
-        pd.testing.assert_frame_equal(common.drop(columns=joint), fewer.drop(columns=joint), check_categorical=False)
+        claims = ["p_holm", "level", "low", "high", "significant", "lower"]
+        pd.testing.assert_frame_equal(common.drop(columns=claims), fewer.drop(columns=claims), check_categorical=False)
         assert (common["p_holm"] >= fewer["p_holm"]).all()
-        assert (common["joint_low"] <= fewer["joint_low"]).all()
-        assert (common["joint_high"] >= fewer["joint_high"]).all()
+
+    def test_pairs_without_a_row_are_tested_all_the_same(self, frame_of):
+        rng = np.random.default_rng(5)
+        shifts = {"a": 0.0, "b": 0.2, "c": 3.0, "d": 3.1}
+        frame = frame_of({(each, name): rng.normal(shifts[name], 1, 20) for each in "pq" for name in shifts})
+        keys = ["problem", "first", "second"]
+        every, kept = pairwise_tests(frame), pairwise_tests(frame, kept=["b"]).set_index(keys)
+        clearest = every.loc[every.groupby("problem", observed=True)["p_holm"].idxmin(), keys]
+        of_b = every.loc[(every["first"] == "b") | (every["second"] == "b"), keys]
+        assert {*kept.index} == {*pd.concat([of_b, clearest]).itertuples(index=False, name=None)}
+        pd.testing.assert_frame_equal(kept, every.set_index(keys).loc[kept.index])
 
 
 class TestColumns:
@@ -82,58 +92,49 @@ class TestColumns:
             both = [found[pair["problem"], pair[side]][np.newaxis] for side in ("first", "second")]
             effect = effects(*both)
             expected = {"a12": effect.a12, "ratio": effect.ratio, "p": p_values(effect), **ks_tests(*both)}
-            ends = (*intervals(effect), *intervals(effect, 1 - 0.05 / len(pairs)))
+            ends = (*intervals(effect), *inference(effect, pair["level"])[:2])
             expected |= dict(zip(INTERVALS, ends, strict=True))
             assert {name: pair[name] for name in expected} == {name: own[0] for name, own in expected.items()}
             assert (pair["n_first"], pair["n_second"]) == tuple(own.shape[1] for own in both)
 
-    def test_do_not_depend_on_how_many_are_compared_at_once(self):
-        samples = [*np.random.default_rng(6).integers(0, 9, (70, 3)).astype(float)]
-        whole = compare_all([samples])
-        assert len(whole["a12"]) > AT_ONCE
-        for name, values in compare_all([samples[-9:]]).items():
-            np.testing.assert_array_equal(values, whole[name][-len(values) :])
+    def test_do_not_depend_on_how_many_are_compared_at_once(self, frame_of):
+        values = np.random.default_rng(6).integers(0, 9, (70, 3)).astype(float)
+        whole, few = (
+            pairwise_tests(frame_of({("p", f"o{place}"): values[place] for place in range(first, 70)}))
+            for first in (0, 61)
+        )
+        assert len(whole) > AT_ONCE
+        sizes = ["a12", "ratio", "a12_low", "a12_high", "p", "ks_distance", "ks_p", "ks_tied"]
+        pd.testing.assert_frame_equal(few[sizes], whole[sizes].tail(len(few)).reset_index(drop=True))
 
 
 class TestByHand:
     def test_complete_separation(self, frame_of):
         pair = pair_of(frame_of, [6, 7, 8, 9, 10, 11.0], [0, 1, 2, 3, 4, 5.0])
-        assert (pair.a12, pair.separated, pair.a12_low) == (0.0, True, pytest.approx(0))
+        assert (pair.a12, pair.a12_low) == (0.0, pytest.approx(0))
         assert (pair.p, pair.p_holm, pair.lower, pair.significant) == (2**-5, 2**-5, "b", True)
-
-    def test_testable_counts_all_rows(self, frame_of):
-        apart = {("p", "a"): np.arange(6.0), ("p", "b"): np.arange(6.0) + 50}  # p = 1/32 of one pair, 1/16 of two
-        assert pairwise_tests(frame_of(apart))["testable"].tolist() == [True]
-        both = pairwise_tests(frame_of(apart | {("q", "a"): np.arange(7.0), ("q", "b"): np.arange(7.0) + 50}))
-        assert both["testable"].tolist() == [False, True]
-        assert both["p_holm"].tolist() == [2**-5, 2**-5]  # the first one falls on the second step
 
     def test_failed_trials_count_as_the_worst(self, frame_of):
         pair = pair_of(frame_of, np.arange(6.0), [None] * 6)
-        assert (pair.lower, pair.a12, pair.separated, pair.significant) == ("a", 1.0, True, True)
+        assert (pair.lower, pair.a12, pair.significant) == ("a", 1.0, True)
 
     @pytest.mark.parametrize(("this", "other"), [([1.0], [2.0, 3.0]), ([1.0, 2.0], [3.0]), ([1.0], [2.0])])
     def test_a_single_trial_has_a_size_and_no_interval(self, frame_of, this, other):
         pair = pair_of(frame_of, this, other)
-        assert (pair.a12, pair.ks_distance, pair.p, pair.testable, pair.lower) == (1.0, 1.0, 1.0, False, "")
+        assert (pair.a12, pair.ks_distance, pair.p, pair.lower) == (1.0, 1.0, 1.0, "")
         assert pair[["ratio", *INTERVALS]].isna().all()
 
     def test_a_missing_cell_is_no_hypothesis(self, frame_of, one):
         full = {("p", "a"): np.arange(6.0), ("p", "b"): np.arange(6.0) + 50}
         pairs = pairwise_tests(frame_of(full | {("q", "a"): [1, 2, 3, 4.0]}))
         pair = one(pairs, problem="q")
-        assert (pair.n_second, pair.p, pair.p_holm, pair.lower) == (0, 1.0, 1.0, "")
-        assert (pair.testable, pair.separated, pair.ks_tied, pair.ks_p) == (False, False, False, 1.0)
-        assert pair[["a12", "ratio", *INTERVALS, "ks_distance"]].isna().all()
-        alone = pairwise_tests(frame_of(full)).iloc[0]
-        assert one(pairs, problem="p")[["p_holm", "testable", "joint_low"]].equals(
-            alone[["p_holm", "testable", "joint_low"]]
-        )
+        assert (pair.n_second, pair.p, pair.lower, pair.ks_tied, pair.ks_p) == (0, 1.0, "", False, 1.0)
+        assert pair[["p_holm", "a12", "ratio", *INTERVALS, "ks_distance"]].isna().all()
 
     @pytest.mark.parametrize("value", [1.0, None])
     def test_identical_samples_differ_in_nothing(self, frame_of, value):
         pair = pair_of(frame_of, [value] * 10, [value] * 10)
-        assert (pair.p, pair.a12, pair.lower, pair.separated, pair.ks_tied) == (1.0, 0.5, "", False, True)
+        assert (pair.p, pair.a12, pair.lower, pair.ks_tied) == (1.0, 0.5, "", True)
         assert pair.a12_low < 0.5 < pair.a12_high
 
     def test_rounding_noise_at_one_optimum_is_not_tested(self, frame_of):
@@ -171,14 +172,6 @@ class TestProperties:
         assert pair.ks_p == pytest.approx(mirrored.ks_p, rel=1e-9)
         assert {pair.lower, mirrored.lower} in ({"a", "b"}, {""})
 
-    def test_all_joint_intervals_of_a_study_hold_together(self, frame_of):
-        rng = np.random.default_rng(3)
-        studies, held = 150, 0
-        for _ in range(studies):
-            pairs = pairwise_tests(frame_of({("p", name): rng.normal(size=15) for name in "abcde"}))
-            held += bool(((pairs["joint_low"] <= 0.5) & (pairs["joint_high"] >= 0.5)).all())
-        assert held / studies >= 0.95 - 3 * np.sqrt(0.95 * 0.05 / studies)
-
 
 @pytest.fixture
 def subjects(frame_of):
@@ -192,8 +185,9 @@ def test_only_pairs_of_the_subject_are_hypotheses(subjects):
     every, own = pairwise_tests(subjects), pairwise_tests(subjects, subject="b")
     with_b = own[own["p_holm"].notna()]
     assert set(zip(with_b["first"], with_b["second"], strict=True)) == {("a", "b"), ("b", "c")}
-    assert with_b["p_holm"].to_numpy() == pytest.approx(holm(with_b["p"].to_numpy()))
+    for _, rows in with_b.groupby("problem"):
+        assert rows["p_holm"].to_numpy() == pytest.approx(holm(rows["p"].to_numpy()))
     assert own["p"].tolist() == every["p"].tolist()
     others = own[own["p_holm"].isna()]
-    assert not others[["significant", "testable"]].to_numpy().any()
+    assert not others["significant"].any()
     assert set(others["lower"]) == {""}

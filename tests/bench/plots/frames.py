@@ -73,7 +73,7 @@ def fractions(optimizers, along="evaluations"):
 
 def improvements(optimizers):
     rows = [(a, b, 0.6, 0.45, 0.7, False) for a, b in itertools.combinations(optimizers, 2)]
-    columns = ["first", "second", "a12", "joint_low", "joint_high", "significant"]
+    columns = ["first", "second", "a12", "low", "high", "significant"]
     return pd.DataFrame(rows, columns=columns)
 
 

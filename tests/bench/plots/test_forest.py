@@ -10,7 +10,7 @@ from tests.bench.plots.frames import axes
 class TestForest:
     pairs = pd.DataFrame(
         {"problem": ["p", "p", "q"], "first": ["a", "a", "a"], "second": ["b", "c", "b"], "a12": [0.9, 0.45, 0.5],
-         "joint_low": [0.8, 0.3, 0.4], "joint_high": [1.0, 0.6, 0.6], "significant": [True, False, False]}
+         "low": [0.8, 0.3, 0.4], "high": [1.0, 0.6, 0.6], "significant": [True, False, False]}
     )  # fmt: skip
 
     def test_intervals_and_points(self):

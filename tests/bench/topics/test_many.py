@@ -36,7 +36,14 @@ def test_the_table_s_file_has_all(wide):
     assert "The first 10 of 14 optimizers" in figure.caption
 
 
-def test_tests_are_written_among_the_first_of_a_crowd(wide, monkeypatch):
-    monkeypatch.setattr("bench.topics.findings.display.CROWD", 4)
-    written = wide.display.written_pairs
-    assert set(written["first"]) | set(written["second"]) == set(wide.final.ranked[:4])
+def test_of_a_crowd_the_tests_of_the_first_and_the_subject_are_kept(wide, monkeypatch):
+    monkeypatch.setattr("bench.topics.findings.final.CROWD", 12)
+    pairs = Findings(wide.results, asked_subject=wide.final.ranked[-1]).final.pairs
+    kept = {*wide.final.ranked[:10], wide.final.ranked[-1]}
+    clearest = pairs.groupby("problem", observed=True)["p_holm"].idxmin()
+    others = pairs[~pairs["first"].isin(kept) & ~pairs["second"].isin(kept)]
+    assert set(others.index) <= set(clearest)
+    assert len(pairs) - len(others) == 3 * (91 - 3)
+    whole = wide.final.pairs.merge(pairs, on=["problem", "first", "second"], suffixes=("", "_kept"))
+    assert len(whole) == len(pairs)
+    assert (whole["p_holm"] == whole["p_holm_kept"]).all()
