@@ -22,7 +22,7 @@ from bench.families import dimension_in
 from bench.numbers import is_whole
 from bench.objective import integer_flags
 from bench.plugins import selection
-from bench.plugins.inputs import Inputs, conflicts, is_data, shown
+from bench.plugins.inputs import Inputs, is_data, shown
 from bench.plugins.loading import brings_code, is_imported
 from bench.problem import Problem
 from bench.results.compared import Compared
@@ -116,13 +116,8 @@ class StoredResults:
     @cached_property
     def data(self) -> dict[str, dict[str, str]]:
         """The hash of each file of data that a problem's trials were made from, by the problem's label."""
-        labels = {entry.label for entry in self.study.problems}
-        data = {label: files for source in self._sources for label, files in source.folder.data().items() if files}
-        return {
-            label: {shown(name): state for name, (state, _) in files.items()}
-            for label, files in data.items()
-            if label in labels
-        }
+        made = {label: _data(inputs) for source in self._sources for label, inputs in source.folder.made().items()}
+        return {entry.label: made[entry.label] for entry in self.study.problems if made.get(entry.label)}
 
     @cached_property
     def changed(self) -> dict[str, list[str]]:
@@ -380,12 +375,17 @@ def _of_frame(table: pd.DataFrame) -> pd.DataFrame:
     return last.reindex(columns=[column.name for column in FRAME])
 
 
+def _data(inputs: Inputs) -> dict[str, str]:
+    return {shown(name): state for name, (state, _) in inputs.items() if is_data(name)}
+
+
 def _require_one_data(folders: Sequence[Folder]) -> None:
     """Raise BenchError when a problem's data differ between folders."""
-    agreed: dict[str, Inputs] = {}
-    for folder in folders:
-        for label, data in folder.data().items():
-            if conflicts(agreed.setdefault(label, data), data):
+    agreed: dict[str, dict[str, str]] = {}
+    for folder in folders if len(folders) > 1 else ():
+        for label, inputs in folder.made().items():
+            data = _data(inputs)
+            if any(agreed.setdefault(label, data).get(name, state) != state for name, state in data.items()):
                 raise BenchError(
                     f"{folder.path} ran problem {label!r} on other data than {folders[0].path}; only runs on the same "
                     "data can be compared"

@@ -19,7 +19,7 @@ from bench.errors import BenchError, explained, reason
 from bench.helpers.atomic import replacing
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import count, listed
-from bench.plugins.inputs import Inputs, Present, is_data
+from bench.plugins.inputs import Inputs, Present
 from bench.storage import committed, provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.selection import Selection, select
@@ -162,8 +162,14 @@ class Folder:
         self.store.copy(path / self.store.path.name)
         return path
 
+    def made(self) -> dict[str, Inputs]:
+        """Return what the shown trials of each problem and optimizer were made from, by the label shown."""
+        held = self.store.held()
+        shown = (pair for labels, cell in held.by_labels.items() for pair in zip(labels, cell.records, strict=True))
+        return {label: held.made.get(text, {}) for label, text in shown}
+
     def changed(self) -> dict[str, list[str]]:
-        """Return what the shown trials of each problem and optimizer were made from and is another by now, by label.
+        """Return what of :meth:`made` is another by now, by label.
 
         What is missing here is left out, as are folders that an archive brought: they may have been made elsewhere.
         """
@@ -171,18 +177,9 @@ class Folder:
         folder = str(noted[-1].get("working_folder") or "") if noted else ""
         if self.untrusted or (folder and not Path(folder).is_dir()):
             return {}
-        held, present = self.store.held(), Present(folder=folder, strict=False)
-        labelled = {pair for labels, cell in held.by_labels.items() for pair in zip(labels, cell.records, strict=True)}
-        found = {label: present.changed(held.made.get(text, {})) for label, text in sorted(labelled)}
+        present = Present(folder=folder, strict=False)
+        found = {label: present.changed(inputs) for label, inputs in sorted(self.made().items())}
         return {label: names for label, names in found.items() if names}
-
-    def data(self) -> dict[str, Inputs]:
-        """Return the files of data that each problem's shown trials were made from, by the label shown."""
-        held = self.store.held()
-        return {
-            labels[0]: {name: known for name, known in held.made.get(cell.problem, {}).items() if is_data(name)}
-            for labels, cell in held.by_labels.items()
-        }
 
     def history(self) -> list[dict[str, Any]]:
         """Return what runs selected here, and in the folders that trials were taken from, oldest first.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 
@@ -146,6 +146,7 @@ def take(source: Folder, writer: Writer, wanted: Mapping[Cell, Cell] | None = No
     Raises:
         BenchError: when a trial has two outcomes.
     """
+    mark, added, same = {"reused": where} if where else {}, 0, 0
     with source.store.reader() as reader:
         there = reader.cells
         chosen: dict[int, Cell] = {}
@@ -154,47 +155,38 @@ def take(source: Folder, writer: Writer, wanted: Mapping[Cell, Cell] | None = No
                 theirs = there.made_from(cell)
                 chosen[number] = writer.cells.fitting(cell.bare, theirs, cell) if wanted is None else wanted[cell]
                 writer.cells.add(chosen[number], theirs)
-        rows = ((cell, row) for cell, row in reader.sound() if cell in chosen)
-        made = {environment for cell, environment in reader.made_by() if cell in chosen}
-        environments = {number: record for number, record in reader.records("environments").items() if number in made}
-        if where:
-            environments = {number: record | {"reused": where} for number, record in environments.items() if record}
-        renumbered = {
-            "environment": {n: writer.environment(record) for n, record in environments.items() if record},
-            "inputs": {n: writer.inputs(record) for n, record in reader.records("inputs").items() if record},
+        made = {environment for place, environment in reader.made_by() if place in chosen}
+        environments = {n: each for n, each in reader.records("environments").items() if each and n in made}
+        numbers = {
+            "environment": {n: writer.environment(each | mark) for n, each in environments.items()},
+            "inputs": {n: writer.inputs(each) for n, each in reader.records("inputs").items() if each},
         }
         for record in reader.records("history").values():
-            writer.history(record | ({"reused": where} if where else {}))
-        return _copy(rows, chosen, renumbered, writer, source)
+            writer.history(record | mark)
+        with writer.transaction():
+            for place, row in reader.sound():
+                if place in chosen:
+                    renumbered = {name: known.get(row[name]) for name, known in numbers.items()}
+                    new = _add(row | renumbered, writer.number(chosen[place]), writer, source)
+                    added, same = added + new, same + (not new)
+    return added, same
 
 
-def _copy(
-    rows: Iterable[tuple[int, Row]],
-    chosen: Mapping[int, Cell],
-    renumbered: Mapping[str, Mapping[int, int]],
-    writer: Writer,
-    source: Folder,
-) -> tuple[int, int]:
-    """Add rows of the chosen cells, with the numbers of their records here; return how many, and how many there were.
+def _add(row: Row, number: int, writer: Writer, source: Folder) -> bool:
+    """Add a row to the cell of this number unless it holds the trial; return whether it was added.
 
     Raises:
-        BenchError: when a trial has two outcomes.
+        BenchError: when the trial has two outcomes.
     """
-    added = same = 0
-    with writer.transaction():
-        for cell, row in rows:
-            number = writer.number(chosen[cell])
-            present = writer.find(number, row["trial"])
-            if present is None or (present["status"] != "ok" and row["status"] == "ok"):
-                writer.put(row | {name: numbers.get(row[name]) for name, numbers in renumbered.items()}, number)
-                added += 1
-            else:
-                same += 1
-                if row["status"] == "ok" and (different := disagreement(present, row)):
-                    problem, optimizer = chosen[cell].labels
-                    raise BenchError(
-                        f"trial {row['trial']} of {optimizer} on {problem} has another {different} in {source.path} "
-                        f"than in {writer.path.parent}, though both were made from one seed; find out which is right "
-                        "('bench verify') and remove the other ('bench rm')"
-                    )
-    return added, same
+    present = writer.find(number, row["trial"])
+    if present is None or (present["status"] != "ok" and row["status"] == "ok"):
+        writer.put(row, number)
+        return True
+    if row["status"] == "ok" and (different := disagreement(present, row)):
+        problem, optimizer = writer.cells.all[number].labels
+        raise BenchError(
+            f"trial {row['trial']} of {optimizer} on {problem} has another {different} in {source.path} than in "
+            f"{writer.path.parent}, though both were made from one seed; find out which is right ('bench verify') and "
+            "remove the other ('bench rm')"
+        )
+    return False
