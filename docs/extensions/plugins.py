@@ -72,7 +72,7 @@ def family_page(name: str, members: Iterable[Record]) -> str:
     """Return the page of a family of another library's optimizers: each member with its parameters and remarks."""
     members = list(members)
     first = members[0]
-    install = f"pip install 'backlash-bench[{first['extra']}]'" if first["extra"] else "nothing: scipy is always there"
+    install = f"`pip install '.[{first['extra']}]'` in the clone" if first["extra"] else "none: scipy is always there"
     shared = set.intersection(*(set(each["unmapped"]) for each in members))
     repeated = Counter(remark for each in members for remark in each["unmapped"] if remark not in shared)
     numbers = {remark: at for at, remark in enumerate((each for each, n in repeated.items() if n > 1 and each), 1)}

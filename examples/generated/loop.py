@@ -1,6 +1,6 @@
 """A loop of LLaMEA whose candidates bench.Evaluator judges; here eight prepared answers stand for a language model.
 
-    pip install llamea backlash-bench
+    pip install llamea, in an environment that has backlash-bench
     python loop.py
 
 For a real one, give LLaMEA a model of ``llamea.llm``, such as ``OpenAI_LLM``, in the place of ``Prepared``.

@@ -1,6 +1,6 @@
 """Tune two optimizers with optuna on training problems, and compare defaults and tuned values on others.
 
-python tune.py        # needs optuna: pip install 'backlash-bench[optuna]'
+python tune.py        # needs optuna: pip install '.[optuna]' in the clone
 """
 
 import numpy as np
