@@ -8,10 +8,12 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
-from bench.errors import BenchError, explained, nearest, reason
+from bench.errors import BenchError, explained, nearest
 from bench.optimizer import Optimizer, build
 from bench.plugins import from_file, objects, registry
 from bench.problem import Problem, with_own_box
+
+_ANY = (Exception, SystemExit)  # what a plug-in's package may raise
 
 IMPORTED = "imported"
 """The prefix of names that only imported results have, such as ``imported:DIRECT``: nothing can be loaded for them."""
@@ -62,13 +64,9 @@ def load_optimizer(name: str, /, **options: object) -> Optimizer:
         return build(plugin, name, options)
     if registry.is_family(plugin) and colon:
         plugin = _call_loader(plugin.load, name, options)
-        if isinstance(plugin, Optimizer):
-            return plugin
-    if registry.is_family(plugin):
-        raise BenchError(
-            f"{name!r} is a family; name one of its optimizers, as in '{family}:<name>' (see 'bench list')"
-        )
-    raise BenchError(f"the plug-in behind {name!r} is no Optimizer subclass, nor a family named as '{family}:<name>'")
+    if isinstance(plugin, Optimizer):
+        return plugin
+    raise BenchError(f"{name!r} is no Optimizer subclass, nor a family's member: name one as '{family}:<name>'")
 
 
 def list_optimizers(pattern: str = "*") -> list[str]:
@@ -76,12 +74,16 @@ def list_optimizers(pattern: str = "*") -> list[str]:
 
     Members of families are among them where their libraries are installed.
     """
+    return fnmatch.filter(_names("optimizers"), pattern)
+
+
+def _names(group: str) -> list[str]:
     names: list[str] = []
-    for entry in sorted(registry.entries("optimizers")):
-        with suppress(Exception, SystemExit):  # a library that is missing or broken must not hide the others
-            plugin = registry.load("optimizers", entry)
+    for entry in sorted(registry.entries(group)):
+        with suppress(*_ANY):  # a library that is missing or broken must not hide the others
+            plugin = registry.load(group, entry)
             names += plugin.names() if registry.is_family(plugin) else [entry]
-    return fnmatch.filter(names, pattern)
+    return names
 
 
 def load_problem(name: str, /, **options: object) -> Problem:
@@ -99,26 +101,18 @@ def load_problem(name: str, /, **options: object) -> Problem:
         return _problem(from_file.load_problem(name, **options), name)
     if objects.is_object(name):
         return objects.load_problem(name, **options)
-    prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
-    if colon and prefix in families:
-        return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
-    listed: list[str] = []
-    for family in sorted(families, key=lambda family: -len(family) if name.startswith(family) else 0):
-        try:
-            plugin = registry.load("problems", family)
-            on_grid = f"{name}-".startswith(f"{family}-") and hasattr(plugin, "grid")  # it loads more than it lists
-            names = [name] if on_grid else plugin.names()
-        except (Exception, SystemExit) as error:  # a broken family must not block another's problem
-            if name.startswith(family):
-                raise BenchError(f"problem {name!r} cannot be looked up: {reason(error)}") from error
-            continue
-        if name in names:
+    for known in sorted(families, key=lambda each: each != family(name)):
+        own, found = name.startswith(known), False  # a broken family must not block another's problem
+        with explained(f"problem {name!r} cannot be looked up", _ANY) if own else suppress(*_ANY):
+            plugin = registry.load("problems", known)
+            is_suite = hasattr(plugin, "grid") and f"{name}-".startswith(f"{known}-")  # it loads more than it lists
+            found = is_suite or name.startswith(f"{known}:") or name in plugin.names()
+        if found:
             return _problem(_call_loader(plugin.load, name, options), name)
-        listed += names
     from_file.require_class(name)
     otherwise = f"; the families are {', '.join(sorted(families))}: 'bench list problems' shows them"
-    raise BenchError(f"unknown problem {name!r}{nearest(name, listed, otherwise)}")
+    raise BenchError(f"unknown problem {name!r}{nearest(name, _names('problems'), otherwise)}")
 
 
 def family(problem: str) -> str:
@@ -173,7 +167,7 @@ def is_built_in(optimizer: str) -> bool:
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
     """Call a family's loader; turn any exception into a BenchError of one sentence."""
-    with explained(f"{name!r} cannot be loaded", (Exception, SystemExit)):
+    with explained(f"{name!r} cannot be loaded", _ANY):
         return loader(name, **options)
 
 

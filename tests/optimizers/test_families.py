@@ -42,7 +42,7 @@ def test_an_unknown_member_is_refused_with_the_nearest_one(family, member):
 
 
 def test_a_family_is_no_optimizer_itself():
-    with pytest.raises(BenchError, match="'scipy' is a family; name one"):
+    with pytest.raises(BenchError, match="'scipy' is no Optimizer subclass, nor a family's member: name one as"):
         load_optimizer("scipy")
 
 

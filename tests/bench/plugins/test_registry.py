@@ -58,7 +58,7 @@ def test_a_stranger_s_plugin_loads_as_a_built_in_does():
             lambda: load_optimizer("broken"),
             "'broken' of bench.optimizers (testing_plugins_missing:Nothing) failed to load",
         ),
-        (lambda: load_optimizer("gwo:x"), "no Optimizer subclass, nor a family"),
+        (lambda: load_optimizer("gwo:x"), "no Optimizer subclass, nor a family's member"),
         (lambda: load_optimizer("nobody:x"), "unknown optimizer 'nobody:x'"),
         (lambda: load_problem("signature-21"), "unknown problem 'signature-21'; did you mean 'signature-"),
         (lambda: load_problem("signature-12", units="rpm"), "no option 'units'; did you mean 'unit'?"),
