@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import json
-import re
 import warnings
 from collections.abc import Iterable, Sequence
 from os import PathLike
@@ -41,7 +40,7 @@ LONGEST = 1_000_000  # characters of a source
 PARSED = 100_000  # those of a source that is worth parsing here, before any process is started for it
 _NAME = f"{objects.PREFIX}{LABEL}"
 _KEY = f"optimizers {_NAME}"
-_COLUMNS = (
+_COLUMNS = [
     "problem",
     "optimizer",
     "trial",
@@ -54,7 +53,7 @@ _COLUMNS = (
     "wall_s",
     "cpu_s",
     "aocc",
-)
+]
 
 Source = OptimizerLike | PathLike[str]
 """A candidate: Python source, a path to a file of it, or an optimizer, a class or a function."""
@@ -157,17 +156,13 @@ class Evaluator:
 
     def map(self, sources: Iterable[Source]) -> list[Found]:
         """Judge candidates side by side; return what is found of each, in their order."""
-        texts, candidates, tasks = list[str](), list[Candidate](), list[tuple[Candidate, Trial]]()
-        for source in sources:
-            text, candidate = _read(source)
-            texts.append(text)
-            candidates.append(candidate)
-            tasks += [(candidate, trial) for trial in self._trials(LABEL, self._train, self._study.trials)]
+        candidates, each = [_read(source) for source in sources], len(self._train) * self._study.trials
+        trials = self._trials(LABEL, self._train, self._study.trials)
+        tasks = [(candidate, trial) for candidate in candidates for trial in trials]
         baselines = self._of_baselines("train", self._train, self._study.trials)
-        rows, each = [*self._workers.rows(tasks)], len(self._train) * self._study.trials
-        frames = [self._frame(tasks[i : i + each], rows[i : i + each]) for i in range(0, len(tasks), each)]
-        made = zip(texts, candidates, frames, strict=True)
-        return [self._found(*each, baselines) for each in made]
+        rows = [*self._workers.rows(tasks)]
+        frames = [self._frame(trials, rows[i : i + each]) for i in range(0, len(tasks), each)]
+        return [self._found(*made, baselines) for made in zip(candidates, frames, strict=True)]
 
     def final(self, source: Source, *, trials: int = 10) -> Final:
         """Compare a candidate with the baselines on the held-out problems, whose first use alone is a test.
@@ -178,14 +173,14 @@ class Evaluator:
         if not self._test:
             raise BenchError("there are no held-out problems: give some as 'test'")
         require_whole("trials", trials, 2)
-        text, candidate = _read(source)
-        tasks = [(candidate, trial) for trial in self._trials(LABEL, self._test, trials)]
+        candidate, made = _read(source), self._trials(LABEL, self._test, trials)
         baselines = self._of_baselines(f"test {trials}", self._test, trials)
-        frame = pd.concat([self._frame(tasks, self._workers.rows(tasks)), baselines], ignore_index=True)
+        rows = self._workers.rows((candidate, trial) for trial in made)
+        frame = pd.concat([self._frame(made, rows), baselines], ignore_index=True)
         with self._lock:
             self._finals += 1
             finals, judged = self._finals - 1, len({each["hash"] for each in self._judged})
-        return Final(compare(frame, LABEL, before=True), frame, judged, finals, _error(text, candidate))
+        return Final(compare(frame, LABEL, before=True), frame, judged, finals, candidate.reason)
 
     def log(self, path: str | PathLike[str]) -> None:
         """Write a JSON line for each candidate judged so far: hash of its source, score, error bar and error."""
@@ -226,95 +221,74 @@ class Evaluator:
             for problem in problems
         ]
 
-    def _of_baselines(self, key: str, problems: Sequence[str], trials: int) -> pd.DataFrame:
+    def _of_baselines(self, key: str, problems: Sequence[str], number: int) -> pd.DataFrame:
         """Return the trials of the baselines on these problems, which are made once, and set the optima."""
         if not self._end.alive:
             raise BenchError("the evaluator is closed: make another one")
         with self._lock:
             if key not in self._known:
-                tasks = [
-                    (Candidate({}), trial)
-                    for label in self._baselines
-                    for trial in self._trials(label, problems, trials)
-                ]
-                rows = [*self._workers.rows(tasks)]
-                if lost := next((row["error"] for row in rows if row["status"] != "ok"), ""):
-                    raise BenchError(f"a baseline failed: {lost}")
+                trials = [each for label in self._baselines for each in self._trials(label, problems, number)]
+                installed = Candidate({})
+                rows = [*self._workers.rows((installed, trial) for trial in trials)]
+                if installed.error:
+                    raise BenchError(f"a baseline failed: {installed.error}")
                 for label in set(problems) & {*self._assumed}:
-                    made = zip(tasks, rows, strict=True)
-                    values = [row["fun"] for (_, trial), row in made if trial.problem == label]
+                    values = [row["fun"] for trial, row in zip(trials, rows, strict=True) if trial.problem == label]
                     if not values:
                         raise BenchError(f"the optimum of {label} is unknown, and no baseline stands for it")
                     self._optima.setdefault(label, min(values))
-                self._known[key] = self._frame(tasks, rows)
+                self._known[key] = self._frame(trials, rows)
             return self._known[key]
 
-    def _frame(self, tasks: Sequence[tuple[Candidate, Trial]], rows: Iterable[Row]) -> pd.DataFrame:
+    def _frame(self, trials: Sequence[Trial], rows: Iterable[Row]) -> pd.DataFrame:
         """Return trials as a tidy frame with the AOCC of each."""
         made = []
-        for (_, trial), row in zip(tasks, rows, strict=True):
+        for trial, row in zip(trials, rows, strict=True):
             area = 0.0
             if row["status"] == "ok":
                 optimum, budget = self._optima[trial.problem], self._budgets[trial.problem]
                 area = area_over_curve(Trace.unpacked(row["trace"]), optimum, budget)[0]
             made.append({"error": "", **trial.columns, **row, "aocc": area})
-        return pd.DataFrame(made).reindex(columns=[*_COLUMNS])
+        return pd.DataFrame(made).reindex(columns=_COLUMNS)
 
-    def _found(self, text: str, candidate: Candidate, frame: pd.DataFrame, baselines: pd.DataFrame) -> Found:
+    def _found(self, candidate: Candidate, frame: pd.DataFrame, baselines: pd.DataFrame) -> Found:
         """Return what the trials of a candidate show, and keep it in the record."""
         every = pd.concat([frame, baselines], ignore_index=True)
         by_problem = every.pivot_table("aocc", "problem", "optimizer", sort=False)
-        error, score, bar, notes = _error(text, candidate), 0.0, 0.0, tuple[str, ...]()
-        if error:
-            feedback = words.shortened(f"Score 0, as it failed: {error}")
-        else:
+        score, bar, notes = 0.0, 0.0, tuple[str, ...]()
+        feedback = words.shortened(f"Score 0, as it failed: {candidate.reason}")
+        if not candidate.error:
             score = max(float(frame["aocc"].mean()), LEAST)
             groups = frame.groupby("problem", sort=False)["aocc"]
             bar = float(np.sqrt((groups.var() / groups.size()).sum(skipna=False)) / groups.ngroups)
             used = frame["nfev"] / frame["problem"].map(self._budgets)
             feedback = words.feedback(score, bar, by_problem, float(used.mean()))
             notes = words.notes(frame, self._optima, self._assumed)
+        kept = {"hash": candidate.held[_KEY].digest, "score": score, "error_bar": None if np.isnan(bar) else bar}
         with self._lock:
-            kept = {
-                "hash": candidate.held[_KEY].digest,
-                "score": score,
-                "error_bar": None if np.isnan(bar) else bar,
-                "error": error,
-            }
-            self._judged.append(kept)
-        return Found(score, bar, error, feedback, frame, by_problem, notes)
+            self._judged.append(kept | {"error": candidate.reason})
+        return Found(score, bar, candidate.reason, feedback, frame, by_problem, notes)
 
 
 def _listed(problems: ProblemLike | Iterable[ProblemLike]) -> list[Any]:
     return [problems] if isinstance(problems, str) or objects.is_plugin(problems) else [*problems]  # type: ignore[misc]
 
 
-def _read(source: Source) -> tuple[str, Candidate]:
-    """Return a candidate's source, "" of an object, and the candidate as its processes take it; it is not run here."""
+def _read(source: Source) -> Candidate:
+    """Return a candidate as its processes take it; it is not run here."""
     if isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source and source.endswith(".py")):
         with explained(f"the candidate {source} cannot be read", (OSError, ValueError)):
             source = Path(source).read_text(encoding="utf-8")
-    if isinstance(source, str) and len(source) > LONGEST:
-        raise BenchError(f"a candidate may have {LONGEST:,} characters, not {len(source):,}")
-    candidate = Candidate({_KEY: objects.packed(source)})
-    if not isinstance(source, str):
-        return "", candidate
-    if len(source) <= PARSED:
+    text = source if isinstance(source, str) else ""
+    if len(text) > LONGEST:
+        raise BenchError(f"a candidate may have {LONGEST:,} characters, not {len(text):,}")
+    candidate = Candidate({_KEY: objects.packed(source)}, text)
+    if len(text) <= PARSED:
         try:
             with warnings.catch_warnings(action="ignore"):
-                ast.parse(source, SOURCE)
+                ast.parse(text, SOURCE)
         except SyntaxError as error:
             candidate.error = located(error)
         except (ValueError, RecursionError, MemoryError):  # of a NUL byte, or of what is nested too deeply
             pass
-    return source, candidate
-
-
-def _error(text: str, candidate: Candidate) -> str:
-    """Return why a candidate failed, with the text of the line that is at fault."""
-    error = candidate.error.removesuffix(" (--timeout)").removesuffix(" (--memory)")
-    lines = text.splitlines()
-    found = re.match(r"line (\d{1,7}): ", error)
-    if found and 0 < int(found[1]) <= len(lines):
-        error += f" ({lines[int(found[1]) - 1].strip()[:100]})"
-    return error
+    return candidate

@@ -9,6 +9,7 @@ optimizers       without any problem; libraries loaded, a search warmed up
 
 from __future__ import annotations
 
+import re
 from collections.abc import Generator, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -41,9 +42,17 @@ WARMING = "random-search"
 class Candidate:
     """A candidate on its way through its trials; the others are left out once one has failed."""
 
-    held: Objects  # what its name stands for; empty of a baseline, which is installed
+    held: Objects  # what its name stands for; empty of baselines, which are installed
+    text: str = ""  # its source, if it has one
     error: str = ""
-    status: str = "ok"
+
+    @property
+    def reason(self) -> str:
+        """The error, with the text of the line that is at fault."""
+        error = self.error.removesuffix(" (--timeout)").removesuffix(" (--memory)")
+        lines, found = self.text.splitlines(), re.match(r"line (\d{1,7}): ", error)
+        at_fault = found and lines[int(found[1]) - 1 : int(found[1])]
+        return f"{error} ({at_fault[0].strip()[:100]})" if at_fault else error
 
 
 class Workers:
@@ -81,7 +90,7 @@ class Workers:
                 self._started.append(worker)
         row = worker.row(candidate, trial)
         if row["status"] != "ok" and not candidate.error:
-            candidate.error, candidate.status = str(row["error"]), str(row["status"])
+            candidate.error = str(row["error"])
         return row
 
 
