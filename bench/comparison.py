@@ -14,8 +14,7 @@ from bench.errors import BenchError
 from bench.execution.runner import Outcome, run
 from bench.helpers.text import count, listed
 from bench.notebook import Results
-from bench.plugins import objects
-from bench.plugins.objects import OptimizerLike, ProblemLike
+from bench.plugins.loading import OptimizerLike, ProblemLike, is_plugin
 from bench.storage.folder import Folder, default_path
 from bench.study import Study
 from bench.trial import UNASKED
@@ -85,7 +84,7 @@ def _listed(given: Any) -> list[Any]:
             {**(thing if isinstance(thing, Mapping) else {"name": thing}), "label": label}
             for label, thing in given.items()
         ]
-    if isinstance(given, str) or objects.is_plugin(given) or not isinstance(given, Iterable):
+    if isinstance(given, str) or is_plugin(given) or not isinstance(given, Iterable):
         return [given]
     return list(given)
 

@@ -29,7 +29,7 @@ from bench.numbers import is_finite, require_whole, seconds
 from bench.objective import Trace
 from bench.plugins import objects
 from bench.plugins.from_file import SOURCE, located
-from bench.plugins.objects import OptimizerLike, ProblemLike
+from bench.plugins.loading import OBJECT, OptimizerLike, ProblemLike, is_plugin
 from bench.seeds import trial_seed
 from bench.study import Study
 from bench.trial import Trial
@@ -38,7 +38,7 @@ BASELINES = ("cma-es", "random-search")
 LABEL = "candidate"
 LONGEST = 1_000_000  # characters of a source
 PARSED = 100_000  # those of a source that is worth parsing here, before any process is started for it
-_NAME = f"{objects.PREFIX}{LABEL}"
+_NAME = f"{OBJECT}{LABEL}"
 _KEY = f"optimizers {_NAME}"
 _COLUMNS = [
     "problem",
@@ -271,7 +271,7 @@ class Evaluator:
 
 
 def _listed(problems: ProblemLike | Iterable[ProblemLike]) -> list[Any]:
-    return [problems] if isinstance(problems, str) or objects.is_plugin(problems) else [*problems]  # type: ignore[misc]
+    return [problems] if isinstance(problems, str) or is_plugin(problems) else [*problems]  # type: ignore[misc]
 
 
 def _read(source: Source) -> Candidate:

@@ -25,7 +25,7 @@ from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.job import LOADING, PRINTED, Task, make_apart, sandbox_of
 from bench.execution.supervisor import ATTEMPTS, failed, is_killed, row_of
-from bench.plugins.objects import Objects
+from bench.plugins.packing import Objects
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, LostError, Process

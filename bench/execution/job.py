@@ -34,8 +34,8 @@ from bench.helpers.text import printable
 from bench.objective import ON_TARGET, OUT_OF_TIME
 from bench.plugins import from_file, loading, objects, registry
 from bench.plugins.inputs import named
-from bench.plugins.objects import Objects
 from bench.plugins.observing import PARTS, Observed, Signature
+from bench.plugins.packing import Objects
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process

@@ -25,8 +25,8 @@ from bench.execution.warming import warm_optimizer, warm_problem
 from bench.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
 from bench.objective import OnEvaluation
 from bench.optimizer import Optimizer
-from bench.plugins import loading, objects
-from bench.plugins.objects import OptimizerLike
+from bench.plugins import loading
+from bench.plugins.loading import OptimizerLike, title
 from bench.plugins.observing import hash_of
 from bench.plugins.packing import pack
 from bench.problem import Problem
@@ -95,8 +95,8 @@ def solve(
             processes.
         ProblemError: where the problem raises; its ``raised`` is what the problem raised.
     """
-    loaded = objects.as_problem(loading.load_problem(problem) if isinstance(problem, str) else problem, bounds)
-    chosen = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else objects.as_optimizer(optimizer)
+    loaded = loading.as_problem(problem, bounds)
+    chosen = loading.as_optimizer(optimizer)
     require_seed("the seed", seed)
     require_whole("parallel", parallel, 1, MOST_PARALLEL)
     limits = [
@@ -115,7 +115,7 @@ def solve(
     )
     journal = None
     if output is not None and not loaded.noisy:
-        trial = Trial(loaded.name, optimizer if isinstance(optimizer, str) else objects.title(optimizer), 0, seed)
+        trial = Trial(loaded.name, title(optimizer), 0, seed)
         key = trial.columns | {"budget": spent, "variables": [*loaded.variables]}
         Path(output).mkdir(parents=True, exist_ok=True)
         journal = Journal(Path(output), key, _about(loaded), limit=limits[0], always=True)
@@ -130,8 +130,7 @@ def solve(
             warnings.warn(f"{loaded.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
             metrics = {}
     if found.unasked:
-        title = optimizer if isinstance(optimizer, str) else objects.title(optimizer)
-        warnings.warn(UNASKED.format(title), stacklevel=2)
+        warnings.warn(UNASKED.format(title(optimizer)), stacklevel=2)
     return replace(found, metrics=metrics)
 
 

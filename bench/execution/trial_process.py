@@ -27,12 +27,12 @@ from bench.execution.side_by_side import evaluated, require_possible
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.text import printable
 from bench.objective import integer_flags, scanner
-from bench.plugins import objects, observing
+from bench.plugins import observing, packing
 from bench.plugins.from_file import located
 from bench.plugins.inputs import Inputs, named
 from bench.plugins.loading import defining
-from bench.plugins.objects import Objects
 from bench.plugins.observing import Signature, reading
+from bench.plugins.packing import Objects
 from bench.problem import Problem
 from bench.sandbox.server import end_if_stuck
 from bench.sandbox.side_effects import SideEffects, reset_random
@@ -53,13 +53,13 @@ def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, 
     """
     global _study, _output
     _study, _output = study, output
-    objects.held.update(held)
+    packing.held.update(held)
     observing.observe(output, known)
 
 
 def hold(held: Objects) -> None:
     """Take further objects in the place of names of the study."""
-    objects.held.update(held)
+    packing.held.update(held)
 
 
 def import_modules(names: Sequence[str]) -> None:

@@ -13,12 +13,10 @@ from types import ModuleType
 from typing import Any
 
 from bench.errors import BenchError, explained, nearest
-from bench.families import derive
 from bench.helpers.text import listed, short_hash
-from bench.optimizer import Optimizer, build, is_frozen
+from bench.optimizer import Optimizer
 from bench.plugins import observing
-from bench.plugins.functions import class_of, shape, taken
-from bench.problem import Problem
+from bench.plugins.functions import shape, taken
 from bench.sandbox.messages import describe_error
 
 SOURCE = "<candidate>"
@@ -36,7 +34,7 @@ def require_class(name: str) -> None:
     if not name.endswith(".py"):
         return
     kinds = (ast.ClassDef, ast.FunctionDef)
-    names = [key for key, part in _parts(Path(name)).items() if isinstance(part, kinds) and not key.startswith("_")]
+    names = [key for key, part in _parts(f"{name}:").items() if isinstance(part, kinds) and not key.startswith("_")]
     holds = f"; it holds {listed(names)}" if names else ""
     raise BenchError(
         f"{name!r} names a file alone; add the class or function: {name}:{(names or ['ClassName'])[0]}{holds}"
@@ -52,8 +50,7 @@ def is_problem(name: str) -> bool:
     Raises:
         BenchError: where the file is missing or no Python.
     """
-    path, _, attribute = name.rpartition(":")
-    parts = _parts(Path(path))
+    parts = _parts(name)
 
     def is_one(name: str) -> bool:
         part = parts.pop(name, None)
@@ -64,14 +61,14 @@ def is_problem(name: str) -> bool:
             return len(part.args.posonlyargs + part.args.args) - len(part.args.defaults) < 2
         return part is not None
 
-    return is_one(attribute)
+    return is_one(name.rpartition(":")[2])
 
 
-def _parts(path: Path) -> dict[str, ast.stmt]:
+def _parts(name: str) -> dict[str, ast.stmt]:
     """Return the statements of a file that give a name to a class, a function or another object, by that name."""
     parts: dict[str, ast.stmt] = {}
-    with explained(f"the file {path} cannot be read as Python", (SyntaxError, ValueError)):  # of a NUL byte
-        body = ast.parse(_content(path)).body
+    with explained(f"the file {name.rpartition(':')[0]} cannot be read as Python", (SyntaxError, ValueError)):
+        body = ast.parse(content(name)).body  # ValueError: of a NUL byte
     for part in body:
         if isinstance(part, (ast.ClassDef, ast.FunctionDef)):
             parts[part.name] = part
@@ -81,50 +78,25 @@ def _parts(path: Path) -> dict[str, ast.stmt]:
     return parts
 
 
-def load_optimizer(name: str, /, **options: Any) -> Optimizer:
-    """Return the optimizer of that file with these parameters; a plain function becomes one.
-
-    Raises:
-        BenchError: where the file is missing or fails to run, or holds no such class or function, and for options that
-            are no parameters or out of range.
-    """
-    path, _, attribute = name.rpartition(":")
-    return build(_optimizer(name, attribute, Path(path), _content(Path(path))), name, options)
-
-
-@cache
-def _optimizer(name: str, attribute: str, path: Path, content: bytes) -> type[Optimizer]:
-    plugin = class_of(_attribute(path, content, attribute, "optimizer"), name, load_optimizer)
-    if "plugin" in vars(plugin) or not is_frozen(plugin):  # build() refuses the latter
-        return plugin
-    return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
-
-
-def load_problem(name: str, /, **options: Any) -> Any:
-    """Return the problem of that file: an instance, or what a class or a function makes of these options.
-
-    Raises:
-        BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
-    """
-    path, _, attribute = name.rpartition(":")
-    problem = _attribute(Path(path), _content(Path(path)), attribute, "problem")
-    if not callable(problem) or isinstance(problem, Problem):
-        return problem
-    with explained(f"{name!r} cannot be made", Exception):  # the file may raise anything
-        return problem(**options)
-
-
-def _content(path: Path) -> bytes:
+def content(name: str) -> bytes:
+    """Return the content of the file of such a name; raises BenchError where it cannot be read."""
+    path = Path(name.rpartition(":")[0])
     with explained(f"the file {path} cannot be read"):
         return path.read_bytes()
 
 
-def _attribute(path: Path, content: bytes, attribute: str, kind: str) -> Any:
-    module = _imported(path, content)
-    if attribute not in vars(module):
+def attribute(name: str, content: bytes, kind: str) -> Any:
+    """Return what a file of this content has by such a name.
+
+    Raises:
+        BenchError: where it fails to run, or has nothing of that name.
+    """
+    file, _, own = name.rpartition(":")
+    module = _imported(Path(file), content)
+    if own not in vars(module):
         names = [key for key, value in vars(module).items() if _is_own(value, module)]
-        raise BenchError(f"{path} holds no {kind} called {attribute!r}{nearest(attribute, names)}")
-    return vars(module)[attribute]
+        raise BenchError(f"{file} holds no {kind} called {own!r}{nearest(own, names)}")
+    return vars(module)[own]
 
 
 @cache

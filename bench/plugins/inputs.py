@@ -14,7 +14,7 @@ from importlib.metadata import Distribution, PackageNotFoundError, distribution,
 from pathlib import Path
 
 from bench.helpers.text import short_hash
-from bench.plugins import objects, registry
+from bench.plugins import packing, registry
 from bench.plugins.observing import Observed, Signature, hash_of, listing, matching, names_of, signature, variable
 
 Inputs = dict[str, tuple[str, Signature]]
@@ -125,7 +125,7 @@ def _now(name: str, state: str, known: Signature, folder: str) -> str | None:
     if kind == "variable":
         return variable(os.environ.get(name))
     if kind == "object":
-        held = objects.held.get(name)
+        held = packing.held.get(name)
         return held.digest if held else None
     place = os.path.join(folder, name)
     if kind == "folder":

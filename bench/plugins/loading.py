@@ -1,22 +1,34 @@
-"""Load an optimizer or a problem by name: an installed plug-in, a member of a family, or a class in a file."""
+"""Load an optimizer or a problem: an installed one by name, a member of a family, a class in a file, or an object."""
 
 from __future__ import annotations
 
 import fnmatch
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import cache
 from typing import Any
 
 from bench.errors import BenchError, explained, nearest
-from bench.optimizer import Optimizer, build
-from bench.plugins import from_file, objects, registry
-from bench.problem import Problem, with_own_box
-
-_ANY = (Exception, SystemExit)  # what a plug-in's package may raise
+from bench.families import derive
+from bench.optimizer import Optimizer, build, is_frozen, settings
+from bench.plugins import from_file, packing, registry
+from bench.plugins.functions import class_of
+from bench.problem import FunctionProblem, Problem, with_own_box
 
 IMPORTED = "imported"
-"""The prefix of names that only imported results have, such as ``imported:DIRECT``: nothing can be loaded for them."""
+"""The family of names that only imported results have, such as ``imported:DIRECT``: nothing can be loaded for them."""
+
+OBJECT = "python:"
+"""The prefix of names of objects of a session."""
+
+OptimizerLike = str | Optimizer | type | Callable[..., object]
+"""What may stand for an optimizer: see :func:`as_optimizer`."""
+
+ProblemLike = str | Problem | type[Problem]
+"""What may stand for a problem of a study."""
+
+_ANY = (Exception, SystemExit)  # what a plug-in's package may raise
 
 
 def is_imported(name: str) -> bool:
@@ -29,13 +41,35 @@ def brings_code(name: str) -> bool:
     return from_file.split(name) is not None or name.startswith("command:")
 
 
+def is_plugin(thing: object) -> bool:
+    """Return whether something in the place of a name may be a problem or an optimizer itself."""
+    return callable(thing) or isinstance(thing, (Problem, Optimizer))
+
+
+def is_object(name: str) -> bool:
+    """Return whether a name stands for an object of a session."""
+    return name.startswith(OBJECT)
+
+
 def default_label(name: str) -> str:
     """Return the default label of a plug-in name: the class's for one of a file or of a session, else the name."""
     parts = from_file.split(name)
-    return parts[1] if parts and parts[1] else name.removeprefix(objects.PREFIX)
+    return parts[1] if parts and parts[1] else name.removeprefix(OBJECT)
 
 
-def load_optimizer(name: str, /, **options: object) -> Optimizer:
+def title(thing: Any) -> str:
+    """Return the title of a plug-in: its name, or that of a problem, of a class or of a function."""
+    if isinstance(thing, (str, Problem)):
+        return thing if isinstance(thing, str) else str(thing.name)
+    function = getattr(thing, "func", thing)  # of a functools.partial
+    name = str(getattr(function, "__name__", type(function).__name__))
+    return "lambda" if name == "<lambda>" else name
+
+
+# optimizers
+
+
+def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
 
     Args:
@@ -49,9 +83,9 @@ def load_optimizer(name: str, /, **options: object) -> Optimizer:
     if is_imported(name):
         raise BenchError(f"{name!r} stands for imported results, whose optimizer is not here; it cannot be run")
     if from_file.split(name):
-        return from_file.load_optimizer(name, **options)
-    if objects.is_object(name):
-        return objects.load_optimizer(name, **options)
+        return build(_class_in_file(name, from_file.content(name)), name, options)
+    if is_object(name):
+        return as_optimizer(packing.load("optimizers", name), name, options)
     family, colon, _ = name.partition(":")
     installed = registry.entries("optimizers")
     entry = name if name in installed else family
@@ -67,6 +101,40 @@ def load_optimizer(name: str, /, **options: object) -> Optimizer:
     if isinstance(plugin, Optimizer):
         return plugin
     raise BenchError(f"{name!r} is no Optimizer subclass, nor a family's member: name one as '{family}:<name>'")
+
+
+@cache
+def _class_in_file(name: str, content: bytes) -> type[Optimizer]:
+    plugin = class_of(from_file.attribute(name, content, "optimizer"), name, load_optimizer)
+    if "plugin" in vars(plugin) or not is_frozen(plugin):  # build() refuses the latter
+        return plugin
+    return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
+
+
+def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None = None) -> Optimizer:
+    """Return the optimizer that a name stands for, that an object is, or that a class or a function makes.
+
+    Args:
+        thing: a name; an optimizer; a class of optimizers; a function ``(objective, rng, …)``; a class
+            ``(objective, rng, …)`` whose instances ask and tell; or a class ``(budget, dim, …)`` whose instances are
+            called with the function. What these take further, with defaults, are parameters.
+        name: in messages, and the name that loads it in another process; by default what it is called.
+        options: parameters; of an optimizer, other ones than its own.
+
+    Raises:
+        BenchError: for anything else, and for parameters that it does not have.
+    """
+    name, chosen = name or title(thing), dict(options or {})
+    if isinstance(thing, str):
+        return load_optimizer(thing, **chosen)
+    if not isinstance(thing, Optimizer):
+        return build(class_of(thing, name, load_optimizer), name, chosen)
+    if not is_frozen(type(thing)):
+        raise BenchError(
+            f"the class of {name!r} must be a frozen dataclass: write @dataclass(frozen=True) above it, and each "
+            "parameter as a field"
+        )
+    return build(type(thing), name, settings(thing) | chosen) if chosen else thing
 
 
 def list_optimizers(pattern: str = "*") -> list[str]:
@@ -86,7 +154,42 @@ def _names(group: str) -> list[str]:
     return names
 
 
-def load_problem(name: str, /, **options: object) -> Problem:
+def matching(pattern: str) -> list[str]:
+    """Return the members of a family that match a pattern such as ``"mealpy:*GWO"``, or the name if it is no pattern.
+
+    Raises:
+        BenchError: where no member matches, or the family's library is missing.
+    """
+    family, colon, member = pattern.partition(":")
+    if not (colon and "*" in member) or from_file.split(pattern) or family not in registry.entries("optimizers"):
+        return [pattern]
+    names: list[str] = fnmatch.filter(registry.load("optimizers", family).names(), pattern)
+    if not names:
+        raise BenchError(f"no optimizer matches {pattern!r}; 'bench list {family}' shows all")
+    return names
+
+
+def package(optimizer: str) -> str:
+    """Return the file, object, family or module that an optimizer's name points to, without loading it."""
+    if parts := from_file.split(optimizer):
+        return str(parts[0])
+    prefix, colon, _ = optimizer.partition(":")
+    installed = registry.entries("optimizers").get(optimizer)
+    if is_object(optimizer):
+        return optimizer
+    return prefix if colon or installed is None else installed.module
+
+
+def is_built_in(optimizer: str) -> bool:
+    """Return whether an optimizer's code, if not the library behind it, comes with the harness; nothing is loaded."""
+    entry = None if from_file.split(optimizer) else registry.entry("optimizers", optimizer)
+    return entry is not None and entry.dist is not None and entry.dist.name == registry.DISTRIBUTION
+
+
+# problems
+
+
+def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 
     A name may also be that of a file's problem, or of its class or function that makes one: ``"my/file.py:Mine"``.
@@ -98,9 +201,11 @@ def load_problem(name: str, /, **options: object) -> Problem:
     if is_imported(name):
         raise BenchError(f"{name!r} is known from imported results only: no installed family has it")
     if from_file.split(name):
-        return _problem(from_file.load_problem(name, **options), name)
-    if objects.is_object(name):
-        return objects.load_problem(name, **options)
+        made = from_file.attribute(name, from_file.content(name), "problem")
+        is_one = isinstance(made, Problem) or not callable(made)
+        return _problem(made if is_one else _call_loader(made, name, options), name)
+    if is_object(name):
+        return as_problem(packing.load("problems", name), options=options)
     families = registry.entries("problems")
     for known in sorted(families, key=lambda each: each != family(name)):
         own, found = name.startswith(known), False  # a broken family must not block another's problem
@@ -113,6 +218,36 @@ def load_problem(name: str, /, **options: object) -> Problem:
     from_file.require_class(name)
     otherwise = f"; the families are {', '.join(sorted(families))}: 'bench list problems' shows them"
     raise BenchError(f"unknown problem {name!r}{nearest(name, _names('problems'), otherwise)}")
+
+
+def as_problem(
+    thing: Any, bounds: Sequence[tuple[float, float]] | None = None, options: Mapping[str, Any] | None = None
+) -> Problem:
+    """Return a problem: of a name, the object itself, an instance of the class, or the function with its bounds.
+
+    Raises:
+        BenchError: for anything else, for bounds that are no box, and for options that a class does not take.
+    """
+    thing = load_problem(thing) if isinstance(thing, str) else thing
+    if isinstance(thing, Problem):
+        if bounds is not None or options:
+            raise BenchError(f"the problem {thing.name!r} is made already; leave out its bounds and options")
+        return with_own_box(thing)
+    if isinstance(thing, type) and issubclass(thing, Problem):
+        with explained(f"{title(thing)!r} cannot be made", Exception):  # its code may raise anything
+            return as_problem(thing(**options or {}), bounds)
+    if not callable(thing) or isinstance(thing, type):
+        raise BenchError(f"{title(thing)!r} is no problem: give a name, a bench.Problem, or a function with bounds")
+    if bounds is None:
+        raise BenchError(
+            f"the function {title(thing)!r} needs bounds to be a problem: bench.FunctionProblem({title(thing)}, lower, "
+            "upper), or bounds=[(lower, upper), …] in bench.solve"
+        )
+    try:
+        lower, upper = zip(*bounds, strict=True)
+    except (TypeError, ValueError) as error:
+        raise BenchError(f"bounds must be a pair (lower, upper) for each variable, not {bounds!r}") from error
+    return FunctionProblem(thing, lower, upper, name=title(thing))
 
 
 def family(problem: str) -> str:
@@ -135,15 +270,13 @@ def is_problem(name: str) -> bool:
     return registry.entry("optimizers", name) is None and family(name) in registry.entries("problems")
 
 
-def package(optimizer: str) -> str:
-    """Return the file, object, family or module that an optimizer's name points to, without loading it."""
-    if parts := from_file.split(optimizer):
-        return str(parts[0])
-    if objects.is_object(optimizer):
-        return optimizer
-    prefix, colon, _ = optimizer.partition(":")
-    installed = registry.entries("optimizers").get(optimizer)
-    return prefix if colon or installed is None else installed.module
+def _problem(loaded: Any, name: str) -> Problem:
+    if isinstance(loaded, Problem):
+        return with_own_box(loaded)
+    raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
+
+
+# both
 
 
 def defining(plugins: Iterable[object]) -> list[str]:
@@ -159,34 +292,7 @@ def defining(plugins: Iterable[object]) -> list[str]:
     )
 
 
-def is_built_in(optimizer: str) -> bool:
-    """Return whether an optimizer's code, if not the library behind it, comes with the harness; nothing is loaded."""
-    entry = None if from_file.split(optimizer) else registry.entry("optimizers", optimizer)
-    return entry is not None and entry.dist is not None and entry.dist.name == registry.DISTRIBUTION
-
-
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
-    """Call a family's loader; turn any exception into a BenchError of one sentence."""
+    """Call what makes a plug-in; turn any exception into a BenchError of one sentence."""
     with explained(f"{name!r} cannot be loaded", _ANY):
-        return loader(name, **options)
-
-
-def _problem(loaded: Any, name: str) -> Problem:
-    if isinstance(loaded, Problem):
-        return with_own_box(loaded)
-    raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
-
-
-def matching(pattern: str) -> list[str]:
-    """Return the members of a family that match a pattern such as ``"mealpy:*GWO"``, or the name if it is no pattern.
-
-    Raises:
-        BenchError: where no member matches, or the family's library is missing.
-    """
-    family, colon, member = pattern.partition(":")
-    if not (colon and "*" in member) or from_file.split(pattern) or family not in registry.entries("optimizers"):
-        return [pattern]
-    names: list[str] = fnmatch.filter(registry.load("optimizers", family).names(), pattern)
-    if not names:
-        raise BenchError(f"no optimizer matches {pattern!r}; 'bench list {family}' shows all")
-    return names
+        return loader(**options) if from_file.split(name) else loader(name, **options)

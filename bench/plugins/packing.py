@@ -15,6 +15,7 @@ import pickle
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
+from copy import copy
 from functools import cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -23,9 +24,13 @@ from typing import Any, NamedTuple, Self, get_type_hints
 import cloudpickle
 from cloudpickle import cloudpickle as internals
 
-from bench.errors import BenchError
+from bench.errors import BenchError, explained
 from bench.helpers.text import short_hash
+from bench.optimizer import Optimizer
+from bench.plugins import observing
+from bench.plugins.from_file import from_source
 from bench.plugins.registry import is_installed
+from bench.problem import Problem
 
 _MARKERS = {getattr(dataclasses, name): name for name in ("MISSING", "_HAS_DEFAULT_FACTORY")}
 for _marker in _MARKERS:  # which dataclasses know by what they are: a copy would be another one
@@ -84,6 +89,36 @@ def unpack(content: bytes) -> Any:
                     "make it a parameter, or write it into the file"
                 )
     return thing
+
+
+Objects = dict[str, PackedObject]
+"""Objects by kind and name, such as ``"optimizers python:MyDE"``."""
+
+held: Objects = {}
+"""The objects that this process can load."""
+
+given: dict[str, Any] = {}
+"""Those of them that were given in this process: to load a copy would write to their classes."""
+
+
+def load(kind: str, name: str) -> Any:
+    """Return the object that is held by that name; an instance is a copy of its own.
+
+    Raises:
+        BenchError: where this session holds none, or none that can be loaded in this process.
+    """
+    key = f"{kind} {name}"
+    if key not in held:
+        raise BenchError(
+            f"{name!r} stands for an object of a Python session, and no file holds it: give the same object again, as "
+            "to bench.compare with the folder as its output"
+        )
+    observing.note("objects", key, held[key].digest)
+    if key in given:
+        return copy(given[key]) if isinstance(given[key], (Problem, Optimizer)) else given[key]
+    with explained(f"{name!r} cannot be loaded here", Exception):  # it may miss a module
+        content, _, source = held[key]
+        return unpack(content) if source is None else from_source(source)
 
 
 class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from contextlib import suppress
 from fnmatch import translate
 from itertools import islice
@@ -119,12 +119,11 @@ def _functions(grid: Grid, chosen: Any) -> list[str]:
     numbered = {int(name[1:]): name for name in grid.functions if re.fullmatch(r"f\d+", name)}
     names: list[str] = []
     for item in _items(chosen, "functions"):
-        if isinstance(item, str) and item in grid.functions:
-            names.append(item)
-        elif numbered and (span := _span(item)) and span[0] in numbered and span[1] in numbered:
-            names += [numbered[number] for number in range(span[0], span[1] + 1) if number in numbered]
-        else:
+        is_name = isinstance(item, str) and item in grid.functions
+        own = [item] if is_name else [numbered[number] for number in _span(item, numbered)]
+        if not own:
             raise BenchError(f"{grid.suite} has no function {item!r}{nearest_function(str(item), grid.functions)}")
+        names += own
     return list(dict.fromkeys(names))
 
 
@@ -132,11 +131,11 @@ def _numbers(chosen: Any, what: str, grid: Grid, offered: list[int] | range) -> 
     """Return the numbers that are given as such or as ranges, among those that there are."""
     numbers: list[int] = []
     for item in _items(chosen, f"{what}s"):
-        span = _span(item)
-        if span is None or span[0] not in offered or span[1] not in offered:
+        own = _span(item, offered)
+        if not own:
             there = f"{offered[0]} to {offered[-1]}" if isinstance(offered, range) else ", ".join(map(str, offered))
             raise BenchError(f"{grid.suite} has no {what} {item!r}; it has {there}")
-        numbers += [number for number in range(span[0], span[1] + 1) if number in offered]
+        numbers += own
     return list(dict.fromkeys(numbers))
 
 
@@ -150,12 +149,11 @@ def _items(selection: Any, what: str) -> list[Any]:
     return items
 
 
-def _span(item: Any) -> tuple[int, int] | None:
-    """Return both ends of a number or of a range such as ``"1-24"``, or None for anything else."""
-    if is_whole(item):
-        return int(item), int(item)
-    match = re.fullmatch(r"([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?", item) if isinstance(item, str) else None
-    if match is None:
-        return None
-    low, high = int(match[1]), int(match[2] or match[1])
-    return (low, high) if low <= high else None
+def _span(item: Any, offered: Container[int]) -> list[int]:
+    """Return the numbers that a number or a range such as ``"1-24"`` stands for; none where an end is not offered."""
+    if not isinstance(item, str):
+        return [int(item)] if is_whole(item) and item in offered else []
+    match = re.fullmatch(r"([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?", item)
+    low, high = (int(match[1]), int(match[2] or match[1])) if match else (0, -1)
+    both = low in offered and high in offered
+    return [number for number in range(low, high + 1) if number in offered] if both else []

@@ -70,9 +70,9 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         initial = known_points(options.pop("initial"), where) if key == "problems" and "initial" in options else ()
         if key == "optimizers" and names == ["command"]:
             names = [_command("command", options.pop("command", None), where)]
-        if isinstance(names, list) and len(names) == 1 and objects.is_plugin(names[0]):
+        if isinstance(names, list) and len(names) == 1 and loading.is_plugin(names[0]):
             kind = "problems" if key == "problems" else "optimizers"
-            held = [entry.name for entry in entries if objects.is_object(entry.name)]
+            held = [entry.name for entry in entries if loading.is_object(entry.name)]
             name, label, chosen = objects.hold(kind, names[0], label, held)
             names, options = [name], chosen | options
         swept = {} if key == "problems" else _swept(options, where)
@@ -89,7 +89,7 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
 
 
 def _is_entry(item: Any) -> bool:
-    return isinstance(item, dict | str) or objects.is_plugin(item)
+    return isinstance(item, dict | str) or loading.is_plugin(item)
 
 
 def check_labels(entries: Iterable[Entry], key: str, where: str) -> None:

@@ -17,8 +17,7 @@ from bench.errors import BenchError
 from bench.numbers import require_seed
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins import packing
-from bench.plugins.loading import load_optimizer
-from bench.plugins.objects import title
+from bench.plugins.loading import load_optimizer, title
 from bench.sandbox.server import end_if_stuck
 from bench.trial import search
 

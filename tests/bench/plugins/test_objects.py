@@ -8,7 +8,7 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Optimizer, Problem, Study, load_optimizer, load_problem
 from bench.optimizer import settings
-from bench.plugins import loading, objects
+from bench.plugins import loading, packing
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def test_two_classes_of_one_name_are_kept_apart():
 def test_a_problem_is_identified_by_its_code_and_data():
     def digest(scale):
         study([FunctionProblem(lambda x: scale * x.sum(), [0], [1], name="mine")])
-        return objects.held["problems python:mine"].digest
+        return packing.held["problems python:mine"].digest
 
     assert digest(1.0) == digest(1.0) != digest(2.0)
     assert [entry.label for entry in study([Plane, Plane()][:1]).problems] == ["Plane"]
@@ -188,7 +188,7 @@ def test_an_object_of_another_session_has_to_be_given_again(load):
 
 
 def test_an_object_that_misses_a_module_here_is_one_sentence(monkeypatch):
-    packed = objects.PackedObject(b"cno_such_module\nthing\n.", "0")
-    monkeypatch.setitem(objects.held, "optimizers python:far", packed)
+    packed = packing.PackedObject(b"cno_such_module\nthing\n.", "0")
+    monkeypatch.setitem(packing.held, "optimizers python:far", packed)
     with pytest.raises(BenchError, match="'python:far' cannot be loaded here: ModuleNotFoundError"):
         load_optimizer("python:far")
