@@ -20,6 +20,7 @@ import pytest
 
 from bench import Results, Study, load_results
 from bench.storage.folder import Folder
+from tests.bench.sandbox.helpers import hear_interrupts
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, process groups and tmpfs as on Linux")
 
@@ -42,11 +43,6 @@ def study(tmp_path_factory):
     path = tmp_path_factory.mktemp("crash") / "long.toml"
     path.write_text(STUDY)
     return path
-
-
-def hear_interrupts():
-    """Undo what a shell does to its background jobs, of which these tests may be one."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 class Run:

@@ -17,6 +17,7 @@ from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution import dask as cluster
 from bench.execution import dask_worker
 from bench.execution.supervisor import KilledError, Task, WorkerDiedError
+from tests.bench.sandbox.helpers import hear_interrupts
 
 distributed = pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
 
@@ -286,7 +287,8 @@ def test_nothing_is_left_on_the_workers_when_the_run_is_ended(number, machines, 
     study = tmp_path / "study.toml"
     study.write_text(study_of("hang", tmp_path, HANG.format(path=str(running)), 3).to_toml())
     command = [sys.executable, "-m", "bench", "run", study, "--backend", "dask", "--scheduler", machines.address]
-    process = subprocess.Popen(list(map(str, command)), cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    pipes = {"stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen(list(map(str, command)), cwd=tmp_path, preexec_fn=hear_interrupts, **pipes)
     try:
         pid = int(until(lambda: running.exists() and running.read_text().strip(), "the trial"))
         os.kill(process.pid, number)

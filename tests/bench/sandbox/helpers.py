@@ -1,5 +1,6 @@
 """What the tests of processes share."""
 
+import signal
 import sys
 import time
 from contextlib import suppress
@@ -9,6 +10,11 @@ import pytest
 
 LONG = 60.0  # seconds; ends a test that hangs, and decides nothing else
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="what Linux alone offers")
+
+
+def hear_interrupts():
+    """Undo in a new process what a shell does to its background jobs, of which these tests may be one."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def gone(*pids):

@@ -12,7 +12,7 @@ import pytest
 
 from bench.sandbox.callers import Call, Callers
 from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, RemoteError, TimeExceededError
-from tests.bench.sandbox.helpers import LONG, gone
+from tests.bench.sandbox.helpers import LONG, gone, hear_interrupts
 
 HANGS = """
 import time
@@ -78,7 +78,7 @@ def test_the_end_of_the_context_ends_what_runs():
 def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes(jobs):
     command = [sys.executable, "-c", HANGS.replace("JOBS", str(jobs))]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, start_new_session=True, **pipes) as parent:
+    with subprocess.Popen(command, start_new_session=True, preexec_fn=hear_interrupts, **pipes) as parent:
         assert parent.stdout.readline() == "begun\n"
         until = time.monotonic() + LONG
         while (
