@@ -146,7 +146,9 @@ def test_the_status_and_the_report_say_the_reasons(ran, bench_here):
     page = (ran[1] / "report.html").read_text(encoding="utf-8")
     counted = re.findall(r'<p class="lost">(\d+) of \d+ trials did not finish \((.*?)\)', page)
     assert counted == [("78", "70 failed and 8 timed out")]
-    assert page.count('<td><span class="lost">2</span></td>') > 39 + 30  # cells, and reasons, but for those with numbers
+    assert (
+        page.count('<td><span class="lost">2</span></td>') > 39 + 30
+    )  # cells, and reasons, but for those with numbers
     assert "its process ended with signal SIGSEGV" in page
 
 

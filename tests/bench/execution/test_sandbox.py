@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 from dataclasses import replace
@@ -38,7 +37,7 @@ REASON = reason()
 needed = pytest.mark.skipif(bool(REASON), reason=REASON or "bubblewrap can be used")
 
 ATTACKS = """
-    import ctypes, os, resource, signal, socket, sqlite3
+    import ctypes, os, resource, signal
     from pathlib import Path
 
     scratch, system = Path(os.environ["TMPDIR"]), ctypes.CDLL(None, use_errno=True)
@@ -61,33 +60,6 @@ ATTACKS = """
     @attack
     def honest():
         pass
-
-    @attack
-    def edits():
-        with sqlite3.connect({store!r}) as connection:
-            connection.execute("UPDATE results SET fun = 0")
-
-    @attack
-    def writes():
-        Path({folder!r}, "mark").write_text("here")
-
-    @attack
-    def connects():
-        socket.create_connection(("127.0.0.1", {port}), timeout=2)
-
-    @attack
-    def asks_a_socket():
-        refuse(Path({folder!r}, "socket").exists(), "it finds a socket of the host")
-        socket.socket(socket.AF_UNIX)
-
-    @attack
-    def reads():
-        refuse(Path({test!r}).exists(), "it finds another file of the user")
-        refuse(Path({folder!r}, "alone.toml").exists(), "it finds a file in /tmp")
-
-    @attack
-    def writes_to_a_pipe():
-        os.open({folder!r} + "/fifo", os.O_WRONLY | os.O_NONBLOCK)
 
     @attack
     def kills():
@@ -141,10 +113,6 @@ ATTACKS = """
         refuse(place.value != b"\\0", "memory of another trial")
         place.value = b"x"
         system.shmdt(address)
-
-    @attack
-    def keeps_a_key():
-        refuse(system.syscall(248, b"user", b"note", b"x", 1, -3) >= 0, "it can store a key")
 """
 HOLDS = """
     import mmap
@@ -158,68 +126,31 @@ HOLDS = """
         while True:
             objective(objective.initial(4))
 """
-EXPECTED = {
-    "honest": None,
-    "edits": "unable to open|readonly database",
-    "writes": "Read-only file system|No such file",
-    "connects": "PermissionError",
-    "asks_a_socket": "PermissionError",
-    "reads": None,
-    "writes_to_a_pipe": "No such file",
-    "kills": None,
-    "limits": None,
-    "rewrites": None,
-    "litters": None,
-    "nests": None,
-    "shares_memory": None,
-    "keeps_a_key": None,
-    "holds": None,
-}
+DEEDS = "honest", "kills", "limits", "rewrites", "litters", "nests", "shares_memory", "holds"
 
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     """A run in the sandbox of all of these beside an honest optimizer of the package, and the same one alone."""
     place = tmp_path_factory.mktemp("sandboxed")
-    os.mkfifo(place / "fifo")
-    reader = os.open(place / "fifo", os.O_RDONLY | os.O_NONBLOCK)
-    with socket.socket() as listening, socket.socket(socket.AF_UNIX) as beside:
-        listening.bind(("127.0.0.1", 0))
-        listening.listen()
-        beside.bind(os.path.relpath(place / "socket"))
-        beside.listen()
-        facts = {
-            "store": str(place / "out" / "trials.sqlite"),
-            "folder": str(place),
-            "parent": os.getpid(),
-            "test": __file__,
-        }
-        code = dedent(ATTACKS).format(**facts, port=listening.getsockname()[1])
-        (place / "attacks.py").write_text(code)
-        (place / "holds.py").write_text(dedent(HOLDS))
-        head = (
-            'name = "s"\ntrials = 3\nbudget = 40\n[[problems]]\nname = "sphere-2"\n[[optimizers]]\nname = "scatter"\n'
-        )
-        files = {name: "holds.py" if name == "holds" else "attacks.py" for name in EXPECTED}
-        attacks = "".join(f'[[optimizers]]\nname = "{place / file}:{name}"\n' for name, file in files.items())
-        for name, text in (("alone", head), ("out", head + attacks)):
-            (place / f"{name}.toml").write_text(text)
-            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=120, untrusted=name == "out")
-    os.close(reader)
+    (place / "attacks.py").write_text(dedent(ATTACKS).format(parent=os.getpid()))
+    (place / "holds.py").write_text(dedent(HOLDS))
+    head = 'name = "s"\ntrials = 3\nbudget = 40\n[[problems]]\nname = "sphere-2"\n[[optimizers]]\nname = "scatter"\n'
+    files = {name: "holds.py" if name == "holds" else "attacks.py" for name in DEEDS}
+    attacks = "".join(f'[[optimizers]]\nname = "{place / file}:{name}"\n' for name, file in files.items())
+    for name, text in (("alone", head), ("out", head + attacks)):
+        (place / f"{name}.toml").write_text(text)
+        run(place / f"{name}.toml", place / name, n_jobs=2, timeout=120, untrusted=name == "out")
     return place
 
 
 @needed
 @pytest.mark.slow
-@pytest.mark.parametrize("attack", EXPECTED)
-def test_what_each_attack_comes_to(ran, attack):
+@pytest.mark.parametrize("deed", DEEDS)
+def test_a_trial_finds_nothing_of_another_one_and_does_it_no_harm(ran, deed):
     frame = load_results(ran / "out")
-    rows = frame[frame["optimizer"] == attack]
-    words = EXPECTED[attack]
-    assert list(rows["status"]) == ["failed" if words else "ok"] * 3, list(rows["error"])
-    if words:
-        assert rows["error"].str.contains(words).all(), list(rows["error"])
-    assert not (ran / "mark").exists()
+    rows = frame[frame["optimizer"] == deed]
+    assert list(rows["status"]) == ["ok"] * 3, list(rows["error"])
 
 
 @needed
@@ -251,6 +182,9 @@ REFUSED = {
     "enter a ring": ("refused(system.syscall(426, 0, 0, 0, 0, 0))", "not permitted"),
     "register a ring": ("refused(system.syscall(427, 0, 0, 0, 0))", "not permitted"),
     "read the variables of the first process": ("open('/proc/1/environ').read()", "denied|No such"),
+    "store a key": ("refused(system.syscall(248, b'user', b'note', b'x', 1, -3))", "not permitted"),
+    "write a file": ("open(folder + '/mark', 'w')", "Read-only|No such"),
+    "write to the results": ("open(folder + '/out/trials.sqlite', 'r+b')", "Read-only|No such"),
     "read passwords": ("open('/etc/shadow').read()", "No such file"),
     "read the results": ("open(folder + '/out/trials.sqlite', 'rb')", "No such file"),
     "read the data of a problem": ("open(folder + '/data.csv')", "No such file"),
