@@ -9,6 +9,7 @@ import pytest
 from bench import BenchError, load_results
 from bench.formats.archive import pack, unpack
 from bench.storage.folder import Folder
+from tests.bench.storage.changes import change
 from tests.bench.storage.filled import TRIALS
 
 
@@ -61,41 +62,46 @@ def test_nothing_of_the_folder_is_changed_and_nothing_is_left_beside_the_archive
     assert [file.name for file in (tmp_path / "new").iterdir()] == ["a.zip"]
 
 
-def test_damaged_trials_are_not_packed(copied, tmp_path):
-    connection = sqlite3.connect(copied.store.path)
-    connection.execute("UPDATE results SET fun = 0 WHERE cell = 1 AND trial = 0")
-    connection.commit()
-    connection.close()
-    with pytest.raises(BenchError, match=r"1 of 120 trials are damaged \(scatter on sphere-2, trial 0\)"):
-        pack(copied.path, tmp_path / "new" / "a.zip")
-    assert list((tmp_path / "new").iterdir()) == []
-
-
 def test_notes_name_what_a_reader_would_miss(copied, tmp_path):
     (copied.path / "report.html").unlink()
     notes = pack(copied.path, tmp_path / "a.zip").notes
     assert [note.partition(",")[0] for note in notes] == ["the archive has no report"]
 
 
-def test_a_part_of_the_report_that_is_missing_is_named(copied, tmp_path):
-    (copied.path / "tables" / "cells.csv").unlink()
-    with pytest.raises(BenchError, match=r"cells.csv, a file of the report, is missing; write the report again"):
-        pack(copied.path, tmp_path / "a.zip")
+def missing(folder):
+    (folder.path / "tables" / "cells.csv").unlink()
 
 
-@pytest.mark.parametrize("name", ["../secret.csv", "/etc/passwd", "tables/../../secret.csv", "study.toml", ".lock"])
-def test_a_list_of_the_reports_files_names_no_others(copied, tmp_path, name):
-    (copied.path / ".report.json").write_text(json.dumps([name]))
-    with pytest.raises(BenchError, match="which is no file of a report"):
-        pack(copied.path, tmp_path / "a.zip")
+def linked(folder):
+    missing(folder)
+    (folder.path / "tables" / "cells.csv").symlink_to(folder.path / "report.html")
 
 
-def test_a_link_is_not_followed(copied, tmp_path):
-    (tmp_path / "secret.csv").write_text("secret")
-    (copied.path / "tables" / "cells.csv").unlink()
-    (copied.path / "tables" / "cells.csv").symlink_to(tmp_path / "secret.csv")
-    with pytest.raises(BenchError, match=r"cells.csv is a link"):
-        pack(copied.path, tmp_path / "a.zip")
+def listed(*names):
+    return lambda folder: (folder.path / ".report.json").write_text(json.dumps(names))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (missing, r"cells.csv, a file of the report, is missing; write the report again"),
+        (linked, r"cells.csv is a link"),
+        *(
+            (listed(name), "which is no file of a report")
+            for name in ("../secret.csv", "/etc/passwd", "tables/../../secret.csv", "study.toml", ".lock")
+        ),
+        (lambda folder: folder.store.path.unlink(), r"there is no trials.sqlite"),
+        (
+            lambda folder: change(folder.store.path, "UPDATE results SET fun = 0 WHERE cell = 1 AND trial = 0"),
+            r"1 of 120 trials are damaged \(scatter on sphere-2, trial 0\)",
+        ),
+    ],
+)
+def test_what_is_no_sound_folder_is_not_packed(spoil, sentence, copied, tmp_path):
+    spoil(copied)
+    with pytest.raises(BenchError, match=sentence):
+        pack(copied.path, tmp_path / "new" / "a.zip")
+    assert not [*(tmp_path / "new").glob("*")]
 
 
 def test_an_earlier_archive_is_replaced_and_another_file_is_not(whole, tmp_path):
@@ -106,9 +112,3 @@ def test_an_earlier_archive_is_replaced_and_another_file_is_not(whole, tmp_path)
         with pytest.raises(BenchError, match=r"is another file than an archive|is a folder"):
             pack(whole.path, tmp_path / other)
     assert (tmp_path / "thesis.docx").read_text() == "mine"
-
-
-def test_a_folder_without_a_store_is_refused(copied, tmp_path):
-    copied.store.path.unlink()
-    with pytest.raises(BenchError, match=r"there is no trials.sqlite"):
-        pack(copied.path, tmp_path / "a.zip")

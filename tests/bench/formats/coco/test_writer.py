@@ -266,9 +266,3 @@ class TestCOCOFiles:
         with pytest.raises(BenchError, match="not known to be of COCO's own suites, and this study has 55 \\(unknown"):
             export(results, "coco", tmp_path / "out")
         assert not (tmp_path / "out").exists()
-
-
-def test_the_index_names_an_optimizer_by_its_label():
-    folders = {"rDE": "rde-93416496", "it's": "it-s-1"}
-    assert coco._algorithm("rDE", folders) == "rDE"
-    assert coco._algorithm("it's", folders) == "it-s-1"  # a quote would end the value
