@@ -63,23 +63,6 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
     assert noticed >= len(seeds) / 5  # the rest hit unused space
 
 
-@pytest.mark.parametrize("hole", [slice(0, 4096), slice(100, 4096), slice(4096, None), slice(-4096 * 3, -4096)])
-def test_a_store_that_cannot_be_read_is_one_sentence_and_stays(hole, spoilt):
-    content = bytearray(spoilt.store.path.read_bytes())
-    content[hole] = bytes(len(content[hole]))
-    spoilt.store.path.write_bytes(content)
-    with pytest.raises(BenchError, match=r"restore .* from a copy, or"):
-        spoilt.require_sound()
-    assert spoilt.store.path.read_bytes() == content
-
-
-def test_a_sound_store_stays_as_it_is(spoilt):
-    before = spoilt.store.path.read_bytes()
-    found = spoilt.require_sound()
-    assert spoilt.store.path.read_bytes() == before
-    assert found.sentence == "all 120 trials are as they were written"
-
-
 def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(small_study, tmp_path):
     folder, other = Folder(tmp_path / "out"), tmp_path / "other"
     run(small_study, folder.path, n_jobs=1)

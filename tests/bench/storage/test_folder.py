@@ -73,11 +73,6 @@ def test_what_decides_no_trial_may_be_edited(edited):
     assert len(load_results(path)) == 2
 
 
-def test_nothing_is_lost_by_an_edit_that_is_taken_back(folder):
-    assert Folder(folder).study().budget == 20
-    assert len(load_results(folder)) == 2
-
-
 def test_a_run_whose_lock_was_removed_still_keeps_others_out(tmp_path):
     folder = Folder(tmp_path)
     with folder.lock():

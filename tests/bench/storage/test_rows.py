@@ -41,8 +41,10 @@ def test_numbers_of_other_types_are_written_as_they_are_read(spoilt):
     assert [found[name] for name in ("fun", "wall_s", "nfev", "outside_box", "cpu_s")] == [0.1, 3.0, 7, 0, None]
 
 
-def test_a_store_as_it_was_written_is_sound(filled):
-    found = filled.store.check(structure=True)
+def test_a_store_as_it_was_written_is_sound_and_stays_so(filled):
+    before = filled.store.path.read_bytes()
+    found = filled.require_sound()
+    assert filled.store.path.read_bytes() == before
     assert (found.sound, found.trials) == (True, 120)
     assert found.sentence == "all 120 trials are as they were written"
 
