@@ -65,6 +65,8 @@ def cluster(scheduler: str) -> Iterator[Cluster]:
 class Cluster:
     """The workers of a cluster, used as :class:`bench.execution.local.Local` is; they began with ``jobs`` threads."""
 
+    share = None  # of memory: the workers have limits of their own
+
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
         self._client, self._scheduler, self.jobs = client, scheduler, jobs
         self._queued = max(3 * jobs, QUEUED)

@@ -35,12 +35,17 @@ RESERVE = 64  # for all else: the store, figures, modules that are imported
 class Local(AbstractContextManager["Local"]):
     """A context of ``n_jobs`` supervisors of processes, which are kept for further trials of its task.
 
+    Attributes:
+        jobs: their number.
+        share: the bytes of the machine's memory for each.
+
     Raises:
         BenchError: where the system allows too few open files.
     """
 
     def __init__(self, n_jobs: int) -> None:
         self.jobs = effective_n_jobs(n_jobs)
+        self.share: int | None = int(SHARE * provenance.memory() / self.jobs)
         self._kept = kept(self.jobs)
         self._supervisors: list[Supervisor] = []
 
@@ -56,15 +61,14 @@ class Local(AbstractContextManager["Local"]):
         """Return each missing trial with its row and its machine's record as they finish, in any order.
 
         Args:
-            task: what all trials have in common; without a limit of memory they share that of the machine.
+            task: what all trials have in common.
             machine: the record (JSON) of this machine.
             on_begin: called with the number of a job and the trial that it begins, by one thread at a time.
             missing: returns the trials that are not finished at the moment they are reached.
         """
         if not self._supervisors:
-            memory = task.memory or int(SHARE * provenance.memory() / self.jobs)
-            limited = replace(task, memory=memory, kept=self._kept)
-            self._supervisors = [Supervisor(limited) for _ in range(self.jobs)]
+            shared = replace(task, kept=self._kept)
+            self._supervisors = [Supervisor(shared) for _ in range(self.jobs)]
         idle, turn = [*enumerate(self._supervisors)], Lock()
 
         def make(trial: Trial) -> Answer:

@@ -177,7 +177,11 @@ def run(
         for listener in (display.plan if display else None, on_plan):
             if listener is not None:
                 listener(plan)
-        make = partial(pool.answers, chosen.task, chosen.loaded.machine, under_way.begin)
+        task = chosen.task
+        if memory is None:  # a job has its share, and code that nobody trusts no more than its limit
+            limits = [limit for limit in (task.memory, pool.share) if limit]
+            task = replace(task, memory=min(limits, default=None))
+        make = partial(pool.answers, task, chosen.loaded.machine, under_way.begin)
         with interrupts.allowed():
             doubts = doubtful(plan, folder, make)
         plan.doubtful.update(trial.key[:2] for trial in doubts)

@@ -2,7 +2,6 @@
 
 import re
 import sys
-from pathlib import Path
 
 import pandas as pd
 import psutil
@@ -118,11 +117,6 @@ def test_honest_results_are_the_same_to_the_last_bit_as_without_them(frame, tmp_
     pd.testing.assert_frame_equal(mine.astype(object), alone.astype(object), check_exact=True)
 
 
-def test_one_that_is_killed_from_outside_is_begun_again_once(ran, frame):
-    assert Path(ran[2]).exists()
-    assert of(frame, "kill-once")["status"].eq("ok").all()
-
-
 def test_the_command_fails_and_says_little(ran):
     done = ran[0]
     assert done.returncode == 1
@@ -162,10 +156,3 @@ def test_no_escape_or_markup_of_theirs_reaches_a_file(ran):
             assert "<script>alert(1)" not in text
         if file.suffix == ".tex":
             assert "\\input{x}" not in text
-
-
-def test_a_reason_to_stop_is_one_short_line(frame):
-    reason = of(frame, "stop")["stop"].iloc[0]
-    assert reason.startswith("\ufffd[31m")
-    assert len(reason) == 201
-    assert "\n" not in reason

@@ -35,12 +35,6 @@ def test_the_best_point_is_described_once_its_value_is_confirmed(confirmed):
     assert name == "norm"
 
 
-def test_a_value_that_cannot_be_repeated_is_an_error(confirmed):
-    seen = []
-    found = confirmed(problem(lambda x: seen.append(0) or len(seen) + x[:, 0]))
-    assert "has noise that it does not declare" in found["error"]
-
-
 @pytest.mark.parametrize("metrics", [None, 5, {"norm": "wide"}, {"norm": None}])
 def test_metrics_that_are_no_numbers_are_the_problem_s_error(confirmed, metrics):
     assert confirmed(problem(describe=lambda x: metrics))["error"].startswith(PROBLEM_FAILED)
