@@ -29,7 +29,7 @@ from bench.typing import Flags, Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
 SEED = 1
-_AT_ONCE = 2_000_000  # simulated restarts that are held in memory
+_AT_ONCE, _DRAWN = 2_000_000, 100_000  # simulated restarts that are held in memory, and trials that are drawn for them
 
 Rows = NDArray[np.intp]
 
@@ -169,9 +169,12 @@ def simulated_restarts(batch: Batch, samples: int, rng: np.random.Generator | No
     waiting = np.flatnonzero((~reached[:, :, first] & possible[:, :, np.newaxis]).ravel())
     flat, times, ends = drawn.reshape(-1), paid.flatten(), reached.flatten()
     while len(waiting):
-        at = waiting // len(first) * trials + rng.integers(0, trials, len(waiting))
-        flat[waiting] += times[at]
-        waiting = waiting[~ends[at]]
+        left = []
+        for part in np.split(waiting, range(_DRAWN, len(waiting), _DRAWN)):
+            at = part // len(first) * trials + rng.integers(0, trials, len(part))
+            flat[part] += times[at]
+            left.append(part[~ends[at]])
+        waiting = np.concatenate(left)
     return flat.reshape(count, targets, len(first))
 
 
@@ -213,16 +216,16 @@ def _mean(paid: Floats, chosen: Flags, most: Floats) -> tuple[Floats, Floats, Fl
 
 
 def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
-    """Return the percentiles of the last axis, missing where it is infinite; between order statistics as cocopp's."""
+    """Sort the last axis and return its percentiles, missing where infinite; between order statistics as cocopp's."""
     percentiles = []
-    ordered = np.sort(drawn, axis=-1)
+    drawn.sort(axis=-1)
     size = drawn.shape[-1]
     for share in shares:
         place = min(max(share / 100 * size - 0.5, 0.0), size - 1.0)
         low = int(place)
         high = min(low + 1, size - 1)
         with np.errstate(invalid="ignore"):
-            value = (low + 1 - place) * ordered[..., low] + (place - low) * ordered[..., high]
+            value = (low + 1 - place) * drawn[..., low] + (place - low) * drawn[..., high]
         percentiles.append(np.where(np.isfinite(value), value, np.nan))
     return percentiles
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -114,29 +115,30 @@ def _counts(findings: Findings, found: Compared) -> pd.DataFrame:
     the evaluations on the grid (e), in how many pairs of a run and a target it was then reached, and of how many pairs
     (of), once a cell and target.
     """
-    names, tabled = findings.display.shown, np.array(findings.anytime.target_set.tabled)
-    hits = found.hits.reset_index(drop=True)
-    if hits.empty:
-        return hits
+    names, problems = findings.display.shown, findings.trials.problems
+    hits, tabled = found.hits, np.array(findings.anytime.target_set.tabled)
     codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
     same = np.isclose(taus[:, np.newaxis], tabled, rtol=1e-9, atol=0)
-    target = np.where(same.any(axis=1), same.argmax(axis=1), len(tabled))
-    problems = findings.trials.problems
-    own = pd.DataFrame(
-        {"o": _places(hits["optimizer"], names), "p": _places(hits["problem"], problems), "t": target[codes]}
+    target = np.where(same.any(axis=1), same.argmax(axis=1), len(tabled))[codes]
+    shape, size = (len(names), len(problems), len(tabled) + 1), len(found.grid)
+    owner, problem = (
+        pd.Categorical(hits[name], order).codes.astype(np.intp)
+        for name, order in (("optimizer", names), ("problem", problems))
     )
-    keys = list(own)
+    cell = np.ravel_multi_index((owner, problem, target), shape)
     spent = hits["evaluations"].to_numpy(float)
     if found.dimensions is not None:
-        spent = spent / hits["problem"].astype(object).map(found.dimensions).to_numpy(float)
+        spent = spent / np.array([found.dimensions.get(label, np.nan) for label in problems])[problem]
     place = np.searchsorted(found.grid * (1 + 1e-9), spent)
-    inside = place < len(found.grid)
-    begin = int(place[inside].min(initial=len(found.grid) - 1))
-    begun = own.groupby(keys).size().rename("of").reset_index().assign(e=max(begin - 1, 0))
-    when = own[inside].assign(e=place[inside]).groupby([*keys, "e"]).size().rename("reached").reset_index()
-    ended = own.drop_duplicates().assign(e=len(found.grid) - 1)
-    return pd.concat([begun, when, ended])[[*keys, "e", "reached", "of"]].fillna(0).astype(int)
-
-
-def _places(labels: pd.Series[Any], order: Sequence[str]) -> Any:
-    return labels.astype(object).map({label: i for i, label in enumerate(order)}).to_numpy(int)
+    inside = place < size
+    begin = int(place[inside].min(initial=size - 1))
+    of = np.bincount(cell, minlength=prod(shape))
+    reached = np.bincount(cell[inside] * size + place[inside], minlength=len(of) * size)
+    there, when = np.flatnonzero(of), np.flatnonzero(reached)
+    none, e = np.zeros_like(there), (max(begin - 1, 0) + 0 * there, when % size, size - 1 + 0 * there)
+    keys = np.unravel_index(np.concatenate([there, when // size, there]), shape)
+    return pd.DataFrame(
+        dict(zip("opt", keys, strict=True))
+        | {"e": np.concatenate(e), "reached": np.concatenate([none, reached[when], none])}
+        | {"of": np.concatenate([of[there], 0 * when, none])}
+    )
