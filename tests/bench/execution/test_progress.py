@@ -28,6 +28,7 @@ def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
     assert printed.count("study small: 2 problems x 3 optimizers x 1 trial = 6 runs of 60 evaluations") == shown
     assert printed.count("6 of 6 runs done") == shown
     assert len(heard) == 7
+    assert heard[0].folder == tmp_path / "out"
 
 
 def test_a_part_of_a_study_may_hold_no_trial(small_study, tmp_path, capsys):

@@ -248,3 +248,10 @@ def test_backends_that_cannot_be_opened_are_refused(settings, sentence, small_st
     with pytest.raises(BenchError, match=sentence):
         run(small_study, tmp_path / "out", **settings)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("other", "said"), [("missing", "to be reused does not exist"), ("out", "leave it out")])
+def test_what_cannot_be_reused_is_refused_before_anything_is_written(other, said, small_study, tmp_path):
+    with pytest.raises(BenchError, match=said):
+        run(small_study, tmp_path / "out", reuse=[tmp_path / other])
+    assert not (tmp_path / "out").exists()
