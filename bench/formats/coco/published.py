@@ -96,13 +96,13 @@ def find(name: str, source: Path | None = None) -> DataSet:
     if not within:
         raise BenchError(f"{name!r} is no name of a published data set, such as 'bbob/BIPOP-CMA-ES'")
     sets = data_sets(suite, source)
-    for form in range(3):
-        matches = [data for data in sets if data.names[form].lower() == _stem(within).lower()]
-        if len(matches) > 1:
-            shown = ", ".join(data.name for data in matches[:_SHOWN])
-            raise BenchError(f"{name!r} stands for {len(matches)} data sets; give one of {shown}")
-        if matches:
-            return matches[0]
+    by_form = ([data for data in sets if data.names[form].lower() == _stem(within).lower()] for form in range(3))
+    matches = next(filter(None, by_form), [])
+    if len(matches) > 1:
+        shown = ", ".join(data.name for data in matches[:_SHOWN])
+        raise BenchError(f"{name!r} stands for {len(matches)} data sets; give one of {shown}")
+    if matches:
+        return matches[0]
     raise BenchError(f"the archive has no {name!r}{nearest(name, {f'{suite}/{data.algorithm}' for data in sets})}")
 
 

@@ -127,34 +127,25 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
     if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
     table["trial"] = _counts(table, "trial", trials, all_given=True)
-    counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
     reserved = {*RESERVED, *(column.name for column in FEATURES), "line"}
-    measured: dict[str, list[float]] = {
+    measured = {
         name: _numbers(table, name, trials).tolist()
         for name in map(str, table)
         if name not in reserved or name in _NUMBERS
     }
-    for place, row in enumerate(table.to_dict("records")):
-        key = row["problem"], row["optimizer"], row["trial"]
-        numbers = {name: column[place] for name, column in measured.items()}
-        columns: dict[str, Any] = {"status": row["status"]}
-        columns |= {name: counts[name][place] for name in counts}
-        columns |= {name: _known(numbers.get(name, np.nan)) for name in _NUMBERS}
-        columns |= {name: row.get(name) or None for name in _TEXTS}
-        if row["status"] == "ok":
-            columns["x"] = {
-                n[2:]: number for n, number in numbers.items() if n.startswith("x_") and not np.isnan(number)
-            }
-            metrics = set(measured) - {*_NUMBERS}
-            columns["metrics"] = {
-                n: number for n, number in numbers.items() if n in metrics and n[:2] != "x_" and not np.isnan(number)
-            }
-        optimizer = label(row["optimizer"], str(trials))
-        problem = label(row["problem"], str(trials))
+    known: dict[str, list[Any]] = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
+    known |= {name: [_known(each) for each in measured.pop(name)] for name in _NUMBERS if name in measured}
+    known |= {name: [text or None for text in table[name]] for name in ("status", *_TEXTS) if name in table}
+    for place, key in enumerate(zip(*(table[name] for name in KEYS), strict=True)):
+        columns: dict[str, Any] = {name: column[place] for name, column in known.items()}
+        if columns["status"] == "ok":
+            given = {name: column[place] for name, column in measured.items() if not np.isnan(column[place])}
+            columns["x"] = {name[2:]: number for name, number in given.items() if name.startswith("x_")}
+            columns["metrics"] = {name: number for name, number in given.items() if not name.startswith("x_")}
+        problem, optimizer = (label(text, str(trials)) for text in key[:2])
         dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
-        yield ImportedRun(
-            problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NO_TRACE), key[2], columns
-        )
+        trace = traces.get(key, NO_TRACE)
+        yield ImportedRun(problem, optimizer, dimension, columns["nfev"] or 0, trace, key[2], columns)
 
 
 def _known(value: float) -> float | None:
