@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
+from bench.execution.job import Task
 from bench.execution.runner import Outcome, run
+from bench.execution.supervisor import check
 from bench.helpers.text import count, listed
 from bench.notebook import Results
 from bench.plugins.loading import OptimizerLike, ProblemLike, is_plugin
@@ -61,20 +63,49 @@ def compare(
             ``timeout``.
 
     Raises:
-        BenchError: for an unknown problem or optimizer, a study that cannot be run, and where no trial succeeds.
+        BenchError: for an unknown problem, a study that cannot be run, where no optimizer can be loaded, and where no
+            trial succeeds. An optimizer that cannot be loaded beside others that can is left out with a warning.
         WorkerDiedError: when workers are killed several times in a row.
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
     settings = {key: study.pop(key) for key in study.keys() & {*signature(run).parameters} - {"study"}}
-    content = {
+    content: dict[str, Any] = {
         "name": NAME, "trials": trials, "budget": budget, "seed": seed,
         "problems": _listed(problems), "optimizers": _listed(optimizers),
     }  # fmt: skip
-    chosen = Study.from_dict(content | study, "to compare")
-    outcome = run(chosen, _place(chosen) if output is None else output, n_jobs=n_jobs, **settings)  # type: ignore[arg-type]
+    content |= study
+    try:
+        outcome = _ran(content, output, n_jobs=n_jobs, **settings)
+    except BenchError:
+        works, reasons = _that_load(content)
+        if not works or not reasons:
+            raise
+        for reason in reasons:
+            warnings.warn(reason, stacklevel=2)
+        outcome = _ran(content | {"optimizers": works}, output, n_jobs=n_jobs, **settings)
     results = Results(outcome.folder)
     _report_losses(outcome, results)
     return results
+
+
+def _ran(content: Mapping[str, Any], output: str | PathLike[str] | None, **settings: Any) -> Outcome:
+    """Run the study of this content."""
+    chosen = Study.from_dict(content, "to compare")
+    return run(chosen, _place(chosen) if output is None else output, **settings)
+
+
+def _that_load(content: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
+    """Return the optimizers that can be loaded beside the problems, and a sentence on each other one."""
+    found, reasons = [], []
+    for given in content["optimizers"]:
+        try:
+            check(Task.of(Study.from_dict({**content, "optimizers": [given]}, "to compare")))
+        except BenchError as error:
+            name = given.get("label", given.get("name")) if isinstance(given, Mapping) else given
+            reasons.append(f"optimizer {getattr(name, '__name__', name)} is left out, as it cannot be loaded: {error}")
+        else:
+            found.append(given)
+    return found, reasons
 
 
 def _listed(given: Any) -> list[Any]:

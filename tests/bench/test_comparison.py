@@ -100,6 +100,17 @@ def test_without_an_output_the_same_comparison_goes_on_and_another_gets_a_folder
         again.save(tmp_path / "kept")
 
 
+def test_an_optimizer_that_cannot_be_loaded_is_named_and_costs_no_other_one(tmp_path):
+    (tmp_path / "broken.py").write_text("class Mine(:\n    pass\n")
+    broken = f"{tmp_path / 'broken.py'}:Mine"
+    with pytest.warns(UserWarning, match=r"optimizer .*broken.py:Mine is left out, .*: SyntaxError.*line 1") as said:
+        found = compare(valley(), [draw, broken], trials=1, budget=4, output=tmp_path / "out", n_jobs=1, verify=False)
+    assert len(said) == 1
+    assert found.frame["optimizer"].tolist() == ["draw"]
+    with pytest.raises(BenchError, match="SyntaxError"):
+        compare(valley(), broken, trials=1, budget=4, output=tmp_path / "none", n_jobs=1)
+
+
 def test_results_show_the_verdict_and_draw_themselves(results):
     page, text = results._repr_html_(), str(results)
     for label in ("Halving", "draw", "chance"):
