@@ -33,20 +33,21 @@ class Results(StoredResults):
 
     def __str__(self) -> str:
         """Return the verdict, as a report begins with it, and its table."""
-        found = self._answer
+        found = self.answer
         rows = pd.DataFrame(found["rows"], columns=found["columns"]).to_string(index=False) if found["rows"] else ""
         lines = [f"{label}: {text}" for label, text in found["lines"]]
         return "\n".join(filter(None, (found["sentence"], *lines, found["selection"], rows, found["more"])))
 
     def _repr_html_(self) -> str:
         """Return the verdict with its table, where anything is compared, and the numbers of trials."""
-        found = self._answer
+        found = self.answer
         caption = " ".join(filter(None, (found["sentence"], found["selection"], found["more"])))
         table = html_table(caption, found["rows"], found["columns"]) if found["rows"] else ""
         return table + self._counts()
 
     @cached_property
-    def _answer(self) -> dict[str, Any]:
+    def answer(self) -> dict[str, Any]:
+        """The verdict, its lines and its table, as a terminal shows them."""
         findings = Findings(self)
         return answer(findings, lines(findings))
 

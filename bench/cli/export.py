@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from bench.cli.answer import OLD, is_old
 from bench.cli.console import StudyFolder
 from bench.errors import BenchError
 from bench.formats import EXPORTABLE, described
@@ -37,6 +38,8 @@ def command(
     from bench.formats.exporting import export
     from bench.results.results import StoredResults
 
+    if is_old(folder):
+        print_line(f"note: {OLD.format(folder)}", "yellow")
     output, results = output or folder / "export" / kind, StoredResults(folder)
     for note in export(results, kind, output):
         print_line(f"note: {note}", "yellow")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from bench.cli.answer import OLD, is_old
 from bench.cli.check import check_folder
 from bench.cli.console import (
     MACHINES,
@@ -153,6 +154,8 @@ def command(
             unsound = True
     if no_report or shard is not None:  # a part of a study supports no claim yet
         print_line(f"results in {outcome.folder}", console=console)
+        if is_old(outcome.folder):
+            print_line(OLD.format(outcome.folder), "yellow", console)
     else:
         report_on([outcome.folder], console, n_jobs=jobs)
     for line in outcome.different:

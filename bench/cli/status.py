@@ -6,6 +6,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from pathlib import Path
 from time import sleep
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -30,6 +31,7 @@ def command(
     path: StudyFolder,
     watch: Annotated[bool, typer.Option("--watch", help="Refresh every two seconds until the run ends.")] = False,
     check: Annotated[bool, typer.Option("--check", help="Compare every stored trial with its digest now.")] = False,
+    best: Annotated[bool, typer.Option("--best", help="Print the best point of each problem, and its run.")] = False,
 ) -> None:
     """Print the progress, failures and environments of a study's folder, also while a run writes to it.
 
@@ -49,15 +51,25 @@ def command(
     console.print(summary(folder))
     if check or not store.sound:
         print_line(f"store: {store.sentence}", None if store.sound else "red", console)
-    noted = {} if folder.running() else answer.read(folder.path)
-    if noted and noted.get("trials") == sum(cell.done + cell.failed for cell in folder.store.cells()):
-        console.print(answer.as_lines(noted))
-    elif noted:
-        print_line(f"the report is of other trials; write it again: bench report {folder.path}", "yellow", console)
+    if not folder.running() and folder.store.trials():
+        answer.show(folder.path, console)
+    if best:
+        for line in best_points(folder.path):
+            print_line(line, console=console)
     for line, style in _lines(folder):
         print_line(line, style, console)
     if check and not store.sound:
         sys.exit(1)
+
+
+def best_points(path: Path) -> Iterator[str]:
+    """Yield two lines a problem: its best value and the run that found it, and the point, with all digits."""
+    from bench.analysis.best import best
+    from bench.results.results import StoredResults
+
+    for problem, value, optimizer, trial, point in best(StoredResults(path).frame):
+        yield f"{problem}: {value!r} by {optimizer}, trial {trial}"
+        yield "  " + ", ".join(f"{name} = {coordinate!r}" for name, coordinate in point.items())
 
 
 def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:

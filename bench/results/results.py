@@ -202,6 +202,11 @@ class StoredResults:
         """The number of trials that the folders store, all of which are as they were written."""
         return self._read[2]
 
+    @cached_property
+    def state(self) -> str:
+        """A hash of the trials and runs of the folder (:meth:`bench.storage.store.Store.state`); "" for several."""
+        return self._sources[0].folder.store.state() if len(self._sources) == 1 else ""
+
     @property
     def histories(self) -> list[list[dict[str, Any]]]:
         """What the runs of each folder selected, oldest first (:meth:`bench.storage.folder.Folder.history`)."""

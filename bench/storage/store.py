@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
-from bench.helpers.text import printable
+from bench.helpers.text import printable, short_hash
 from bench.objective import IMPROVEMENT, Logs
 from bench.storage import committed
 from bench.storage.cells import Cells, read
@@ -173,6 +173,13 @@ class Store:
                 " WHERE status = 'ok' AND stop = 'undeclared' GROUP BY optimizer ORDER BY optimizer"
             )
         )
+
+    def state(self) -> str:
+        """Return a hash of what a report is about: the trials that are selected, and what runs have selected."""
+        columns = "results.cell, trial, results.digest, selected.problem, selected.optimizer"
+        trials = [*self._select(f"SELECT {columns} FROM {SELECTED} ORDER BY results.cell, trial")]
+        runs = [*self._select("SELECT record FROM history WHERE record NOT LIKE '{\"look\"%'")]
+        return short_hash(repr((trials, runs)))
 
     # opening it
 

@@ -47,5 +47,5 @@ def answer(findings: Findings, lines: Iterable[Line]) -> dict[str, Any]:
         "columns": ["optimizer", "chance", "first on", findings.anytime.near_words],
         "rows": rows,
         "more": f"and {count(more, 'other optimizer')}" if more else "",
-        "trials": len(findings.results.frame),
+        "state": findings.state,
     }

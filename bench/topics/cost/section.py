@@ -38,7 +38,6 @@ def _table(known: pd.DataFrame, timing: pd.DataFrame) -> Table:
         "Medians over finished runs: evaluations, those in a call of the objective, and time.",
         shown,
         decimals={"evaluations": 0, "a call": 1, "objective’s share %": 0, "MB": 0},
-        note="Own: the wall time outside the objective. MB: by how much the run that took most raised the peak of "
-        "its process’s memory. The CSV file has quartiles and processor times.",
+        note=words.note("MB" in shown),
         data=timing,
     )

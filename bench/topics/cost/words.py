@@ -19,3 +19,9 @@ def fastest(fast: str, least: float, slow: str, most: float) -> str:
 def unknown(optimizers: Sequence[str]) -> str:
     """Say whose times are not known."""
     return f"No time of {listing(optimizers, at_most=MOST)} is known." if optimizers else ""
+
+
+def note(memory: bool) -> str:
+    """Say what the columns mean, and what the file has."""
+    most = " MB: by how much the run that took most raised the peak of its process’s memory." * memory
+    return f"Own: the wall time outside the objective.{most} The CSV file has quartiles and processor times."

@@ -116,6 +116,12 @@ class Findings:
         return self.trials.study
 
     @property
+    def state(self) -> str:
+        """What the folder held when these were found; "" for several, and where this is not all that it asks for."""
+        usual = (self.asked, self.beside_best, self.asked_subject, self.results.partial) == (None, False, None, False)
+        return self.results.state if usual else ""
+
+    @property
     def budget_words(self) -> str:
         """The budget at which values are compared, in words."""
         return "their largest common budget" if self.trials.common else self.study.budget_words

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from bench.report.wording import count
 
+BEST = "The best point of each problem, and the run that found it. The CSV file has every digit."
+
 
 def caption(axis: str, drawn: int, optimizers: int, marked: bool) -> str:
     """Return the caption of the figure of all runs."""

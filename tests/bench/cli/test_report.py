@@ -10,6 +10,7 @@ import pytest
 from bench import Study, run, write_report
 from bench.check.bias import diagnose_all
 from bench.check.verdict import Verdict
+from bench.storage.folder import Folder
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
 
@@ -65,13 +66,14 @@ def test_two_folders_make_one_report(bench_here, folders, tmp_path):
 
 def test_status_prints_the_answer_of_a_report_of_these_trials_only(bench_here, folders, tmp_path):
     shutil.copytree(folders / "old", tmp_path / "s")
-    answer = {"sentence": "scatter is best.", "columns": ["optimizer"], "rows": [["scatter"]], "trials": 16}
+    state = Folder(tmp_path / "s").store.state()
+    answer = {"sentence": "scatter is best.", "columns": ["optimizer"], "rows": [["scatter"]], "state": state}
     (tmp_path / "s" / "answer.json").write_text(json.dumps(answer))
     assert "scatter is best." in bench_here("status", tmp_path / "s").stdout
-    (tmp_path / "s" / "answer.json").write_text(json.dumps(answer | {"trials": 8}))
+    (tmp_path / "s" / "answer.json").write_text(json.dumps(answer | {"state": "other"}))
     done = bench_here("status", tmp_path / "s")
     assert "scatter is best." not in done.stdout
-    assert "the report is of other trials; write it again: bench report" in done.stdout
+    assert "the report is older than the trials; write it again: bench report" in done.stdout
 
 
 @pytest.mark.slow

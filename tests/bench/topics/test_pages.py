@@ -50,10 +50,9 @@ def failed_and_missing(make, folder):
         "a": [("centre bias", False, 4e5), ("structural bias", False, 5e-10), ("starts and seeds", True, None)],
         "b": [("centre bias", True, 0.9), ("structural bias", True, 0.4), ("boundary clamping", True, 0.0)],
     }
-    names = ("check", "passed", "figure")
-    Folder(folder).note(
-        "checks.json", {label: [dict(zip(names, each, strict=True)) for each in own] for label, own in noted.items()}
-    )
+    names, rest = ("check", "passed", "figure"), {"kind": "trait", "finding": "", "remedy": "", "code": ""}
+    checks = {label: [rest | dict(zip(names, each, strict=True)) for each in own] for label, own in noted.items()}
+    Folder(folder).note("checks.json", checks)
     return Findings(Results(folder))
 
 

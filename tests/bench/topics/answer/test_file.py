@@ -5,9 +5,9 @@ from io import StringIO
 
 from rich.console import Console
 
-from bench.cli.answer import as_lines, read
+from bench.cli.answer import as_lines, is_old, read, show
 from bench.results.results import StoredResults
-from bench.storage.folder import ANSWER
+from bench.storage.folder import ANSWER, Folder
 from bench.topics.answer.file import MOST, answer
 from bench.topics.answer.section import lines
 from bench.topics.findings import Findings
@@ -31,7 +31,7 @@ def test_it_has_the_headline_the_lines_and_the_optimizers_in_their_order(make, t
     assert [(row[0], row[1], row[2]) for row in found["rows"]] == [
         ("a", "1.00", "2 of 2"), ("b", "0.50", "0 of 2"), ("c", "0.00", "0 of 2"),
     ]  # fmt: skip
-    assert found["trials"] == 2 * 3 * 8
+    assert found["state"] == Folder(tmp_path / "s").store.state() != ""
     assert any(line.split()[:2] == ["optimizer", "chance"] for line in printed(found))
 
 
@@ -42,9 +42,27 @@ def test_a_selection_names_what_it_leaves_out(make, tmp_path):
         "Selected from 3 optimizers and 2 problems after the results were seen; left out: 1 optimizer (b) and 1 "
         "problem (p)."
     )
-    assert found["trials"] == 1 * 2 * 8
+    assert found["state"] == ""
     assert found["selection"] in printed(found, width=200)
     assert noted(make(tmp_path / "t"))["selection"] == ""
+
+
+def test_an_older_report_is_called_old_and_what_the_results_say_now_is_printed(make, tmp_path):
+    folder, console = make(tmp_path / "s"), Console(width=200, file=StringIO())
+    show(folder, console)
+    assert "a ends lowest on these 2 problems." in console.file.getvalue()
+    file, now = folder / ANSWER, noted(folder)
+    file.write_text(json.dumps(now | {"sentence": "As it was noted."}))
+    show(folder, console)
+    assert "As it was noted." in console.file.getvalue()
+    assert not is_old(folder)
+    with Folder(folder).store.writer() as writer:
+        writer.history({"look": {"outcome": "undecided"}})
+    assert not is_old(folder)  # a look changes no result
+    file.write_text(json.dumps(now | {"sentence": "A stale verdict.", "state": "other trials"}))
+    show(folder, console)
+    assert "A stale verdict." not in console.file.getvalue()
+    assert f"the report is older than the trials; write it again: bench report {folder}" in console.file.getvalue()
 
 
 def test_many_optimizers_of_long_names_fit_a_narrow_terminal(make, tmp_path):

@@ -87,7 +87,8 @@ class TestTheSection:
     def test_has_one_figure_with_the_medians_behind_it(self, folder):
         findings = found(folder, p=2.0)
         made = section(findings)
-        (figure,) = made.items
+        figure, best = made.items
+        assert (best.name, best.data["problem"].tolist()) == ("best-points", ["p", "q"])
         table = figure.table
         assert (figure.name, table.name, len(figure.data)) == ("every-run", "comparison", 48)
         assert table.frame.index.tolist() == ["p", "q"]
