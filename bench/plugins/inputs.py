@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import ast
 import os
-import re
 import warnings
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import Distribution, PackageNotFoundError, distribution, packages_distributions
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from bench.helpers.text import short_hash
 from bench.plugins import packing, registry
@@ -183,7 +185,7 @@ def _counts(top: str, packages: Mapping[str, str]) -> bool:
     left = dict(packages)
     while top:
         name = _distribution(top)
-        if not name or _normal(name) in _environment():
+        if not name or canonicalize_name(name) in _environment():
             return False
         top = left.pop(top, "")  # also where packages read each other
     return True
@@ -191,39 +193,25 @@ def _counts(top: str, packages: Mapping[str, str]) -> bool:
 
 def _distribution(top: str) -> str:
     """Return the name of the distribution that has a module, "" for none."""
-    with suppress(PackageNotFoundError, ValueError):
-        found = distribution(top)
-        if any(os.path.exists(str(found.locate_file(f"{top}{end}"))) for end in ("", ".py")):
-            return str(found.name)
-    return min(_distributions().get(top, []), default="")
-
-
-_distributions = cache(packages_distributions)
+    return next(iter(registry.distributions_of(top)), "")
 
 
 @cache
 def _environment() -> set[str]:
     """Return the names of the distributions that this package requires, directly or through others, without extras."""
-    found: set[str] = set()
-    left = [registry.DISTRIBUTION]
+    found, left = set[str](), [registry.DISTRIBUTION]
     while left:
         with suppress(PackageNotFoundError):
-            for text in distribution(left.pop()).requires or ():
-                name = re.match(r"[\w.-]+", text)
-                if name and "extra" not in text.partition(";")[2] and _normal(name[0]) not in found:
-                    found.add(_normal(name[0]))
-                    left.append(name[0])
+            needed = map(Requirement, distribution(left.pop()).requires or ())
+            names = {canonicalize_name(each.name) for each in needed if "extra" not in str(each.marker)}
+            left += names - found
+            found |= names
     return found
-
-
-def _normal(name: str) -> str:
-    return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def _installed(name: str) -> str:
     """Return the version of a distribution, with a hash of its list of files and their hashes; "" for none."""
-    try:
-        found: Distribution = distribution(name)
-    except (PackageNotFoundError, ValueError):
-        return ""
-    return f"{found.version} {short_hash(found.read_text('RECORD') or '')}"
+    with suppress(PackageNotFoundError, ValueError):
+        found = distribution(name)
+        return f"{found.version} {short_hash(found.read_text('RECORD') or '')}"
+    return ""

@@ -149,9 +149,8 @@ def digest() -> str:
     return _notes.digest
 
 
-def note(kind: str, name: str, value: Any) -> None:
-    """Note an input that the process is known to use: an object of a session, or a package by the plug-in's word."""
-    _notes.add(kind, name, value)
+note = _notes.add
+"""Note an input that the process is known to use: an object of a session, or a package by the plug-in's word."""
 
 
 def declare(patterns: Iterable[str]) -> None:

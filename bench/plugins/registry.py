@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 from base64 import urlsafe_b64encode
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import (
     Distribution,
@@ -115,6 +116,10 @@ def distributions_of(module: str) -> list[str]:
     top = module.partition(".")[0]
     plugins = (entry for group in ("optimizers", "problems") for entry in entries(group).values())
     found = {entry.dist.name for entry in plugins if entry.dist and entry.module.partition(".")[0] == top}
+    with suppress(PackageNotFoundError, ValueError):  # as a rule it has the module's name, and no other is looked at
+        named = distribution(top)
+        if not found and any(Path(str(named.locate_file(f"{top}{end}"))).exists() for end in ("", ".py")):
+            return [named.name]
     return sorted(found) or sorted(set(_distributions().get(top, [])))
 
 
