@@ -25,7 +25,7 @@ from bench.evaluator.workers import WARMING, Candidate, Workers
 from bench.execution.job import Task
 from bench.execution.warming import warm_problem
 from bench.helpers.text import listing
-from bench.numbers import is_finite, require_whole, seconds
+from bench.numbers import require_positive, require_whole, seconds
 from bench.objective import Trace
 from bench.plugins import objects
 from bench.plugins.from_file import SOURCE, located
@@ -41,19 +41,8 @@ PARSED = 100_000  # those of a source that is worth parsing here, before any pro
 _NAME = f"{OBJECT}{LABEL}"
 _KEY = f"optimizers {_NAME}"
 _COLUMNS = [
-    "problem",
-    "optimizer",
-    "trial",
-    "seed",
-    "status",
-    "error",
-    "fun",
-    "nfev",
-    "stop",
-    "wall_s",
-    "cpu_s",
-    "aocc",
-]
+    "problem", "optimizer", "trial", "seed", "status", "error", "fun", "nfev", "stop", "wall_s", "cpu_s", "aocc",
+]  # fmt: skip
 
 Source = OptimizerLike | PathLike[str]
 """A candidate: Python source, a path to a file of it, or an optimizer, a class or a function."""
@@ -101,8 +90,7 @@ class Evaluator:
         baselines: Sequence[str] = BASELINES,
     ) -> None:
         require_whole("n_jobs", n_jobs, -1)
-        if not is_finite(memory) or memory <= 0:
-            raise BenchError(f"the memory must be a number of GB above 0, not {memory!r}")
+        require_positive("the memory of a trial", memory, unit="gigabytes")
         optimizers = [{"name": _NAME, "label": LABEL}, *dict.fromkeys((*baselines, WARMING))]
         common = {"name": "evaluator", "trials": trials, "budget": budget, "seed": seed, "optimizers": optimizers}
         parts = [
