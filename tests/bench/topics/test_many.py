@@ -13,12 +13,6 @@ def wide(make, tmp_path_factory):
     return Findings(Results(make(tmp_path_factory.mktemp("wide") / "s", ("p", "q", "r"), labels, trials=5)))
 
 
-def test_up_to_twelve_are_all_shown(make, tmp_path):
-    labels = tuple(f"o{number:02d}" for number in range(FEW))
-    findings = Findings(Results(make(tmp_path / "s", ("p",), labels, trials=2)))
-    assert findings.display.shown == findings.final.ranked
-
-
 def test_of_more_the_first_ten_and_the_subject_are_shown(wide):
     assert wide.display.shown == wide.final.ranked[:10]
     last = wide.final.ranked[-1]

@@ -1,16 +1,9 @@
 """The whole report, from a study's folder to the page."""
 
 from pathlib import Path
-from types import SimpleNamespace
 
-import matplotlib.figure
-import pandas as pd
 import pytest
 
-from bench import BenchError
-from bench.formats.archive.contents import report_files
-from bench.report import Figure, Section, Table
-from bench.topics import page as page_of
 from bench.topics import write_report
 from tests.bench.report.size import size
 
@@ -21,20 +14,6 @@ PARTS = [
 
 def numbered(titles):
     return [f"{number} {title}" for number, title in enumerate(titles, 1)]
-
-
-def patch_plugins(monkeypatch, **sections):
-    """Have these functions alone installed."""
-    plugins = SimpleNamespace(entries=lambda group: sections, load=lambda group, name: sections[name])
-    monkeypatch.setattr(page_of, "registry", plugins)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _no_plugin_sections():
-    """Leave out the sections of plug-ins."""
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        patch_plugins(monkeypatch)
-        yield
 
 
 @pytest.fixture(scope="module")
@@ -80,10 +59,6 @@ def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
     written = {str(path.relative_to(folder)) for kind in ("tables", "figures") for path in (folder / kind).iterdir()}
     assert linked == written
     assert {"tables/comparison.csv", "tables/comparison.tex", "figures/every-run.pdf", "tables/trials.csv"} <= written
-
-
-def test_an_archive_takes_every_file_of_a_report(folder):
-    assert {*report_files(folder)} >= {"report.html", "CONTENTS.md", "tables/trials.csv"}
 
 
 @pytest.mark.usefixtures("draws")
@@ -141,52 +116,3 @@ def test_hostile_labels_are_only_text(make, read, tmp_path):
     assert "<script>alert(1)</script>" in page.text
     assert "{{ 7*7 }}" in page.text
     assert {path.name for path in tmp_path.iterdir()} == {"s"}
-
-
-def test_a_plugins_sections_come_after_the_harness_own(make, read, tmp_path, monkeypatch):
-    patch_plugins(monkeypatch, mine=lambda findings: Section("Mine", (findings.study.name,)))
-    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    assert page.texts("h2") == numbered([*PARTS, "Mine"])
-    assert "Mine made" in page.text
-
-
-def test_a_plugins_section_with_the_title_of_another_adds_to_it(make, read, tmp_path, monkeypatch):
-    table = Table("mine", "A table.", pd.DataFrame({"x": [1]}))
-    patch_plugins(
-        monkeypatch,
-        cost=lambda findings: Section("Cost", ("Mine is cheap.",), (table,)),
-        units=lambda findings: [Section("In your units", ("One.",)), Section("In your units", ("Two.",))],
-    )
-    folder = make(tmp_path / "s", problems=("p",), trials=2)
-    page = read(write_report(folder))
-    assert page.texts("h2") == numbered([*PARTS[:4], "In your units", *PARTS[4:]])
-    assert all(text in page.text for text in ("Mine is cheap.", "One.", "Two."))
-    assert (folder / "tables" / "mine.csv").exists()
-
-
-@pytest.mark.slow
-def test_a_plugins_figure_has_no_id_of_a_section(make, read, tmp_path, monkeypatch):
-    plot = matplotlib.figure.Figure()
-    plot.subplots().plot([1, 2], [1, 2], "o")
-    frame = pd.DataFrame({"x": [1]})
-    items = (Figure("part", "A figure.", plot, frame), Table("part", "A table.", frame))
-    patch_plugins(monkeypatch, mine=lambda findings: [Section("Mine", items=items)])
-    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    page.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "CONTENTS.md"))
-    assert {"part-2", "part-3"} <= set(page.values("id"))
-
-
-def test_a_plugin_that_fails_costs_only_its_own_section(make, read, tmp_path, monkeypatch):
-    bad = {"boom": lambda findings: 1 / 0, "number": lambda findings: 3, "texts": lambda findings: ["no section"]}
-    patch_plugins(monkeypatch, mine=lambda findings: [Section("Mine")], **bad)
-    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
-    added = ["Section boom", "Mine", "Section number", "Section texts"]
-    assert page.texts("h2") == numbered([*PARTS, *added])
-    for name in bad:
-        assert f"The report section '{name}' failed and is left out" in page.text
-    assert "'mine'" not in page.text
-
-
-def test_a_folder_without_results_is_refused(tmp_path):
-    with pytest.raises(BenchError):
-        write_report(tmp_path)

@@ -8,7 +8,7 @@ from rich.console import Console
 from bench.cli.answer import as_lines, is_old, read, show
 from bench.results.results import StoredResults
 from bench.storage.folder import ANSWER, Folder
-from bench.topics.answer.file import MOST, answer
+from bench.topics.answer.file import answer
 from bench.topics.answer.section import lines
 from bench.topics.findings import Findings
 
@@ -63,16 +63,6 @@ def test_an_older_report_is_called_old_and_what_the_results_say_now_is_printed(m
     show(folder, console)
     assert "A stale verdict." not in console.file.getvalue()
     assert f"the report is older than the trials; write it again: bench report {folder}" in console.file.getvalue()
-
-
-def test_many_optimizers_of_long_names_fit_a_narrow_terminal(make, tmp_path):
-    names = tuple(f"an-optimizer-with-a-long-name-and-its-options[{number}]" for number in range(MOST + 3))
-    found = noted(make(tmp_path / "s", optimizers=names, trials=3))
-    assert len(found["rows"]) == MOST
-    assert found["more"] == "and 3 other optimizers"
-    assert max(map(len, printed(found))) <= 80
-    assert len({name for name, *_ in found["rows"]}) == MOST
-    assert found["rows"][0][0] == "an-optimizer-with-a-l…ts-options[0]"
 
 
 def test_without_a_comparison_it_states_why(make, tmp_path):

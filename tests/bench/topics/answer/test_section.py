@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from bench import Results, Study
+from bench import Results
 from bench.topics.answer import section as answer
 from bench.topics.answer import words
-from bench.topics.answer.facts import facts
 from bench.topics.findings import Findings
 
 
@@ -66,12 +65,6 @@ def test_without_a_winner_the_rivals_that_are_open_are_named(make, tmp_path):
     assert "by how much" not in said(one)
 
 
-def test_the_order_is_that_of_the_chance(folder):
-    found = findings(folder)
-    assert found.final.ranked == list(found.final.order.sort_values("chance", ascending=False)["optimizer"])
-    assert list(found.of(facts).rivals["rival"]) == ["b", "c"]
-
-
 @pytest.mark.parametrize(
     "options", [{"trials": 1}, {"trials": 2, "fail": [("p", "b"), ("q", "b")]}, {"problems": ("p",)}]
 )
@@ -91,11 +84,3 @@ def test_where_nothing_can_be_compared_it_states_why(make, tmp_path):
     )
     alone = answer.section(findings(make(tmp_path / "alone", optimizers=("b",))))
     assert alone.text == ("There is nothing to compare: b is the only optimizer.",)
-
-
-def test_a_study_names_its_subject_among_its_optimizers():
-    base = {
-        "name": "s", "problems": [{"name": "signature-01"}], "optimizers": [{"name": "gwo"}, {"name": "alo"}],
-        "subject": "alo",
-    }  # fmt: skip
-    assert Study.load(base).identity() == Study.load(base | {"subject": ""}).identity()

@@ -45,13 +45,6 @@ def test_what_differs_is_one_clause(case, said):
     assert conditions.differing(own, noted(own, {}), own.optimizers[0].label) == said
 
 
-def test_the_populations_of_the_equal_study_are_the_same_for_each():
-    labels = [entry.label for entry in CASES["its equal populations"].optimizers]
-    for agents in (30, 100, 300):
-        alike = [label for label in labels if label.endswith(f" {agents}")]
-        assert alike == [f"{name} {agents}" for name in ("cma-es", "alo", "goa", "gwo", "da")]
-
-
 def test_a_plug_in_of_a_stranger_without_such_options_is_described(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("def mine(objective, rng, step=0.1):\n    objective(objective.initial(1))\n")
@@ -72,8 +65,3 @@ def test_what_a_sweep_varies_is_its_question_and_no_condition_of_its_best(leader
     own = study(GWO | {"options": {"agents": [5, 9]}}, {"name": "da", "agents": 9})
     text = conditions.differing(own, noted(own, {}), leader)
     assert text == ("agents is 5 for gwo[agents=5] and 9 for the 2 others" if found else "")
-
-
-def test_a_default_population_is_part_of_the_algorithm():
-    own = CASES["populations of their own"]
-    assert conditions.differing(own, noted(own, {}), "cma-es") == ""

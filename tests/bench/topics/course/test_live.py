@@ -44,18 +44,6 @@ def test_its_shares_are_those_of_the_picture(findings, specification):
             assert share == pytest.approx(shares[label, grid[until]])
 
 
-def test_a_reader_chooses_problem_and_target(findings, specification):
-    problem, target, curve, zoom = specification["params"]
-    assert problem["bind"]["labels"] == ["all problems", "p", HOSTILE]
-    assert len(target["bind"]["labels"]) == 1 + len(findings.anytime.target_set.tabled)
-    assert (curve["bind"], zoom["bind"]) == ("legend", "scales")
-
-
-def test_it_is_left_out_where_it_would_be_too_large(findings, monkeypatch):
-    monkeypatch.setattr(live, "MOST_ROWS", 10)
-    assert live.targets_reached(findings) is None
-
-
 def test_vega_lite_draws_a_curve_an_optimizer(specification):
     vl_convert = pytest.importorskip("vl_convert", reason="Vega-Lite is the judge: install vl-convert-python")
     svg = vl_convert.vegalite_to_svg({**specification, "width": 600})

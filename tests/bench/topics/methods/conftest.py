@@ -18,7 +18,7 @@ def folder(make, tmp_path_factory):
 
 
 @pytest.fixture
-def render(folder, monkeypatch):
+def render(folder):
     """Return a function that makes the section of such records, with the lines on them of the section on trust.
 
     ``origins`` gives each trial the number of one.
@@ -28,7 +28,7 @@ def render(folder, monkeypatch):
         results = Results(folder)
         results.environments[:] = records
         numbers = pd.Series(origins or [None] * len(results.frame), dtype=object)
-        monkeypatch.setattr(Results, "origins", numbers)
+        vars(results)["_read"] = results.frame, numbers, results.stored
         lines = tuple(Environments(results).warnings())
         return replace(section(Findings(results)), lines=lines)
 

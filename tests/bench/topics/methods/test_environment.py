@@ -1,8 +1,6 @@
 """The report distinguishes machines and versions, and which trials came from which."""
 
-import pandas as pd
-
-from tests.bench.topics.methods.records import NEWER, OLD, RECORD
+from tests.bench.topics.methods.records import NEWER, RECORD
 
 
 def table(section):
@@ -21,14 +19,6 @@ def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
     assert render([RECORD, NEWER]).lines != ()  # which made them is not known
 
 
-def test_the_records_of_older_folders_are_read(render):
-    section = render([OLD, OLD | {"python": "3.12.1"}])
-    assert "B differs from A by Python 3.11.7 → 3.12.1" in section.lines[0].text
-    assert table(section).frame.loc["commit"].tolist() == [f"{RECORD['git']['commit']} with uncommitted changes"] * 2
-    assert len(content(render([{}]), "environment-runs")) == 1
-    assert "no record" in render([]).lines[0].text
-
-
 def test_fifty_environments_can_still_be_read(render):
     section = render([RECORD | {"python": f"3.11.{i}"} for i in range(50)], [1 + i % 50 for i in range(24)])
     ((label, warning, _),) = section.lines
@@ -44,13 +34,6 @@ def test_the_state_of_code_is_shown(render):
     items = table(render([RECORD | {"git": {"commit": "f" * 40, "dirty": True}}])).data.set_index("item")["A"]
     assert items["commit"] == f"{'f' * 40} with uncommitted changes"
     assert items["harness"] == RECORD["harness"]
-
-
-def test_every_trial_has_its_run(render):
-    rows = content(render([RECORD, NEWER, OLD], [1, 2, 3] * 8), "environment-trials")
-    assert list(rows.columns) == ["problem", "optimizer", "trial", "run", "environment"]
-    assert list(rows["run"]) == [1, 2, 3] * 8
-    assert isinstance(rows, pd.DataFrame)
 
 
 def test_the_customary_tests_are_a_file_by_which_the_page_claims_nothing(render):

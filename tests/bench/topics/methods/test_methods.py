@@ -17,8 +17,7 @@ from bench.study import Entry, Study
 from bench.study.descriptions import Description
 from bench.topics.findings import Findings
 from bench.topics.methods import methods as module
-from bench.topics.methods import section
-from bench.topics.methods.methods import bibliography, machine, methods, parameters
+from bench.topics.methods.methods import bibliography, methods
 
 ENVIRONMENT = {
     "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},
@@ -46,30 +45,6 @@ def found(make, tmp_path_factory):
     return methods(findings)
 
 
-def test_every_sentence_follows_from_the_study(found):
-    for said in (
-        "We ran 4 optimizers on 2 problems (p and q)", "gwo (Mirjalili et al., 2014), alo (Mirjalili, 2015), cma-es",
-        "We ran gwo with agents = 7; all other parameters have their default values.",
-        "Of each optimizer we have 20 independent trials on each problem, each with a budget of 100 evaluations.",
-        "40 trials of cma-es met a stopping criterion", "1 trial failed or found no finite value",
-        "with each other optimizer by A12", "each at 0.05; a winner is named where all tests reject",
-        "by Holm's method (Holm, 1979) within the problem at 0.05.",
-        "numpy 2.4.6 and scipy 1.17.1 (Harris et al., 2020; Virtanen et al., 2020) on A & B processor.",
-    ):  # fmt: skip
-        assert said in found.text
-    assert len(found.text.split()) <= 250
-    assert not re.search(r" [,.;:)]|[,;:]\.|\.\.|,,|\( ", found.text.replace(HOSTILE, "wolf"))
-
-
-def test_nothing_is_said_of_what_was_not_done(make, tmp_path):
-    one = methods(Findings(Results(make(tmp_path / "one", ("p",), ("a",), trials=2)))).text
-    few = methods(Findings(Results(make(tmp_path / "few", trials=1)))).text
-    for test in ("Friedman", "A12", "Holm", "failed", "constraints", "noise", "The trials used"):
-        assert test not in one
-    assert "With these trials nothing is tested." in few
-    assert "Holm" not in few
-
-
 def test_many_optimizers_and_problems_stay_within_the_words(make, tmp_path):
     labels = tuple(f"o{number}" for number in range(15))
     many = make(tmp_path / "many", tuple(f"p{number}" for number in range(9)), labels, trials=2, record=ENVIRONMENT,
@@ -78,19 +53,6 @@ def test_many_optimizers_and_problems_stay_within_the_words(make, tmp_path):
     assert "o5 and 9 others." in text
     assert "The study's file has every parameter that has not its default value." in text
     assert len(text.split()) <= 250
-
-
-def test_results_of_others_are_said_to_be_theirs():
-    ours, theirs = Entry("gwo", "gwo"), Entry("imported:A", "A")
-    made = "The results of A were made elsewhere and imported."
-    assert parameters(study(theirs)) == made
-    assert parameters(study(ours, theirs)) == f"{made} All other parameters have their default values."
-
-
-def test_versions_of_several_machines():
-    other = {"python": "3.12.1", "packages": {"numpy": None}, "processor": "C"}
-    assert machine([ENVIRONMENT, other])[0].startswith("The trials used Python 3.11.7 and 3.12.1, backlash-bench 0.1.0")
-    assert machine([]) == []
 
 
 def test_every_citation_has_its_work_and_every_work_is_complete(found):
@@ -106,13 +68,6 @@ def test_unreadable_bibtex_is_told_and_costs_nothing_else():
     assert warnings[0].startswith("x is not cited: ")
     assert of == {"x": [], "y": []}
     assert "holm1979" in works
-
-
-def test_works_under_one_key_are_told_apart():
-    told = {"x": Description("@misc{a, year=1}"), "y": Description("@misc{A, year=3} @misc{a, year=1}")}
-    works, of, _ = bibliography(study(Entry("x", "x"), Entry("y", "y")), told)
-    assert of == {"x": ["a"], "y": ["A-2", "a"]}
-    assert works["A-2"].author_year != works["a"].author_year
 
 
 @settings(max_examples=30)
@@ -145,19 +100,3 @@ def test_latex_and_bibtex_compile_without_a_warning(found, tmp_path):
     log = run(tmp_path, *latex)
     assert "undefined" not in log
     assert "Missing character" not in log
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(shutil.which("bibtex") is None, reason="bibtex is not installed")
-def test_a_doi_with_an_underscore_compiles_with_plainnat_and_as_elsarticle_sets_it(tmp_path):
-    entry = "@article{a,\n  author = {A. B.},\n  title = {T},\n  year = 2000,\n  doi = {10.1/x_y_1}\n}\n"
-    (tmp_path / "references.bib").write_text(f"{section.DOI}\n\n{entry}", encoding="utf-8")
-    assert [work.key for work in parse((tmp_path / "references.bib").read_text(encoding="utf-8"))] == ["a"]
-    body = r"\cite{a}\bibliographystyle{plainnat}\bibliography{references} \ifdefined\href \href{a}{\path{x_y}}\fi"
-    source = rf"\documentclass{{article}}\usepackage{{natbib}}\begin{{document}}{body}\end{{document}}"
-    (tmp_path / "d.tex").write_text(source, encoding="utf-8")
-    for command in (["pdflatex", "-interaction=nonstopmode", "d.tex"], ["bibtex", "d"]):
-        assert subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).returncode == 0
-    done = subprocess.run(["pdflatex", "-halt-on-error", "d.tex"], cwd=tmp_path, capture_output=True, check=False)
-    assert done.returncode == 0
-    assert "x_y_1" in (tmp_path / "d.bbl").read_text(encoding="utf-8")

@@ -5,8 +5,8 @@ import pytest
 
 from bench import Results, Study, run
 from bench.topics.findings import Findings
-from bench.topics.runs.marks import FIRST, NEAR, marks
-from bench.topics.runs.panels import classes, measured, panels
+from bench.topics.runs.marks import FIRST, marks
+from bench.topics.runs.panels import measured
 from bench.topics.runs.ranks import rank_map
 from bench.topics.runs.section import section
 from bench.topics.trust import section as trust
@@ -57,30 +57,11 @@ class TestTheAxis:
         assert of_all.frame["value"].min() >= 1e-8
 
 
-class TestPanels:
-    def test_each_problem_has_one_up_to_forty(self, suite, monkeypatch):
-        assert list(panels(suite.trials)) == suite.trials.problems
-        monkeypatch.setattr("bench.topics.runs.panels.MOST", 3)
-        assert panels(suite.trials) == {
-            name: [f"classical-{name}-d{d}" for d in (2, 5)] for name in ("sphere", "rastrigin")
-        }
-
-    def test_classes_are_groups_or_dimensions(self, suite, folder):
-        assert len(classes(suite.trials)) == len({facts.features["group"] for facts in suite.trials.known.values()})
-        assert classes(found(folder).trials) == {"d = 1": ["p", "q"]}
-
-
 class TestMarks:
     def test_the_first_and_those_that_no_test_separates_from_it(self, folder):
         shown = marks(found(folder).final, {"p": ["p"], "both": ["p", "q"]})
         assert shown.loc["p"].to_dict() == {"a": FIRST, "b": "", "c": ""}
         assert shown.loc["both"].to_dict() == {"a": FIRST, "b": "", "c": ""}
-
-    def test_equal_ones_have_none_and_few_runs_separate_nobody(self, make, tmp_path):
-        findings = found(make(tmp_path / "s", ("p",), trials=2))
-        assert marks(findings.final, {"p": ["p"]}).loc["p"].to_dict() == {"a": FIRST, "b": NEAR, "c": NEAR}
-        equal = found(make(tmp_path / "t", ("p",), ("a", "b"), changes={each: {"fun": 1.0} for each in "ab"}))
-        assert marks(equal.final, {"p": ["p"]}).loc["p"].to_dict() == {"a": "", "b": ""}
 
 
 class TestTheSection:
@@ -118,9 +99,3 @@ class TestTheMapOfRanks:
         table = rank_map(found(folder))
         assert table.frame.loc["p"].tolist() == ["1", "2", "3"]
         assert table.shades.loc["p"].tolist() == [0, 0.5, 1]
-
-    def test_has_a_column_a_class_above_forty_problems(self, suite, monkeypatch):
-        monkeypatch.setattr("bench.topics.runs.ranks.MOST", 3)
-        table = rank_map(suite)
-        assert list(table.frame.index) == suite.final.ranked
-        assert list(table.frame) == list(classes(suite.trials))

@@ -20,8 +20,3 @@ def test_trials_that_a_limit_of_time_has_ended_are_counted():
     ((label, sentence, _),) = handled(frame(stop=["time", "budget", "time"]))
     assert label == "ended by time"
     assert sentence.startswith("A limit of time has ended 2 of 3 trials before the budget: their results depend")
-
-
-def test_without_either_and_where_failures_are_not_known_nothing_is_said():
-    assert [*handled(frame())] == []
-    assert [*handled(frame(failures=[None] * 3))] == []

@@ -6,7 +6,6 @@ import pytest
 from bench import Results
 from bench.analysis.comparable import Comparable
 from bench.study import Entry, Study
-from bench.topics.answer import section as answer
 from bench.topics.findings import Findings
 from bench.topics.findings.selection import selection
 from bench.topics.methods.methods import methods
@@ -72,19 +71,3 @@ def test_a_problem_that_failed_makes_nobody_lose_and_is_named(make, tmp_path):
     text = methods(found).text
     assert "failed or found no finite value" not in text
     assert "Not compared, as the problem's own code raised in a trial: q." in text
-
-
-def test_a_problem_that_is_not_compared_is_in_no_rank(make, tmp_path):
-    found = Findings(Results(make(tmp_path / "s", ("p", "q", "r"), raised=[("q", "a", 0)])))
-    section = answer.section(found)
-    assert section.cards[0].text == "a ends lowest on these 2 problems."
-    _, ranks = section.items
-    assert list(ranks.frame.index) == ["p", "r"]
-    assert "mpty" not in ranks.note
-    assert len(found.final.pairs) == 9
-
-
-def test_where_every_problem_failed_there_is_nothing_to_compare(make, tmp_path):
-    found = Findings(Results(make(tmp_path / "s", problems=("p",), raised=[("p", "a", 0)])))
-    assert answer.section(found).text[0].startswith("There is nothing to compare: no problem")
-    assert "p (in 1 of 24 trials)" in said(trust.section(found))[0]

@@ -27,12 +27,6 @@ def test_a_usual_study_has_one_card(make, tmp_path):
     assert [file.path for file in made.files] == ["tables/integrity.csv"]
 
 
-def test_failed_trials_are_counted_with_their_reasons(make, tmp_path):
-    made = section(Findings(Results(make(tmp_path / "s", fail=[("p", "b"), ("q", "a", 1)]))))
-    assert made.lost.startswith("9 of 48 trials did not finish")
-    assert [table.name for table in made.items] == ["incomplete-cells", "failures"]
-
-
 def test_runs_that_share_seeds_across_problems_are_found():
     rows = [("p", "a", 1), ("q", "a", 1), ("p", "b", 2), ("q", "b", 3), ("p", "c", None), ("q", "c", None)]
     assert shared_by(pd.DataFrame(rows, columns=["problem", "optimizer", "seed"])) == ["a"]

@@ -1,11 +1,8 @@
 """The competition's table in a report; optimizers a, b and c find about 5, 6 and 7 on p and q."""
 
-import pytest
-
-from bench import BenchError, Results
+from bench import Results
 from bench.report.latex import to_latex
 from bench.results.results import ProblemFacts
-from bench.topics import write_report
 from bench.topics.findings import Findings
 from bench.topics.units import section as units
 
@@ -46,31 +43,10 @@ def test_means_that_differ_by_rounding_alone_are_both_bold(make, tmp_path):
     assert table.bold.loc["p"].to_dict() == {"a": True, "b": True, "c": False}
 
 
-def test_the_note_says_at_which_level_signs_are_and_that_nothing_is_adjusted(make, tmp_path):
-    note = tables(section(make(tmp_path / "s", trials=3), "a", p=1.0, q=1.0))["competition"].note
-    assert "(A12, p < 0.05)" in note
-    assert "Nothing is adjusted: of 4 tests without any difference, about 0.2 would show a sign." in note
-
-
-def test_values_stand_where_no_optimum_is_known(make, tmp_path):
-    table = tables(section(make(tmp_path / "s"), p=1.0))["competition"]
-    assert table.caption.endswith("Of 1 problem without a known optimum it is the value.")
-    assert "adjusted" not in table.note  # no subject, no test
-
-
 def test_checkpoints_are_those_of_the_suite(make, tmp_path):
     (file,) = section(make(tmp_path / "s"), p=1.0, q=1.0).files
     assert file.content.groupby(["problem", "optimizer"]).size().tolist() == [16] * 6
     assert not section(make(tmp_path / "t"), suite="cec2019", p=1.0).files
-
-
-def test_small_and_odd_studies_have_it(make, tmp_path):
-    alone = section(make(tmp_path / "one", optimizers=("a",), trials=1), "a", p=1.0)
-    assert tables(alone)["competition"].texts.at["+ / ≈ / −", "a"] == ""
-    failed = section(make(tmp_path / "failed", fail=[("p", "a")]), "a", p=1.0, q=1.0)
-    assert tables(failed)["competition"].texts.at["p", "a"] == "∞"
-    skipped = section(make(tmp_path / "skipped", trials=2, skip=[("p", "b", 0), ("p", "b", 1)]), "b", p=1.0)
-    assert tables(skipped)["competition"].texts.at["p", "b"] == "–"
 
 
 def test_other_suites_have_it_for_a_reference_alone(make, tmp_path):
@@ -78,8 +54,3 @@ def test_other_suites_have_it_for_a_reference_alone(make, tmp_path):
     assert section(folder, suite="bbob") is None
     assert section(folder, suite="") is None
     assert "U-score" not in tables(section(folder, "a", suite="bbob", p=1.0, q=1.0))["competition"].texts.index
-
-
-def test_a_subject_that_the_study_lacks_is_refused(make, tmp_path):
-    with pytest.raises(BenchError, match=r"the study has no optimizer 'mine' for a subject; known: a, b, c"):
-        write_report(make(tmp_path / "s"), subject="mine")
