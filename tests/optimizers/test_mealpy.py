@@ -1,21 +1,18 @@
 """mealpy's algorithms spend the budget to the evaluation, follow the seed alone, and are mealpy's own."""
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, Objective, solve
+from bench import BenchError, Objective, solve
 from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
-from optimizers.mealpy import TABLE, TWO_VARIABLES, MealpyOptimizer, mealpy
+from optimizers.mealpy import TABLE, mealpy
 from tests.optimizers.observed import OPTIMUM, Watched
 
 library = pytest.importorskip("mealpy", reason="the extra 'mealpy' is not installed")
-
-SEVERAL_VARIABLES = TABLE["remarks"][TWO_VARIABLES]
 
 
 def run(name, problem=None, *, budget=400, seed=1, **options):
@@ -73,20 +70,6 @@ def test_a_run_is_mealpy_s_own(name, mode, options):
     np.testing.assert_array_equal(ours.x, found.solution)
 
 
-@pytest.mark.parametrize("name", ["OriginalGWO", "DevTPO", "OriginalSFO", "OriginalPSO"])
-def test_the_start_is_that_of_the_harness(name):
-    problem = Watched()
-    run(name, problem, budget=60, seed=3)
-    start, _ = streams(3)
-    np.testing.assert_array_equal(np.vstack(problem.batches), Objective(problem, 60, start).initial(60))
-
-
-def test_swarm_mode_evaluates_a_generation_as_one_batch():
-    problem = Watched()
-    run("OriginalGWO", problem, budget=120, agents=30, mode="swarm")
-    assert [len(batch) for batch in problem.batches] == [1] * 30 + [30, 30, 30]
-
-
 @pytest.mark.parametrize(("name", "planned"), [("OriginalGWO", {19}), ("OriginalFFA", None), ("L_SHADE", None)])
 def test_the_schedule_ends_with_the_budget(name, planned, monkeypatch):
     solver = type(mealpy.load(f"mealpy:{name}")).solver
@@ -115,26 +98,3 @@ def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
     with pytest.raises(BenchError) as refused:
         mealpy.load(f"mealpy:{name}", **options)
     assert sentence in str(refused.value)
-
-
-@pytest.mark.parametrize("name", sorted(SEVERAL_VARIABLES))
-def test_one_variable_too_few_is_said(name):
-    line = FunctionProblem(lambda x: (x[:, 0] - 2) ** 2, [1.0], [5.0])
-    with pytest.raises(BenchError, match="needs at least two variables, and the problem has one"):
-        run(name, line)
-    assert any("two variables" in sentence for sentence in mealpy.load(f"mealpy:{name}").unmapped)
-
-
-def test_a_search_that_evaluates_nothing_more_is_declared():
-    class Idle(library.Optimizer):
-        def __init__(self, pop_size):
-            super().__init__()
-            self.pop_size = pop_size
-
-    @dataclass(frozen=True)
-    class IdleOptimizer(MealpyOptimizer):
-        solver = Idle
-        own = ("pop_size",)
-
-    result = solve(Watched(), IdleOptimizer(), budget=400, seed=1)
-    assert (result.nfev, result.stop) == (100, "no evaluation in 1000 epochs")

@@ -40,15 +40,6 @@ def test_every_algorithm_of_minionpy_is_a_member_or_left_out():
     assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= TABLE["parameters"].keys()
 
 
-@pytest.mark.parametrize("name", POPULATIONS)
-def test_the_start_population_is_that_of_the_harness(name):
-    problem = Watched()
-    run(name, problem, budget=400, seed=3)
-    start, _ = streams(3)
-    first = problem.batches[0]
-    np.testing.assert_array_equal(first, Objective(problem, 400, start).initial(len(first)))
-
-
 @pytest.mark.parametrize("name", ["LSHADE", "JADE", "NLSHADE_RSP", "CMAES", "j2020"])
 def test_a_run_is_minionpy_s_own(name):
     """With minionpy's own defaults, so that the declared ones are checked by whole runs."""

@@ -1,6 +1,5 @@
 """nevergrad's optimizers run as nevergrad runs them, within the budget, from the seed alone, and leave no trace."""
 
-import threading
 import time
 from fnmatch import fnmatchcase
 
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 
 from bench import BenchError, solve
-from bench.errors import ProblemError
 from bench.seeds import streams
 from optimizers.nevergrad import nevergrad
 from tests.optimizers.observed import LOWER, UPPER, Recorded, bowl
@@ -45,27 +43,6 @@ def test_differential_evolution_is_nevergrad_s():
     np.testing.assert_array_equal(ours, theirs)
 
 
-def test_workers_are_asked_for_and_evaluated_together():
-    assert run("DE", workers=25)[2] == [25, 25, 10]
-    assert set(run("DE")[2]) == {1}
-
-
-def test_the_search_space_is_centred_where_start_says():
-    middle = (LOWER + UPPER) / 2
-    np.testing.assert_allclose(run("OnePlusOne", start="midpoint")[1][0], middle)
-    assert not np.allclose(run("OnePlusOne")[1][0], middle)
-
-
-def test_parameters_are_the_registry_s_settings():
-    assert nevergrad.load("nevergrad:ES").agents == 40
-    assert nevergrad.load("nevergrad:TwoPointsDE").crossover == "twopoints"
-    assert (
-        "the parameter 'optimizers' is no scalar and keeps nevergrad's value"
-        in nevergrad.load("nevergrad:ChainCMASQP").unmapped
-    )
-    np.testing.assert_array_equal(run("DE", crossover=0.9)[1], run("AlmostRotationInvariantDE")[1])
-
-
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
@@ -98,17 +75,6 @@ def test_what_is_left_out_is_no_member():
         assert (len(nevergrad.members()), len(ng.optimizers.registry)) == (370, 542)  # as the reference says
 
 
-def test_one_dimension_leaves_no_setting_behind():
-    """nevergrad's CMA-ES turns to another package there, by a setting that all its later runs would share."""
-    before = run("DiagonalCMA")[1]
-    with pytest.raises(
-        BenchError, match=r"nevergrad's DiagonalCMA needs a package here that is not installed: .*fcmaes"
-    ):
-        run("DiagonalCMA", d=1)
-    np.testing.assert_array_equal(run("DiagonalCMA")[1], before)
-    assert run("DE", d=1)[0].nfev == 60
-
-
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["SQP", "RPowell", "DSproba", "DS8", "ParaPortfolio", "NGOptBase"])
 def test_a_thread_s_pace_changes_nothing(name, monkeypatch):
@@ -129,23 +95,3 @@ def slowed(method):
         return value
 
     return then_waits
-
-
-@pytest.mark.parametrize("name", ["SQP", "ParaPortfolio", "DSproba", "Cobyla"])
-def test_no_thread_and_no_change_of_a_library_outlives_a_run(name):
-    from cma.options_parameters import cma_default_options
-    from nevergrad.optimization import metamodel, optimizerlib, recaster
-
-    def found():
-        library = recaster.MessagingThread.messages_tell, optimizerlib._CMA.es, dict(cma_default_options)
-        return library, hasattr(metamodel, "float"), set(threading.enumerate())
-
-    before = found()
-    run(name)
-
-    def broken(x):
-        raise ValueError("no data for this point")
-
-    with pytest.raises(ProblemError, match="no data for this point"):
-        run(name, on=broken)
-    assert found() == before

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from bench import BenchError, Objective, solve
+from bench import Objective, solve
 from bench.seeds import streams
 from optimizers.optuna import TABLE, optuna
 from tests.optimizers.observed import OPTIMUM, Watched
@@ -81,10 +81,3 @@ def test_defaults_are_optuna_s(name):
     if theirs.get("multivariate") is False:  # in older versions, where None means the same
         theirs["multivariate"] = None
     assert ours == theirs
-
-
-def test_parameters_out_of_range_are_refused():
-    with pytest.raises(BenchError, match="n_ei_candidates"):
-        optuna.load("optuna:TPESampler", n_ei_candidates=0)
-    with pytest.raises(BenchError, match="GPSampler is left out: it needs a package of neural networks"):
-        optuna.load("optuna:GPSampler")

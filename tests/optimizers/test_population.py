@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem, solve
-from bench.objective import Objective
 from optimizers.alo import ALO
 from optimizers.da import DA
 from optimizers.goa import GOA
@@ -55,45 +54,6 @@ def test_spends_the_budget_exactly_in_whole_generations(cls, options, budget, ba
     assert result.nfev == budget
     assert result.stop == "budget"
     assert [len(x) for x in problem.batches] == batches
-
-
-@each
-def test_returns_after_the_last_generation_of_a_budget_of_whole_ones(cls, options):
-    objective = Objective(Recorded(), 24, np.random.default_rng(1))
-    cls(agents=6, **options).minimize(objective, np.random.default_rng(2))  # raises nothing
-    assert objective.remaining == 0
-
-
-@each
-def test_the_start_comes_from_the_objective(cls, options):
-    problem = Recorded()
-    cls(agents=6, **options).minimize(Objective(problem, 12, np.random.default_rng(3)), np.random.default_rng(4))
-    np.testing.assert_array_equal(problem.batches[0], Objective(problem, 1, np.random.default_rng(3)).initial(6))
-
-
-EDGES = {
-    "plateau": lambda x: np.ones(len(x)),
-    "zero": lambda x: np.zeros(len(x)),
-    "infinite": lambda x: np.full(len(x), np.inf),
-    "nan": lambda x: np.full(len(x), np.nan),
-    "partly infinite": lambda x: np.where(x[:, 0] > 0, np.inf, (x**2).sum(axis=1)),
-    "negative": lambda x: (x**2).sum(axis=1) - 1000,
-    "mixed signs": lambda x: x.sum(axis=1),
-    "tiny": lambda x: (x**2).sum(axis=1) * 1e-310,
-    "huge": lambda x: (x**2).sum(axis=1) * 1e306,
-}
-
-
-@each
-@pytest.mark.parametrize("d", [1, 4])
-@pytest.mark.parametrize("edge", EDGES)
-@pytest.mark.filterwarnings("error::RuntimeWarning")
-def test_no_edge_of_the_values_breaks_it(cls, options, d, edge):
-    problem = Recorded(EDGES[edge], d)
-    result = solve(problem, cls(agents=minimum(cls), **options), budget=12 * minimum(cls), seed=1)
-    assert result.nfev == 12 * minimum(cls)
-    assert result.outside_box == 0
-    assert np.isfinite(np.concatenate(problem.batches)).all()
 
 
 def test_random_search_is_uniform_in_the_box():

@@ -38,9 +38,3 @@ def test_final_bests_are_distributed_as_published(optimizer, function, quantiles
         slack = 3.5 * np.sqrt(level * (1 - level) / RUNS)  # of a binomial share
         assert (bests <= quantile * TOLERANCE).mean() > level - slack
         assert (bests >= quantile / TOLERANCE).mean() > 1 - level - slack
-
-
-@pytest.mark.slow
-def test_full_distance_is_a_very_different_grasshopper_algorithm():
-    bests = final_bests(GOA, "sphere", RUNS, variant="full-distance")
-    assert 8.6e-9 / 2 < np.median(bests) < 8.6e-9 * 2

@@ -1,6 +1,5 @@
 """pymoo's algorithms spend the budget to the evaluation, follow the seed alone, and are pymoo's own."""
 
-import inspect
 import random
 from importlib import import_module
 from pkgutil import iter_modules
@@ -11,7 +10,7 @@ import pytest
 from bench import BenchError, Objective, solve
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
-from optimizers.pymoo import FOLDER, TABLE, prepare, pymoo
+from optimizers.pymoo import FOLDER, TABLE, pymoo
 from tests.optimizers.observed import OPTIMUM, Watched, trace
 
 MEMBERS, PARAMETERS = TABLE["members"], TABLE["parameters"]
@@ -38,14 +37,6 @@ def test_every_algorithm_of_pymoo_is_a_member_or_left_out():
     assert all(entry.keys() <= known for entry in MEMBERS.values())
     assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= PARAMETERS.keys()
     assert pymoo.names() == sorted(f"pymoo:{name}" for name in MEMBERS)
-
-
-def test_what_de_takes_by_keywords_has_pymoo_s_defaults():
-    from pymoo.algorithms.soo.nonconvex.de import Variant
-
-    known = inspect.signature(Variant.__init__).parameters
-    given = {name: entry["default"] for name, entry in PARAMETERS.items() if "default" in entry}
-    assert {name: known[name].default for name in given} == given
 
 
 def variants():
@@ -87,14 +78,6 @@ def test_a_generation_is_one_batch(name, options, sizes):
     assert [len(batch) for batch in problem.batches] == sizes
 
 
-@pytest.mark.parametrize("name", ["DE", "PSO", "ISRES", "CMAES", "NelderMead"])
-def test_the_start_is_that_of_the_harness(name):
-    problem = Watched()
-    run(name, problem, budget=20, seed=3)
-    start, _ = streams(3)
-    np.testing.assert_array_equal(np.vstack(problem.batches), Objective(problem, 20, start).initial(20))
-
-
 @pytest.mark.parametrize(
     ("name", "options", "generations"), [("DE", {"F": 0.8, "CR": 0.9}, 30), ("PSO", {"c1": 1.5}, 30), ("GA", {}, 20)]
 )
@@ -116,27 +99,6 @@ def test_a_run_is_pymoo_s_own(name, options, generations):
     box = Sphere(n_var=3, n_obj=1, xl=np.array(Watched().lower.tolist()), xu=np.array(Watched().upper.tolist()))
     found = minimize(box, algorithm, ("n_gen", generations), seed=theirs)
     assert (ours.fun, ours.nfev) == (found.F[0], found.algorithm.evaluator.n_eval)
-
-
-def test_stops_by_tolerances_are_declared():
-    assert run("CMAES", budget=5000).stop == run("SimpleCMAES", budget=5000).stop == "a tolerance of cma"
-    assert run("NelderMead", budget=5000).stop == "x_tol, f_tol or a flat simplex"
-
-
-def test_a_mating_that_finds_nothing_new_is_declared(monkeypatch):
-    from pymoo.core.mating import Mating
-    from pymoo.core.population import Population
-
-    monkeypatch.setattr(Mating, "do", lambda *_, **__: Population.create())
-    result = run("GA", agents=20)
-    assert (result.nfev, result.stop) == (20, "no new offspring")
-
-
-@pytest.mark.parametrize(("name", "options"), [("CMAES", "options"), ("SimpleCMAES", "opts")])
-def test_cma_s_own_limits_end_no_run(name, options):
-    algorithm = pymoo.load(f"pymoo:{name}").construct()
-    prepare(algorithm, Objective(Watched(), 400, np.random.default_rng(0)))
-    assert {getattr(algorithm, options)[limit] for limit in ("maxiter", "maxfevals")} == {np.inf}
 
 
 def test_nrbo_plans_as_many_generations_as_the_budget_allows(monkeypatch):

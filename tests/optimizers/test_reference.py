@@ -7,7 +7,7 @@ import pytest
 
 from bench.objective import Objective
 from bench.problem import FunctionProblem
-from optimizers.alo import ALO, SUM, random_walks
+from optimizers.alo import ALO, random_walks
 from optimizers.da import DA
 from optimizers.goa import EPS, GOA, social_force, social_forces
 from optimizers.gwo import GWO
@@ -151,18 +151,6 @@ def test_walks_by_bytes_are_walks_by_steps(T):
         above, width = random_walks(steps, t, T)
         assert above.tolist() == (X[:, t - 1] - X.min(axis=1)).tolist()
         assert width.tolist() == np.ptp(X, axis=1).tolist()
-
-
-def test_the_bytes_of_a_walk_are_fair():
-    assert SUM[8].sum() == 0
-    assert (SUM[8] ** 2).mean() == 8  # the variance of eight independent +-1 steps
-
-
-def test_social_force_is_the_formula():
-    distance = np.linspace(0, 40, 100_001)
-    r = 2 + distance % 2
-    expected = 0.5 * np.exp(-r / 1.5) - np.exp(-r)
-    assert np.abs([social_force(D) for D in distance] - expected).max() < 1e-16
 
 
 @pytest.mark.parametrize("N", [1, 2, 37])

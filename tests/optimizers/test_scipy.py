@@ -67,15 +67,6 @@ def test_the_deterministic_ones_are_scipy_s(name):
     assert ours.nfev == len(values)
 
 
-def test_deferred_updating_evaluates_a_generation_at_once():
-    _, _, sizes = run("differential_evolution", updating="deferred", agents=25, budget=110)
-    assert sizes == [25, 25, 25, 25, 10]
-    result, _, sizes = run("differential_evolution", on=bowl, updating="deferred", agents=25, atol=1e-3, budget=5000)
-    assert result.stop == "tol"
-    assert {25, 1} == set(sizes)  # the polish asks for one point at a time
-    assert set(run("differential_evolution", agents=25, budget=110)[2]) == {1}
-
-
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("name", "option"),
@@ -121,18 +112,6 @@ def test_every_parameter_changes_the_run(name, option):
     assert not np.array_equal(*traces)
 
 
-def test_the_polish_follows_convergence_and_can_be_left_out():
-    polished, _, _ = run("differential_evolution", on=bowl, atol=1e-2, budget=5000)
-    plain, _, _ = run("differential_evolution", on=bowl, atol=1e-2, budget=5000, polish=False)
-    assert polished.stop == plain.stop == "tol"
-    assert polished.nfev > plain.nfev
-    assert polished.fun < plain.fun / 1e3
-
-
-def test_shgo_goes_on_until_the_budget_ends_where_its_iterations_are_not_limited():
-    assert run("shgo", iters=None, budget=1200)[0].stop == "budget"
-
-
 @pytest.mark.parametrize(
     ("name", "options", "reason"),
     [
@@ -147,22 +126,6 @@ def test_scipy_s_own_criteria_are_declared(name, options, reason):
     result, _, _ = run(name, on=bowl, budget=5000, **options)
     assert result.stop == reason
     assert result.nfev < 5000
-
-
-@pytest.mark.parametrize("name", MEMBERS)
-def test_nothing_is_proposed_outside_the_box(name):
-    """The finite differences of a local search at a bound would be wrong, were its points clipped afterwards."""
-    proposed = []
-
-    class Watched(MEMBERS[name]):
-        def values(self, objective, x):
-            proposed.append(x)
-            return super().values(objective, x)
-
-    solve(Recorded(lambda x: (x / (UPPER - LOWER)).sum(axis=1)), Watched(), budget=600, seed=1)
-    points = np.concatenate(proposed)
-    margin = 1e-12 * (UPPER - LOWER)
-    assert ((points >= LOWER - margin) & (points <= UPPER + margin)).all()
 
 
 @pytest.mark.parametrize(

@@ -41,12 +41,6 @@ def test_another_process_draws_the_same_bytes(elsewhere):
         assert [alone.finish(each) for each in figures] == plain
 
 
-def test_a_user_s_own_settings_change_no_drawing():
-    usual = draw(figure())
-    with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": None, "pdf.fonttype": 3}):
-        assert draw(figure()) == usual
-
-
 def test_what_cannot_be_pickled_is_drawn_here(elsewhere):
     with style.context():
         made = figure()
@@ -63,7 +57,3 @@ def test_a_figure_that_cannot_be_drawn_raises_where_its_drawing_is_asked_for(els
     elsewhere.help()
     with pytest.raises(ValueError, match="frac"):
         elsewhere.finish(wrong)
-
-
-def test_a_figure_is_drawn_without_a_pdf_on_request():
-    assert draw(figure(), pdf=False) == (draw(figure()).svg, None)

