@@ -43,7 +43,7 @@ class Diagnosis:
 
 
 def diagnose_folder(
-    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False
+    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False, **settings: Any
 ) -> Iterator[Diagnosis]:
     """Yield a diagnosis of every optimizer of a study, with its own options; each is noted in the folder for reports.
 
@@ -52,6 +52,7 @@ def diagnose_folder(
         n_jobs: runs made at a time, -1 for one a core.
         anew: whether to diagnose again what has not changed since it was diagnosed.
         untrusted: whether to load and run all of them in a sandbox alone; they are then diagnosed anew each time.
+        settings: others of :func:`bench.check.runs.make_runs`.
     """
     study, noted = folder.study(), folder.checks()
     noted = {entry.label: noted[entry.label] for entry in study.optimizers if entry.label in noted}
@@ -74,7 +75,8 @@ def diagnose_folder(
             yield Diagnosis(entry.label, kept, kept=True)
         else:
             changed[entry.label] = optimizer, code
-    verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs, sandbox=apart)
+    optimizers = [optimizer for optimizer, _ in changed.values()]
+    verdicts = bias.diagnose_all(optimizers, n_jobs=n_jobs, sandbox=apart, **settings)
     for (label, (_, code)), outcome in zip(changed.items(), verdicts, strict=True):
         if isinstance(outcome, BenchError):
             noted.pop(label, None)

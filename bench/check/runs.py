@@ -88,6 +88,9 @@ def make_runs(
     n_jobs: int = -1,
     seed: int = 0,
     sandbox: Sandbox | None = None,
+    functions: Sequence[str] = tuple(FUNCTIONS),
+    function_budget: int = FUNCTION_BUDGET,
+    callers: type[Callers] = Callers,
 ) -> Iterator[Runs | BenchError]:
     """Yield the runs of each optimizer, or why it failed.
 
@@ -96,15 +99,18 @@ def make_runs(
     Args:
         optimizers: each with its parameters.
         dimension: the number of variables of every function.
-        runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
+        runs: of each function at each of two places, ``function_budget`` evaluations or 50 generations long.
         noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
         n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         seed: repeats every number.
         sandbox: in which all runs are made.
+        functions: the names of those on which biases show.
+        function_budget: of a run on a function, at least.
+        callers: what makes the calls.
     """
     tasks = [
-        CheckRun(kind, name, run, dimension, FUNCTION_BUDGET, seed)
-        for name in FUNCTIONS
+        CheckRun(kind, name, run, dimension, function_budget, seed)
+        for name in functions
         for kind in ("centred", "moved")
         for run in range(runs)
     ]
@@ -119,8 +125,8 @@ def make_runs(
                 if group not in failed:
                     yield safe_call(group, make_run, each, task, **limits)
 
-    with Callers(n_jobs, ready, sandbox) as callers:
-        groups = groupby(callers.answers(calls()), lambda answered: answered[0].group)
+    with callers(n_jobs, ready, sandbox) as processes:
+        groups = groupby(processes.answers(calls()), lambda answered: answered[0].group)
         for each in packed:
             if isinstance(each, BenchError):
                 yield each

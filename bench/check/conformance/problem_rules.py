@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from time import perf_counter
 
 import numpy as np
@@ -265,13 +266,15 @@ def _seconds(problem: Problem, x: Floats) -> float:
     return perf_counter() - began
 
 
-def check_search(subject: ProblemSubject) -> str:
+def check_search(
+    subject: ProblemSubject, searches: Sequence[str] = SEARCHES, search_budget: int = SEARCH_BUDGET
+) -> str:
     """No search gets below the claimed optimum."""
     problem = subject.fresh()
     if problem.optimum is None:
         return "claims no optimum"
-    budget, closest, missing = SEARCH_BUDGET * problem.dimension, {}, []
-    for name in SEARCHES:
+    budget, closest, missing = search_budget * problem.dimension, {}, []
+    for name in searches:
         try:
             optimizer = load_optimizer(name)
         except BenchError as error:

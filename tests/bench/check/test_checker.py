@@ -8,14 +8,12 @@ from textwrap import dedent
 
 import pytest
 
-import bench
-from bench import BenchError, load_optimizer
-from bench.check import check_optimizer, check_problem, checker
+from bench import BenchError
+from bench.check import check_optimizer, check_problem
 from bench.check.checker import Checker
 from bench.check.conformance.problem_subject import ProblemSubject
-from bench.check.conformance.rules import RULES, failed, find_rule
+from bench.check.conformance.rules import RULES, find_rule
 from bench.check.conformance.subject import Subject
-from bench.check.verdict import Verdict
 from tests.bench.check import faulty, faulty_problems
 from tests.bench.check.conformance.examine import ALL, failures
 
@@ -109,41 +107,8 @@ def test_what_cannot_be_checked_at_all_is_refused_in_a_sentence(call, said):
     assert said in str(caught.value)
 
 
-@pytest.fixture
-def conforming(monkeypatch):
-    """Spare the checks of the contract."""
-    monkeypatch.setattr(Checker, "verdict", lambda self, rule: Verdict(rule.name, "conformance", True, "well"))
-
-
-def test_biases_are_looked_for_with_the_optimizer_s_own_parameters(conforming, monkeypatch):
-    asked = []
-
-    def diagnose(optimizer, *, n_jobs, seed, sandbox):
-        asked.append((optimizer, n_jobs, seed))
-        return [Verdict("centre bias", "bias", False, "drawn to the centre", "report it", 99.0)]
-
-    monkeypatch.setattr("bench.check.bias.diagnose", diagnose)
-    checkup = bench.check_optimizer("gwo", agents=5, n_jobs=1, seed=7)
-    assert asked == [(load_optimizer("gwo", agents=5), 1, 7)]
-    assert checkup.conforms
-    assert checkup
-    assert not checkup.passed
-    assert checkup.summary == "gwo keeps the contract; biased: fails the checks of centre bias"
-
-
-def test_a_diagnosis_that_fails_is_a_verdict_too(conforming, monkeypatch):
-    def diagnose(optimizer, *, n_jobs, seed, sandbox):
-        raise RuntimeError("no noise today")
-
-    monkeypatch.setattr("bench.check.bias.diagnose", diagnose)
-    checkup = check_optimizer("gwo")
-    assert checkup.verdicts[-1].kind == "bias"
-    assert checkup.verdicts[-1].finding == "it could not be examined: RuntimeError: no noise today"
-
-
-def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(monkeypatch):
-    monkeypatch.setattr("bench.check.bias.diagnose", lambda *_, **__: pytest.fail("was asked"))
-    assert not check_optimizer(faulty.Idle)
+def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases():
+    assert {verdict.kind for verdict in check_optimizer(faulty.Idle)} == {"conformance"}
 
 
 @pytest.mark.sampled(3)
@@ -187,79 +152,6 @@ def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(opti
     assert finding in found[check].finding
     assert remedy in found[check].remedy
     assert found.keys() == ({"parameters", "run"} if check == "run" else ALL)
-
-
-def test_an_instance_that_cannot_be_pickled_is_told_so():
-    checkup = check_optimizer(faulty.Locked(), bias=False)
-    assert [(verdict.check, verdict.passed) for verdict in checkup] == [("pickling", False)]
-    assert "it cannot be sent to another process: TypeError: cannot pickle" in checkup.verdicts[0].finding
-
-
-def test_a_class_that_no_other_process_can_load_is_told_so(monkeypatch):
-    monkeypatch.setattr(checker, "pack", lambda subject: b"nothing of the kind")
-    checkup = check_optimizer(faulty.Sound, bias=False)
-    assert [(verdict.check, verdict.passed) for verdict in checkup] == [("pickling", False)]
-    assert "another process cannot load it: UnpicklingError" in checkup.verdicts[0].finding
-
-
-def test_a_process_that_dies_while_it_loads_is_told(tmp_path, monkeypatch):
-    (tmp_path / "mine.py").write_text(
-        "import os\nif 'PYTHONIOENCODING' in os.environ: os._exit(9)\ndef go(f, rng): ..."
-    )
-    monkeypatch.delenv("PYTHONIOENCODING", raising=False)
-    checkup = check_optimizer("mine.py:go", bias=False)
-    assert checkup.summary.startswith("mine.py:go fails the contract in: parameters")
-    assert "ended the process that it ran in (exit code 9)" in checkup.verdicts[0].finding
-
-
-class Mock(Checker):
-    """Fails the rules of ``broken``, has no verdict on those of ``silent``, and counts its judgements."""
-
-    def __init__(self, broken=(), silent=()):
-        super().__init__(Subject("mock"))
-        self.broken, self.silent, self.asked = broken, silent, []
-
-    def _judge(self, rule):
-        self.asked.append(rule.name)
-        if rule.name in self.silent:
-            return None
-        return failed(rule, "seen") if rule.name in self.broken else Verdict(rule.name, "conformance", True, "well")
-
-
-def test_a_rule_is_judged_once_and_after_those_that_it_needs():
-    checker = Mock()
-    assert checker.verdict(find_rule("pickling")).passed
-    assert checker.verdict(find_rule("pickling")).passed
-    assert checker.asked == ["run", "repetition", "pickling"]
-    assert len([*filter(None, map(checker.verdict, RULES))]) == 18
-
-
-@pytest.mark.parametrize(
-    ("checker", "obstacle"),
-    [
-        (Mock(broken=["run", "repetition"]), "run"),
-        (Mock(broken=["repetition"]), "repetition"),
-        (Mock(broken=["parameters"], silent=["run"]), "parameters"),
-    ],
-)
-def test_the_obstacle_of_a_rule_is_the_first_broken_one(checker, obstacle):
-    assert checker.verdict(find_rule("pickling")) is None
-    assert checker.obstacle(find_rule("pickling")).name == obstacle
-
-
-def test_an_optimizer_that_cannot_be_sent_is_packed_once(monkeypatch):
-    asked = []
-
-    def pack(subject):
-        asked.append(subject)
-        raise TypeError("cannot pickle it")
-
-    monkeypatch.setattr(checker, "pack", pack)
-    unsendable = Checker(Subject(faulty.Sound))
-    assert [unsendable.verdict(rule) for rule in RULES[:2]] == [None, None]
-    assert unsendable.unloadable == "it cannot be sent to another process: TypeError: cannot pickle it"
-    assert unsendable.verdict(find_rule("pickling")).finding == unsendable.unloadable
-    assert len(asked) == 1
 
 
 FORGES = """
@@ -307,20 +199,7 @@ def test_what_needs_another_process_is_found_of_a_problem(problem, check, findin
 
 
 @pytest.mark.slow
-def test_a_problem_that_hangs_costs_a_verdict(monkeypatch):
+def test_a_problem_that_hangs_costs_a_verdict():
     values = replace(find_rule("values", "problem"), seconds=1.0)
     with closing(Checker(ProblemSubject(faulty_problems.Hanging))) as checking:
         assert "did not end within 1 s" in checking.verdict(values).finding
-
-
-def test_every_verdict_on_a_sound_problem_is_passed_on():
-    heard = []
-    checkup = check_problem("engineering-spring", on_check=heard.append)
-    assert checkup.passed
-    assert heard == list(checkup)
-    assert checkup.summary == "engineering-spring keeps the contract"
-
-
-def test_untrusted_problems_are_given_by_name():
-    with pytest.raises(BenchError, match="code that nobody trusts is checked by its name"):
-        check_problem(faulty_problems.Sound(), untrusted=True)

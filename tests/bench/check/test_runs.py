@@ -1,31 +1,25 @@
 """The runs from which biases are judged: their record, their seeds, and optimizers that fail, crash or lie in them."""
 
-import numpy as np
 import pytest
 
-from bench import BenchError, load_optimizer
-from bench.check import runs
-from bench.check.runs import BOXES, Runs, make_run, make_runs
-from bench.execution import safe_runs
+from bench import BenchError
+from bench.check.runs import BOXES, Runs, make_runs
 from tests.bench.check import biased, faulty
-from tests.bench.check.biased import Chains, Clipping
-
-pytestmark = pytest.mark.usefixtures("little_work")
+from tests.bench.check.biased import LITTLE, SHORT, Chains, Clipping
 
 
 def made_here(optimizer, **sizes):
-    (made,) = make_runs([optimizer], dimension=2, n_jobs=1, **sizes)
+    (made,) = make_runs([optimizer], dimension=2, **LITTLE, **sizes)
     assert isinstance(made, Runs)
     return made
 
 
-def failures(*optimizers, n_jobs=2):
+def failures(*optimizers):
     """Return why each failed, or None."""
-    made = make_runs(optimizers, dimension=2, runs=1, noise_runs=3, n_jobs=n_jobs)
+    made = make_runs(optimizers, dimension=2, runs=1, noise_runs=3, n_jobs=2, **SHORT)
     return [str(each) if isinstance(each, BenchError) else None for each in made]
 
 
-@pytest.mark.usefixtures("in_this_process")
 def test_runs_are_kept_as_shares_of_their_box():
     made = made_here(Clipping(), runs=1, noise_runs=3)
     assert [len(those) for those in made.noise.values()] == [3, 3]
@@ -38,20 +32,11 @@ def test_runs_are_kept_as_shares_of_their_box():
     assert all(0 < run.clamped < 0.5 for run in made.noise["[0, 1]"])
 
 
-@pytest.mark.usefixtures("in_this_process")
 def test_a_run_is_the_same_among_fewer_others():
     many, few = (made_here(Chains(), runs=number, noise_runs=number) for number in (2, 1))
     assert [run.course for run in few.moved["sphere"]] == [run.course for run in many.moved["sphere"][:1]]
     for box in BOXES:
         assert [run.course for run in few.noise[box]] == [run.course for run in many.noise[box][:1]]
-
-
-@pytest.mark.usefixtures("in_this_process")
-def test_the_first_generation_has_the_size_of_the_population():
-    climber = made_here(load_optimizer("hill-climber"), runs=1, noise_runs=2)
-    large = made_here(Chains(agents=100), runs=1, noise_runs=2)
-    assert climber.noise["[0, 1]"][0].first.shape == (1, 2)
-    assert large.noise["[0, 1]"][0].first.shape == (100, 2)
 
 
 def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
@@ -61,23 +46,3 @@ def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
     assert found[2] == "the optimizer failed on sphere: ZeroDivisionError: boom"
     assert found[3] == "the optimizer went on asking for values after its budget was spent"
     assert "cannot be sent to another process: TypeError: cannot pickle" in found[4]
-
-
-def test_an_optimizer_that_prints_without_end_is_stopped(monkeypatch):
-    monkeypatch.setattr(safe_runs, "PRINTED", 100)
-    assert failures(faulty.Chatty(), n_jobs=1) == ["the optimizer printed more than 0.0001 MB in one run"]
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"x": None}, {"x": np.ones(1)}, {"x": "ab"}, {"first": [1.0]}, {"first": "AAAA"}, {"best": []},
-        {"clamped": "much"}, {"first": None, "x": 1.0},
-    ],
-)  # fmt: skip
-def test_an_answer_that_is_no_record_of_a_run_is_refused(change, monkeypatch, in_this_process):
-    def lie(packed, task):
-        return make_run(packed, task) | change
-
-    monkeypatch.setattr(runs, "make_run", lie)
-    assert failures(Chains()) == ["the process of the optimizer gave an answer that is no record of a run"]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from bench.check import problems
-from bench.check.conformance import recording
 from bench.check.conformance.recording import (
     LET_IT_PASS,
     RecordedRun,
@@ -49,29 +48,6 @@ def test_what_a_run_does_is_recorded(optimizer, attribute, value):
     assert getattr(record(optimizer), attribute) == value
 
 
-def test_points_outside_the_box_are_counted():
-    assert record(faulty.Escaping(), budget=400).outside_box > 0
-
-
-def test_a_run_without_an_evaluation_has_no_points():
-    run = record(faulty.Idle())
-    assert run.points.shape == (0, 3)
-    assert run.stop == "undeclared"
-
-
-def test_what_the_optimizer_raises_passes_through():
-    with pytest.raises(ZeroDivisionError):
-        record(faulty.Broken())
-
-
-def test_notes_count_evaluations_at_the_begin_and_the_end_of_the_budget_and_twice_a_second(monkeypatch):
-    notes, clock = [], iter([0.0, 0.1, 0.2, 0.6, 0.7, 0.8])
-    monkeypatch.setattr(recording, "note", notes.append)
-    monkeypatch.setattr(recording, "monotonic", lambda: next(clock))
-    record(faulty.Sound(), budget=18)
-    assert notes == [[0, 18], [12, 18], [18, 18]]  # batches of 4
-
-
 def test_the_global_random_states_are_restored():
     before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
     record(faulty.Legacy())
@@ -80,10 +56,6 @@ def test_the_global_random_states_are_restored():
 
 def course(*points):
     return RecordedRun(np.array(points, dtype=float).reshape(-1, 1)).course()
-
-
-def test_equal_runs_pass():
-    expect_same(course(1, 2), course(1, 2), "they differ", "")
 
 
 @pytest.mark.parametrize(("one", "other", "evaluation"), [((1, 2), (1, 3), 2), ((0,), (1,), 1), ((1, 2), (1,), 2)])

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.bench.check import faulty
-from tests.bench.check.conformance.examine import expect_broken, verdicts
+from tests.bench.check.conformance.examine import expect_broken
 
 FAULTS = [
     (faulty.Broken, "run", "it raised ZeroDivisionError: by zero", "fix what raises"),
@@ -35,9 +35,3 @@ FAULTS = [
 )
 def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, remedy):
     expect_broken(optimizer, rule, finding, remedy)
-
-
-def test_whether_the_problem_s_own_repair_is_used_is_told_and_not_judged():
-    assert "all points are feasible" in verdicts("random-search")["repair"].finding
-    finding = verdicts("random-search", handling="box")["repair"].finding
-    assert finding.startswith("not judged: the problem's own repair would move ")

@@ -1,7 +1,5 @@
 """The table of rules: sound optimizers keep all of them, and every rule stands after those that it needs."""
 
-from dataclasses import dataclass
-
 import pytest
 
 from bench.check.conformance.rules import RULES, find_rule
@@ -44,13 +42,3 @@ def test_a_sound_optimizer_passes_whatever_its_ways(optimizer, check, finding):
     found = verdicts(optimizer)
     assert not failures(found)
     assert finding in found[check].finding
-
-
-def test_an_interrupt_is_the_user_s(monkeypatch):
-    @dataclass(frozen=True)
-    class Interrupted(faulty.Walker):
-        def move(self, x, f, objective, rng):
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        verdicts(Interrupted)
