@@ -93,15 +93,6 @@ class TestHittingTimes:
         assert one(hits, problem="q", tau=fractions(known=True)[6])["evaluations"] == 4
         assert one(hits, problem="q", tau=0.1)["evaluations"] == INF
 
-    def test_no_trials(self):
-        hits = hitting_times(trials(), {}, targets({}), BUDGET)
-        assert hits.empty
-        assert expected_running_time(hits).empty
-        assert success_rates(hits).empty
-        assert ecdf(hits, np.array([1])).empty
-        assert data_profiles(hits, 0.1, np.array([1])).empty
-        assert "rate" in success_rates(hits)
-
 
 class TestExpectedRunningTime:
     def test_by_hand(self):
@@ -112,22 +103,6 @@ class TestExpectedRunningTime:
         b = one(ert, optimizer="b", tau=0.1)
         assert (b.trials, b.successes, b.ert) == (2, 2, (40 + 8) / 2)
         assert one(ert, optimizer="b", tau=0.001).ert == INF
-
-    def test_problems_of_different_ladders_and_a_plateau(self):
-        traces = {("r", "b", 0): trace((1, 3.0)), ("p", "a", 0): trace((1, 2.0), (3, 1.0)),
-                  ("q", "b", 0): trace((1, 2.0), (4, 0.5)), ("q", "a", 1): trace((2, 2.0))}  # fmt: skip
-        frame = trials(*((*key, "ok", 9) for key in traces))
-        ladders = targets(traces, {"q": 0.0})
-        ert = expected_running_time(hitting_times(frame, traces, ladders, BUDGET))
-        cells = ert[["problem", "optimizer"]].drop_duplicates().to_numpy().tolist()
-        assert cells == [[problem, optimizer] for problem in "rpq" for optimizer in "ba"]
-        for (problem, _), own in ert.groupby(["problem", "optimizer"]):
-            ladder = ladders[ladders["problem"] == problem]
-            assert own[["tau", "target"]].to_numpy().tolist() == ladder[["tau", "target"]].to_numpy().tolist()
-        assert one(ert, problem="r", optimizer="b").ert == 1
-        assert np.isnan(one(ert, problem="r", optimizer="a").ert)
-        q = one(ert, problem="q", optimizer="b", tau=fractions(known=True)[6])
-        assert (q.trials, q.successes, q.ert) == (1, 1, 4)
 
     @pytest.mark.parametrize("categorical", [False, True])
     def test_in_any_order_of_the_rows_against_a_plain_sum(self, categorical):
@@ -163,19 +138,6 @@ class TestSuccessRates:
         assert success_rates(hits, taus=(0.06,))["successes"].tolist() == [2]
         assert success_rates(hits, taus=(0.0500,))["successes"].tolist() == [1]
 
-    def test_where_trials_start_at_the_reference_each_tau_means_it(self):
-        traces = {("p", "a", 0): trace((1, 3.0)), ("p", "a", 1): trace((1, 3.0)), ("p", "a", 2): trace((1, 4.0))}
-        frame = trials(*(("p", "a", i, "ok", 10) for i in range(3)))
-        hits = hitting_times(frame, traces, targets(traces), BUDGET)
-        assert success_rates(hits)["successes"].tolist() == [2, 2, 2]
-
-    def test_without_trials_nothing_is_known_of_the_rate(self):
-        frame = FRAME.assign(optimizer=pd.Categorical(FRAME["optimizer"], categories=["a", "b", "c"]))
-        rates = success_rates(hitting_times(frame, TRACES, targets(TRACES), BUDGET), taus=(0.1,))
-        c = one(rates, optimizer="c")
-        assert (c.successes, c.trials, c.low, c.high) == (0, 0, 0.0, 1.0)
-        assert np.isnan(c.rate)
-
 
 class TestShares:
     grid = np.array([1, 5, 20, 100])
@@ -197,12 +159,6 @@ class TestShares:
         }
         hits = hitting_times(frame, traces, targets(traces, {"q": 0.0}), BUDGET)
         assert ecdf(hits, np.array([9]))["fraction"].item() == pytest.approx((1 + 1 / 81) / 2)
-
-    def test_data_profile_by_hand(self):
-        profile = data_profiles(HITS, 0.1, self.grid)
-        assert list(profile) == ["optimizer", "evaluations", "fraction"]
-        shares = {name: group["fraction"].tolist() for name, group in profile.groupby("optimizer")}
-        assert shares == {"a": pytest.approx([0, 1 / 3, 1 / 3, 1 / 3]), "b": [0, 0, 0.5, 1]}
 
     def test_simplex_gradients(self):
         profile = data_profiles(HITS, 0.1, np.array([2.0, 10.0]), {"p": 3})
@@ -286,12 +242,3 @@ class TestConvergence:
         curves = convergence(frame, {**CURVES, ("p", "a", 2): trace((1, -1.0))}, evaluation_grid(100, 3))
         assert curves["median"].tolist() == [8.0, 4.0, 2.0]
         assert curves["q3"].tolist() == [INF] * 3
-
-    def test_a_trial_without_a_trace_counts_as_infinite(self):
-        frame = ended(("p", "b", 0, "ok"), ("p", "b", 1, "ok"))
-        assert convergence(frame, CURVES, evaluation_grid(100, 3))["q1"].tolist() == [INF] * 3
-
-    def test_nothing_at_all(self):
-        assert convergence(ended(), {}, evaluation_grid(100)).empty
-        curves = convergence(ended(("p", "a", 0, "failed")), {}, evaluation_grid(100, 3))
-        assert curves["median"].tolist() == [INF] * 3

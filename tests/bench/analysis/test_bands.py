@@ -51,14 +51,6 @@ def test_the_variance_is_that_of_runs_within_problems_and_of_what_they_did_not_s
     assert curve_of(cells, rng).variance[0] == pytest.approx(expected)
 
 
-@pytest.mark.parametrize(("time", "fraction"), [(np.inf, 0.0), (0.5, 1.0)])
-def test_runs_that_are_all_alike_are_not_certain(time, fraction):
-    bands = curve_bands(hits(a=np.full((5, 3), time)), GRID)
-    assert (bands["fraction"] == fraction).all()
-    assert (bands["high"] - bands["low"] > 0.4).all()
-    assert (curve_bands(hits(a=np.full((51, 3), time)), GRID).eval("high - low") < 0.2).all()
-
-
 def test_a_single_run_has_no_band_and_shows_no_lead(rng):
     table = hits(a=[[2.0, 3.0]], b=rng.uniform(50, 99, (9, 2)))
     assert curve_bands(table, GRID).groupby("optimizer")["low"].count().to_dict() == {"a": 0, "b": 20}
@@ -71,10 +63,3 @@ def test_curves_that_cross_have_a_spell_each(rng):
     found = spells(leads(table, GRID))
     assert found["ahead"].tolist() == ["fast", "thorough"]
     assert found.loc[0, "end"] < 20 < found.loc[1, "begin"]
-
-
-def test_the_band_of_many_optimizers_is_wider_than_that_of_two(rng):
-    times = {label: rng.lognormal(3, 1, (10, 4)) for label in "abcde"}
-    few, many = leads(hits(a=times["a"], b=times["b"]), GRID), leads(hits(**times), GRID)
-    pair = many[(many["first"] == "a") & (many["second"] == "b")]
-    assert ((pair["high"] - pair["low"]).to_numpy() > (few["high"] - few["low"]).to_numpy()).all()

@@ -13,7 +13,6 @@ from bench.analysis.cells import (
     coverage,
     in_study_order,
     merge_near_ties,
-    quantiles,
     reference_values,
     regret,
     scores,
@@ -74,23 +73,11 @@ class TestSummary:
         assert np.isnan(row.sd)
         assert (row.best, row.worst) == (1.0, INF)
 
-    def test_a_cell_without_trials_has_a_row_of_missing_numbers(self, frame_of, one):
-        frame = frame_of({("p", "a"): [1.0], ("q", "b"): [2.0]})
-        row = one(summarise(frame), problem="p", optimizer="b")
-        assert (row.n, row.failed) == (0, 0)
-        assert row.drop(["problem", "optimizer", "n", "failed"]).isna().all()
-
     def test_the_interval_of_the_median_of_thirty_is_the_tenth_and_the_twenty_first(self, frame_of, one):
         values = np.random.default_rng(3).permutation(30) + 1.0
         row = one(summarise(frame_of({("p", "a"): values})))
         assert (row.median_low, row.median_high) == (10.0, 21.0)
         assert 1 - 2 * binom.cdf(9, 30, 0.5) >= 0.95 > 1 - 2 * binom.cdf(10, 30, 0.5)
-
-    @pytest.mark.parametrize("n", [1, 5])
-    def test_fewer_than_six_trials_have_no_interval(self, frame_of, one, n):
-        row = one(summarise(frame_of({("p", "a"): np.arange(n)})))
-        assert np.isnan(row.median_low)
-        assert np.isnan(row.median_high)
 
     def test_failures_open_the_interval_upwards(self, frame_of, one):
         row = one(summarise(frame_of({("p", "a"): [*range(1, 21), *[None] * 10]})))
@@ -148,14 +135,6 @@ class TestNearTies:
         values = np.array([2.0, 1 + 1e-13, 1.0, INF, 1 + 1e-9, -3.0, -3 - 1e-12, INF])
         assert merge_near_ties(values).tolist() == [2.0, 1.0, 1.0, INF, 1 + 1e-9, -3 - 1e-12, -3 - 1e-12, INF]
 
-    def test_a_chain_of_neighbours_becomes_its_lowest_value(self):
-        chain = 1 + 0.9e-10 * np.arange(5)
-        assert merge_near_ties(chain[::-1]).tolist() == [1.0] * 5
-
-    def test_zero_and_tiny_values_differ(self):
-        values = np.array([0.0, 1e-300, 1e-14, 2e-14])
-        assert merge_near_ties(values).tolist() == values.tolist()
-
     @given(st.lists(st.floats(-1e6, 1e6) | st.just(INF)))
     def test_keeps_the_order_moves_little_and_is_done_after_once(self, values):
         values = np.array(values, dtype=float)
@@ -181,14 +160,3 @@ class TestTiming:
         assert np.isnan(a.per_call_median)
         more = one(timing(frame.assign(calls=[3, 6, None, 1, 1], memory_mb=[8.0, 2.0, None, 0, 1])), optimizer="a")
         assert (more.per_call_median, more.memory_most) == (75.0, 8.0)
-
-    @pytest.mark.parametrize(("cpu", "flags"), [(0.8, (True, False)), (1.0, (False, False)), (1.2, (False, True))])
-    def test_flags(self, frame_of, one, cpu, flags):
-        frame = frame_of({("p", "a"): [1.0, 1.0]}, wall_s=1.0, cpu_s=cpu, objective_s=0.1, nfev=10)
-        row = one(timing(frame))
-        assert (row.contention, row.hidden_threads) == flags
-
-
-def test_quantiles_are_upper_order_statistics_where_one_is_infinite():
-    assert quantiles(np.arange(101.0), [0.05, 0.95]) == pytest.approx((5.0, 95.0))
-    assert tuple(quantiles(np.array([1.0, 2.0, INF]), [0.025, 0.975])) == (2.0, INF)

@@ -18,13 +18,6 @@ def keys(frame):
     return [*zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)]
 
 
-def test_what_can_be_compared_stays_the_very_frame():
-    frame = trials(("p", "a", 0, 1.0, 10), ("p", "b", 0, 2.0, 10))
-    found = comparable(frame, {}, 10)
-    assert found.frame is found.working is frame
-    assert found[2:] == ({}, {}, {}, {})
-
-
 class TestBudgets:
     def test_the_largest_budget_that_all_optimizers_with_trials_had(self):
         frame = pd.DataFrame({"problem": ["p", "p", "q"], "optimizer": ["a", "b", "b"]})
@@ -61,13 +54,6 @@ class TestBudgets:
         assert found.unknown == {("p", "b"): 2}
         assert found.working is frame  # running times count it
 
-    def test_a_trace_that_begins_late_has_no_value_before_where_it_was_made_elsewhere(self):
-        frame = trials(("p", "a", 0, 2.0, 400), ("p", "b", 0, 1.0, 100_000), ("p", "c", 0, 1.0, 100_000))
-        traces = {("p", label, 0): Trace(np.array([500]), np.array([1.0])) for label in "bc"}
-        found = comparable(frame, traces, ALLOWED | {("p", "c"): 100_000}, late=["b"])
-        assert found.unknown == {("p", "b"): 1}
-        assert found.frame["fun"].tolist() == [2.0, np.inf]  # c had no value by then
-
 
 class TestInstances:
     def test_those_count_that_all_optimizers_with_trials_share(self):
@@ -76,13 +62,6 @@ class TestInstances:
         found = comparable(frame, {}, 10)
         assert keys(found.frame) == [("f", "a", 2), ("f", "a", 3), ("f", "b", 2), ("f", "b", 3), ("g", "a", 0)]
         assert found.instances == {"f": (2, 4)}
-
-    def test_without_a_shared_one_a_problem_is_not_compared(self):
-        frame = trials(("f", "a", 0, 1.0, 10), ("f", "b", 1, 2.0, 10), ("g", "a", 0, 1.0, 10), instance=[1, 2, 1])
-        found = comparable(frame, {}, 10)
-        assert keys(found.frame) == [("g", "a", 0)]
-        assert found.instances == {"f": (0, 2)}
-        assert found.working is frame
 
 
 class TestFailures:
@@ -96,12 +75,3 @@ class TestFailures:
         found = comparable(frame, {}, 10)
         assert keys(found.frame) == keys(found.working) == [("q", "a", 0), ("q", "b", 0)]  # a loses q
         assert found.failed == {"p": (1, 2)}
-
-    def test_of_pooled_instances_only_the_one_that_failed(self):
-        frame = trials(
-            *(("f", label, i, 1.0, 10) for label in "ab" for i in (1, 2)), instance=[1, 2, 1, 2],
-            status=["failed", "ok", "ok", "ok"], error=["ProblemError: x", None, None, None],
-        )  # fmt: skip
-        found = comparable(frame, {}, 10)
-        assert found.frame["instance"].tolist() == [2, 2]
-        assert (found.failed, found.instances) == ({"f-i1": (1, 2)}, {})

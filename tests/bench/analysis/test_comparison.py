@@ -44,13 +44,6 @@ class TestOneNumber:
         assert chances(frame.assign(instance=[1, 1, 2, 2] * 2))["chance"].tolist() == [1.0, 0.0]
         assert chances(frame)["chance"].tolist() == [0.75, 0.25]
 
-    def test_the_best_is_first_and_what_has_no_run_has_no_number(self, frame_of):
-        frame = frame_of({("p", "c"): [3.0], ("p", "a"): [1.0], ("p", "b"): [2.0], ("q", "c"): [1.0]})
-        assert order(chances(frame))["optimizer"].tolist() == ["a", "b", "c"]
-        alone = chances(frame)[lambda table: table["problem"] == "q"].set_index("optimizer")
-        assert alone["chance"].isna().all()
-        assert alone["rank"].notna().tolist() == [True, False, False]
-
 
 class TestTheseProblems:
     def test_by_hand(self):
@@ -92,18 +85,6 @@ class TestTheseProblems:
         cells = {(problem, name): [float(name == "b") + 0.1 * i for i in range(3)] for problem in "pq" for name in "ab"}
         assert compare(frame_of(cells), "a", before=False)["p"].tolist() == [least_p(6)]
 
-    def test_with_a_single_run_in_a_cell_nothing_is_tested(self, frame_of):
-        cells = {(f"p{i}", name): [float(name == "b")] for i in range(30) for name in "ab"}
-        (row,) = compare(frame_of(cells), "a", before=False).to_dict("records")
-        assert (row["p"], row["chance"], row["outcome"]) == (1.0, 1.0, "open")
-        assert np.isnan([row["low"], row["high"]]).all()
-
-    def test_only_problems_with_runs_of_every_optimizer_count(self, frame_of):
-        cells = {(problem, name): [1.0, 2.0] for problem in "pq" for name in "abc" if (problem, name) != ("q", "c")}
-        assert compare(frame_of(cells), "a", before=False)["problems"].tolist() == [1, 1]
-        (row,) = compare(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}), "a", before=False).to_dict("records")
-        assert (row["problems"], row["p"], row["outcome"]) == (0, 1.0, "open")
-
 
 class TestSeeds:
     def test_runs_of_one_seed_on_several_problems_count_as_one(self):
@@ -139,8 +120,3 @@ class TestOnProblems:
         clear = found[found["significant"]]
         first, second, lower = (clear[name].astype(object) for name in ("first", "second", "lower"))
         assert (lower == first.where(clear["a12"] > 0.5, second)).all()
-
-    def test_of_a_subject_only_its_pairs_are_hypotheses(self):
-        found = pairwise_tests(drawn({"a": 0.0, "b": 0.6, "c": 1.1}), subject="a")
-        assert found["p_holm"].isna().tolist() == [False, False, True] * 6
-        assert not found["significant"][2::3].any()

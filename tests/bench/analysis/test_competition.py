@@ -41,10 +41,6 @@ class TestErrors:
         )  # fmt: skip
         assert (row["known"], row["trials"], row["failed"]) == (True, 3, 0)
 
-    def test_without_an_optimum_they_are_values(self):
-        (row,) = error_statistics(made(a=[4.0, 6.0]), {}).to_dict("records")
-        assert (row["known"], row["mean"], row["best"]) == (False, 5.0, 4.0)
-
     def test_a_failed_trial_is_infinite_and_one_trial_has_no_deviation(self):
         (row,) = error_statistics(made(a=[4.0, None, 1.0]), {"p": 0.0}).to_dict("records")
         assert (row["mean"], row["median"], row["best"], row["worst"]) == (np.inf, 4.0, 1.0, np.inf)
@@ -66,10 +62,6 @@ class TestSigns:
         frame = made(a=mine, b=theirs)
         assert sign(mine, theirs)[1] == pytest.approx(pairwise_tests(frame)["p"].iloc[0])
 
-    def test_failed_trials_are_the_worst(self):
-        assert sign([1.0] * 6, [None] * 6)[0] == "+"
-        assert sign([None] * 6, [None] * 6) == ("=", 1.0)
-
     @pytest.mark.parametrize(
         ("pooled", "n"), [([1, *[2] * 13], 2), ([1] * 3 + [2] * 3, 3), ([1, 1, 2, 2, 3, 3, 4, 4], 3)]
     )
@@ -83,10 +75,6 @@ class TestSigns:
                 known[key] = sign(mine, [float(each) for i, each in enumerate(pooled) if i not in own])[0] != "="
             wrong += known[key]
         assert wrong / len(chosen) <= 0.05
-
-    def test_problems_without_trials_of_both_have_none(self):
-        assert signs(made(a=[1.0]), {}, "mine").empty
-        assert list(signs(made(a=[1.0]), {}, "a")) == ["problem", "optimizer", "p", "sign"]
 
 
 class TestCheckpoints:

@@ -77,10 +77,6 @@ def test_reached_trials_are_counted_at_the_precision():
     assert scores(outcomes, precision=1.0) == {"a": 0.0, "b": 1.0}  # b was there at its first evaluation
 
 
-def test_errors_that_differ_by_rounding_tie():
-    assert scores({"a": [(None, 7.0)], "b": [(None, 7.0 + 1e-11)]}) == {"a": 0.5, "b": 0.5}
-
-
 def test_a_problem_without_optimum_or_with_unequal_trials_has_no_row():
     frame, traces = study(BY_HAND)
     assert analysis.u_scores(frame, traces, {}).empty

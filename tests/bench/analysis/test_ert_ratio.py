@@ -42,12 +42,6 @@ def test_a_problem_that_one_does_not_solve_enters_by_a_bound_and_one_that_neithe
     assert ert_ratios(hits(each), "a", ["b"])[["low", "high"]].isna().all(axis=None)
 
 
-def test_a_single_run_has_no_interval_and_no_solved_problem_no_row():
-    (row,) = ert_ratios(hits({("p", "a"): [10], ("p", "b"): [30]}), "a", ["b"]).to_dict("records")
-    assert np.isnan(row["low"])
-    assert ert_ratios(hits({("p", "a"): [np.inf], ("p", "b"): [np.inf]}), "a", ["b"]).empty
-
-
 @pytest.mark.parametrize("rates", [(1.0, 1.0), (0.9, 0.4)])
 def test_intervals_hold_the_true_ratio_in_95_percent(rates):
     rng, covered = np.random.default_rng(3), 0

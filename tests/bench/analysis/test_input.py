@@ -28,14 +28,3 @@ def test_a_wrong_argument_or_a_missing_column_is_one_sentence(call, message):
     with pytest.raises(BenchError, match=message) as raised:
         call()
     assert "\n" not in str(raised.value)
-
-
-def test_a_key_that_no_frame_could_have_stays_what_it_is():
-    with pytest.raises(KeyError) as raised:
-        analysis.coverage(FRAME, {("p", "b"): 3})
-    assert not isinstance(raised.value, BenchError)
-
-
-def test_the_public_names_are_those_that_a_reader_of_frames_needs():
-    assert len(analysis.__all__) == 40  # 34 functions, with their constants and types
-    assert all(hasattr(analysis, name) for name in analysis.__all__)

@@ -65,10 +65,3 @@ def test_what_cannot_be_pooled_stays_as_it_is(frame, features, optima):
     assert pooled.members == {name: [name] for name in PROBLEMS}
     assert pooled.frame is frame
     assert pooled.traces is TRACES
-
-
-def test_a_failed_trial_stays_a_failure():
-    frame = FRAME.assign(status=["failed", *["ok"] * 5], fun=[None, *FRAME["fun"][1:]])
-    pooled = pool_instances(frame, {}, PROBLEMS, FEATURES, OPTIMA).frame
-    assert np.isnan(pooled["fun"][0])
-    assert pooled["status"][0] == "failed"

@@ -370,13 +370,6 @@ class TestWhatIsNoTrap:
         sound.traces["p", "b", 3] = Trace(own.evaluations, np.array([first.values[0], own.values[1]]))
         assert sound.check().at["seeds", "verdict"] == "pass"
 
-    def test_one_trial_a_cell_says_nothing_of_streams(self, sound):
-        sound.frame = sound.frame[sound.frame["trial"] == 0]
-        own = sound.traces["p", "b", 0]
-        sound.traces["p", "b", 0] = Trace(own.evaluations, np.array([sound.traces["p", "a", 0].values[0], 1.0]))
-        sound.put(sound.trial("p", "b", 0), fun=1.0)
-        assert set(sound.check(planned_trials=1)["verdict"]) == {"pass"}
-
     def test_equal_points_of_equal_seeds_are_the_seeds_fault(self, sound):
         sound.copy(("p", "b", 1), ("p", "b", 4), trace=True)
         sound.put(sound.trial("p", "b", 1) | sound.trial("p", "b", 4), seed=77_000)
@@ -387,11 +380,6 @@ class TestWhatIsNoTrap:
     def test_an_early_end_within_one_percent_needs_no_reason(self, sound):
         sound.put(sound.trial("p", "b", 1), nfev=990, stop="undeclared")
         assert set(sound.check()["verdict"]) == {"pass"}
-
-    def test_variables_that_a_problem_lacks(self, sound):
-        sound.put(sound.frame["problem"] == "q", x_u=None)
-        table = sound.check(boxes={"p": BOXES["p"], "q": {"v": (0.0, 5.0)}})
-        assert set(table["verdict"]) == {"pass"}
 
     def test_a_box_that_is_not_known_is_named(self, sound):
         points_on_a_bound(sound)
@@ -418,12 +406,6 @@ class TestWithoutTrials:
         assert verdicts[["completeness", "failures"]].tolist() == ["pass", "error"]
         assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
 
-    def test_no_final_point_and_no_processor_time(self, sound):
-        sound.frame = sound.frame.drop(columns=["x_u", "x_v"]).assign(cpu_s=0.0)
-        verdicts = sound.check()["verdict"]
-        unchecked = ["repeated points", "same algorithm", "times"]
-        assert list(verdicts.index[verdicts == "not checked"]) == unchecked
-
 
 class TestFrames:
     def test_categories_tell_of_cells_without_trials(self, sound):
@@ -434,13 +416,6 @@ class TestFrames:
         assert "24 of 54 planned trials" in found["finding"]
         assert "4 of 9 cells" in found["finding"]
         assert found["cells"] == "c on q; c on r; a on r; b on r"
-
-    def test_at_most_five_names(self, sound):
-        frames = [sound.frame.assign(optimizer=f"o{i}", trial=range(100 * i, 100 * i + 36)) for i in range(8)]
-        sound.frame = pd.concat(frames, ignore_index=True).assign(status="failed")
-        found = sound.check(traces={}).loc["failures"]
-        assert "o4 on 2 problems and 3 more." in found["finding"]
-        assert found["cells"].count(";") == 15
 
 
 def test_clamping_here_and_in_separate_runs_is_one_finding(sound):

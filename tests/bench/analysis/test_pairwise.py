@@ -11,7 +11,6 @@ from bench.analysis.cells import cells
 from bench.analysis.direction import Effects, effects, inference, intervals, p_values
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.pairwise import (
-    AT_ONCE,
     COLUMNS,
     effect_size,
     holm,
@@ -97,16 +96,6 @@ class TestColumns:
             assert {name: pair[name] for name in expected} == {name: own[0] for name, own in expected.items()}
             assert (pair["n_first"], pair["n_second"]) == tuple(own.shape[1] for own in both)
 
-    def test_do_not_depend_on_how_many_are_compared_at_once(self, frame_of):
-        values = np.random.default_rng(6).integers(0, 9, (70, 3)).astype(float)
-        whole, few = (
-            pairwise_tests(frame_of({("p", f"o{place}"): values[place] for place in range(first, 70)}))
-            for first in (0, 61)
-        )
-        assert len(whole) > AT_ONCE
-        sizes = ["a12", "ratio", "a12_low", "a12_high", "p", "ks_distance", "ks_p", "ks_tied"]
-        pd.testing.assert_frame_equal(few[sizes], whole[sizes].tail(len(few)).reset_index(drop=True))
-
 
 class TestByHand:
     def test_complete_separation(self, frame_of):
@@ -114,41 +103,12 @@ class TestByHand:
         assert (pair.a12, pair.a12_low) == (0.0, pytest.approx(0))
         assert (pair.p, pair.p_holm, pair.lower, pair.significant) == (2**-5, 2**-5, "b", True)
 
-    def test_failed_trials_count_as_the_worst(self, frame_of):
-        pair = pair_of(frame_of, np.arange(6.0), [None] * 6)
-        assert (pair.lower, pair.a12, pair.significant) == ("a", 1.0, True)
-
-    @pytest.mark.parametrize(("this", "other"), [([1.0], [2.0, 3.0]), ([1.0, 2.0], [3.0]), ([1.0], [2.0])])
-    def test_a_single_trial_has_a_size_and_no_interval(self, frame_of, this, other):
-        pair = pair_of(frame_of, this, other)
-        assert (pair.a12, pair.ks_distance, pair.p, pair.lower) == (1.0, 1.0, 1.0, "")
-        assert pair[["ratio", *INTERVALS]].isna().all()
-
-    def test_a_missing_cell_is_no_hypothesis(self, frame_of, one):
-        full = {("p", "a"): np.arange(6.0), ("p", "b"): np.arange(6.0) + 50}
-        pairs = pairwise_tests(frame_of(full | {("q", "a"): [1, 2, 3, 4.0]}))
-        pair = one(pairs, problem="q")
-        assert (pair.n_second, pair.p, pair.lower, pair.ks_tied, pair.ks_p) == (0, 1.0, "", False, 1.0)
-        assert pair[["p_holm", "a12", "ratio", *INTERVALS, "ks_distance"]].isna().all()
-
-    @pytest.mark.parametrize("value", [1.0, None])
-    def test_identical_samples_differ_in_nothing(self, frame_of, value):
-        pair = pair_of(frame_of, [value] * 10, [value] * 10)
-        assert (pair.p, pair.a12, pair.lower, pair.ks_tied) == (1.0, 0.5, "", True)
-        assert pair.a12_low < 0.5 < pair.a12_high
-
     def test_rounding_noise_at_one_optimum_is_not_tested(self, frame_of):
         rng = np.random.default_rng(0)
         this, other = 1 + 1e-14 * rng.integers(0, 20, 30), 1 + 1e-14 * rng.integers(20, 40, 30)
         assert p_values(effects(this[np.newaxis], other[np.newaxis]))[0] < 1e-6
         pair = pair_of(frame_of, this, other)
         assert (pair.p, pair.a12, pair.lower, pair.ks_p) == (1.0, 0.5, "", 1.0)
-
-    def test_a_difference_in_spread_alone_has_no_direction(self, frame_of):
-        pair = pair_of(frame_of, np.linspace(-1, 1, 30), np.linspace(-10, 10.5, 30))
-        assert pair.ks_p < 0.01
-        assert (pair.significant, pair.lower) == (False, "")
-        assert pair.a12_low < 0.5 < pair.a12_high
 
     @pytest.mark.parametrize(
         ("value", "word"),

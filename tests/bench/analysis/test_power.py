@@ -23,11 +23,6 @@ def test_more_trials_and_problems_detect_smaller_differences_over_problems():
     assert detectable_across(10, 24, 0.05) < by_trials[1]
 
 
-@pytest.mark.filterwarnings("error")
-def test_one_trial_a_cell_detects_nothing():
-    assert np.isnan(detectable_across(1, 24, 0.05))
-
-
 @pytest.mark.parametrize("tests", [0, 1, 30, 216])
 @pytest.mark.parametrize("level", [0.05, 0.025])
 def test_trials_to_separate_are_the_fewest(tests, level):

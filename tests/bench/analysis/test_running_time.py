@@ -47,12 +47,6 @@ class TestRunningTimes:
         assert (merged["successes_x"] == merged["successes_y"]).all()
         assert own[["problem", "optimizer"]].to_numpy().tolist() == [list(cell) for cell in ("pa", "pb", "qa", "qb")]
 
-    def test_without_a_success_no_spread_and_with_one_trial_no_interval(self):
-        table = running_times(MIXED).set_index(["problem", "optimizer"])
-        assert table.loc[("p", "b"), ["low", "high", "p10", "p90"]].isna().all()
-        assert table.loc[("q", "b"), ["low", "high"]].isna().all()
-        assert table.loc[("q", "b"), ["p10", "p90"]].tolist() == [7.0] * 2
-
     def test_the_interval_combines_those_of_its_three_parts(self):
         times, spent = [10, 30, 35, 45, INF, INF, INF], [100, 100, 100, 100, 80, 100, 90]
         hits = hits_of({("p", "a"): times}).assign(spent=spent, budget=100.0)
@@ -78,16 +72,6 @@ class TestRunningTimes:
         other = pd.concat([hits, hits_of({("p", "b"): [INF]}, spent=1000.0)])
         assert running_times(other).iloc[0].high == row.high
 
-    def test_the_median_of_those_without_a_success_stands_beside_the_ert(self):
-        hits = pd.concat([hits_of({("p", "a"): [INF] * 3}, spent=each) for each in (10.0, 40.0)], ignore_index=True)
-        hits["trial"] = range(6)
-        assert running_times(hits).iloc[0].unsuccessful == 25.0
-        assert np.isnan(running_times(hits_of({("p", "a"): [10, 11]})).iloc[0].unsuccessful)
-
-    def test_a_single_success_has_an_interval_within_what_its_time_may_be(self):
-        row = running_times(hits_of({("p", "a"): [10, *[INF] * 9]}).assign(budget=100.0)).iloc[0]
-        assert 0 < row.low < row.ert < row.high < INF
-
     @pytest.mark.parametrize("n", [5, 10, 30])
     def test_intervals_hold_the_true_value_where_nine_of_ten_trials_succeed(self, n):
         rng, cells = np.random.default_rng(n), 2000
@@ -104,19 +88,6 @@ class TestRunningTimes:
         times = np.array([10, 20, 30, INF, INF])
         drawn = simulated_restarts(batch_of(times, 100), 100_000)
         assert drawn.mean() == pytest.approx(260 / 3, rel=0.01)
-
-    def test_cells_of_any_shape_and_order_of_rows(self):
-        several = pd.concat([MIXED.assign(tau=tau, evaluations=MIXED["evaluations"] * factor)
-                             for tau, factor in ((1.0, 1), (0.1, 2))])  # fmt: skip
-        mixed = several.sample(frac=1, random_state=3).sort_values("tau", ascending=False, kind="stable")
-        pd.testing.assert_frame_equal(running_times(mixed), running_times(several))
-
-    def test_cells_that_do_not_fit_into_memory_at_once(self):
-        many = hits_of({(f"p{place}", "a"): [3.0, 5.0, INF] for place in range(3)})
-        drawn = ["p10", "p90"]
-        pd.testing.assert_frame_equal(
-            running_times(many, 1_500_000).drop(columns=drawn), running_times(many).drop(columns=drawn)
-        )
 
 
 class TestSeconds:

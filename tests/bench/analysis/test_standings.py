@@ -14,7 +14,6 @@ from bench.analysis.pairwise import pairwise_tests
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 THESIS = Path(__file__).parents[3] / "results" / "thesis" / "trials.csv"
 LOW = [float(i) for i in range(1, 11)]
-NEAR, FAR = [i + 0.05 for i in LOW], [i + 20 for i in LOW]
 
 
 @pytest.fixture
@@ -33,13 +32,6 @@ def test_a_cycle_is_a_tie(standing_of):
     assert found["rank"].tolist() == [2.0] * 3
     found = standing_of(dice | {("p", "c"): [3, 5, 70.0]})
     assert found["rank"].idxmax() == "c"
-
-
-def test_one_optimizer_and_a_cell_without_trials(frame_of):
-    found = chances(frame_of({("p", "a"): LOW, ("q", "a"): LOW, ("q", "b"): FAR}))
-    on_p = found[found["problem"] == "p"].set_index("optimizer")
-    assert on_p.at["a", "rank"] == 1.0
-    assert np.isnan(on_p.at["b", "rank"])
 
 
 @pytest.mark.parametrize("seed", range(5))
