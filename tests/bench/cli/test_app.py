@@ -4,9 +4,6 @@ import subprocess
 import sys
 
 import pytest
-import typer
-
-from bench.cli.app import app
 
 STUDY = """
 name = "tiny"
@@ -64,17 +61,6 @@ def test_failed_trials_are_said_and_end_with_one(bench_here, tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_the_default_output_is_named_after_the_study(bench_here, tiny, tmp_path):
-    assert bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
-    assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
-
-
-def test_python_m_bench_imports_nothing_of_the_working_folder(bench, shadows):
-    (shadows / "bench.py").unlink()  # which Python itself would run in its place
-    assert bench("--version", cwd=shadows).stdout.startswith("backlash-bench ")
-    assert not [*shadows.glob("*.imported")]
-
-
 def test_a_file_imports_what_lies_beside_it_and_no_command_anything_else_of_the_working_folder(bench_here, shadows):
     (shadows / "tiny.toml").write_text(STUDY.format(second="beside.py:stroll"))
     for arguments in (
@@ -91,17 +77,6 @@ def test_solve_prints_the_point_and_the_figures(bench_here):
     assert done.returncode == 0
     for word in ("best value", "x3", "radius", "300 (stopped by: budget)"):
         assert word in done.stdout
-
-
-def test_solve_prints_the_value_without_noise_of_a_noisy_problem(bench_here):
-    done = bench_here("solve", "bbob-noisy-f110-d2-i1", "random-search", "--budget", "60")
-    assert "best value, without noise" in done.stdout
-
-
-def test_without_arguments_the_help_alone_is_printed(bench_here):
-    done = bench_here()
-    assert "Usage: bench" in done.stdout
-    assert done.stderr == ""
 
 
 def test_the_help_has_panels_and_plug_ins_name_theirs(bench_here):
@@ -131,10 +106,3 @@ def test_a_run_names_the_optimizers_that_stop_without_a_declared_reason(bench_he
     assert (again.returncode, again.stderr) == (1, done.stderr)
     assert line in bench_here("status", tmp_path / "out").stdout.splitlines()
     assert "declared" not in bench_here("run", tiny, "--output", tmp_path / "all", *options[2:]).stderr
-
-
-def test_every_command_with_an_output_takes_o_for_it():
-    options = {name: [*each.params] for name, each in typer.main.get_command(app).commands.items()}
-    outputs = {name: each.opts for name, given in options.items() for each in given if "--output" in each.opts}
-    assert {"run", "report"} <= set(outputs)
-    assert [name for name, opts in outputs.items() if "-o" not in opts] == []

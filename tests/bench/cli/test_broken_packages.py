@@ -58,29 +58,3 @@ def test_the_broken_command_itself_ends_with_2_and_a_sentence(kind, said, tmp_pa
     done = called(tmp_path, kind, "mine")
     assert done.returncode == 2
     assert said in " ".join(done.stderr.split())
-
-
-@pytest.mark.parametrize(
-    ("kind", "said"),
-    [
-        ("malformed", "plug-ins of mine are left out, as its entry_points.txt cannot be read"),
-        ("other", "plug-ins of mine are left out, as its entry_points.txt cannot be read"),
-        ("value", "plug-ins of mine are left out, as its entry_points.txt cannot be read: 'not a module' is no"),
-        ("built-in", "the command 'run' of mine 1.0 is left out: it has the name of a command of bench"),
-    ],
-)
-@pytest.mark.sampled(2)
-def test_what_is_left_out_is_named(kind, said, tmp_path):
-    assert said in " ".join(called(tmp_path, kind, *WORKS).stderr.split())
-
-
-def test_a_command_that_a_plug_in_ends_in_its_midst_is_no_success(tmp_path):
-    PLUGINS["midst"] = ("[bench.commands]\nmine = mine:command\n", "import sys\ndef command():\n    sys.exit(0)\n")
-    done = called(tmp_path, "midst", "mine")
-    assert done.returncode == 2
-    assert "a plug-in called sys.exit, so the command ended before it was done" in done.stderr
-
-
-def test_the_help_has_a_command_in_a_panel_of_its_package(tmp_path):
-    shown = called(tmp_path, "annotated", "--help").stdout
-    assert "mine" in shown.partition("─ mine 1.0 ─")[2]

@@ -101,10 +101,3 @@ def test_an_optimizer_that_edits_the_rows_of_another_is_noticed(bench_here, tmp_
         done = bench_here(*command)
         assert done.returncode == 2
         assert "of 8 trials are damaged (scatter on sphere-2, trial" in done.stderr
-
-
-def test_a_record_of_an_environment_that_was_changed_is_refused(bench_here, changed):
-    study, out = changed
-    change(out / "trials.sqlite", "UPDATE environments SET record = '{}'")
-    refused = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
-    assert "the record of environment 1 is damaged; restore trials.sqlite from a copy" in refused.stderr

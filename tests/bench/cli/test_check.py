@@ -44,11 +44,3 @@ def test_of_a_pattern_only_what_failed_is_shown_and_the_rest_goes_on(bench_here,
     assert "FAILED: star-discrepancy-sobol-10-d2-i1, instances" in done.stdout
     assert "star-discrepancy-halton-10-d2-i1 keeps the contract" in done.stdout
     assert done.stdout.endswith("2 of 3 problems keep the contract\n")
-
-
-def test_a_problem_that_cannot_be_loaded_costs_no_other_of_its_family(bench_here, tmp_path, monkeypatch):
-    monkeypatch.setattr("bench.plugins.selection.members", lambda name: ["bbob-f99-d2-i1", "bbob-f01-d2-i1"])
-    done = bench_here("check", "bbob", cwd=tmp_path)
-    assert done.returncode == 1
-    assert "bbob-f99-d2-i1 could not be checked: bbob has no function 'f99'" in done.stderr
-    assert "bbob-f01-d2-i1 keeps the contract" in done.stdout

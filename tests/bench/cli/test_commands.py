@@ -9,7 +9,6 @@ import time
 import pytest
 
 from bench import Study, load_results, run
-from bench.storage.store import Store
 
 
 @pytest.fixture(scope="module")
@@ -128,19 +127,6 @@ def test_shards_run_merge_and_verify_by_command(bench_here, made, tmp_path):
     assert "verified 20" in bench_here("status", tmp_path / "all").stdout
 
 
-def test_resuming_with_other_versions_warns(bench_here, copied):
-    store = Store(copied / "out")
-    (record,) = store.environments().values()
-    record["packages"]["numpy"] = "1.99.0"
-    with store.writer() as writer:
-        writer.change(1, record)
-    done = bench_here(
-        "run", copied / "mixed.toml", "--output", copied / "out", "--trials", 4, "--jobs", 1, "--no-report"
-    )
-    assert "were made by another environment (numpy 1.99.0 → " in done.stdout
-    assert len(json.loads((copied / "out" / "environment.json").read_text())) == 2
-
-
 @pytest.mark.slow
 def test_a_run_verifies_its_trials_before_the_report(bench_here, copied):
     out = copied / "out"
@@ -150,14 +136,3 @@ def test_a_run_verifies_its_trials_before_the_report(bench_here, copied):
     assert "3 of 3 trials of 3 cells are the same bit by bit" in (out / "tables" / "integrity.csv").read_text(
         encoding="utf-8"
     )
-
-
-@pytest.mark.slow
-def test_a_run_without_a_finished_trial_has_nothing_to_verify_and_ends_with_one(bench_here, tmp_path):
-    (tmp_path / "s.toml").write_text(
-        'name = "s"\ntrials = 1\nbudget = 9\n[[problems]]\nname = "sphere-2"\n[[optimizers]]\nname = "faulty"\n'
-    )
-    done = bench_here("run", tmp_path / "s.toml", "--output", tmp_path / "out", "--jobs", 1, "--verify", 1)
-    assert done.returncode == 1
-    assert "no trial could be made again" in done.stderr
-    assert (tmp_path / "out" / "report.html").exists()

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from bench import Study, Trace
 from bench.cli.gate import CODES
@@ -83,14 +82,6 @@ def test_a_pass_is_one_on_average_and_names_the_problems_that_are_open(bench_her
     assert "not worse by more than the margin on any problem" in " ".join(wide.stdout.replace("│", " ").split())
 
 
-def test_too_few_trials_are_undecided(bench_here, folders):
-    done = bench_here("gate", "old", "other", cwd=folders)
-    assert done.returncode == CODES["undecided"] == 3
-    assert "trials a problem would pass with a chance of 80%" in done.stdout
-    assert "4 to 12 trials" in done.stdout
-    assert bench_here("gate", "old", "other", "--allow-undecided", cwd=folders).returncode == 0
-
-
 def test_another_look_after_more_trials_is_said_with_the_way_out(bench_here, folders, tmp_path):
     for name, seed in (("old", 1), ("new", 2)):
         write(tmp_path, name, seed=seed)
@@ -124,18 +115,3 @@ def test_a_look_that_was_undecided_is_said_at_the_next_one(bench_here, tmp_path)
         writer.history({"look": look})
     assert "earlier look" not in bench_here("gate", "old", "anew", cwd=tmp_path).stdout
     assert Folder(tmp_path / "more").history() == []
-
-
-def test_speed_counts_with_a_target(bench_here, folders):
-    done = bench_here("gate", "old", "worse", "--target", "1e9", cwd=folders)  # all reach it with their first points
-    assert done.returncode == CODES["undecided"]
-    assert "all problems" in done.stdout
-    assert "50.0%" in done.stdout
-    assert "by evaluations to the precision 1e+09, else final values" in done.stdout
-
-
-def test_the_example_is_a_workflow_that_calls_the_gate(bench_here):
-    workflow = yaml.safe_load((ROOT / "examples" / "gate" / "workflow.yml").read_text(encoding="utf-8"))
-    commands = "\n".join(step.get("run", "") for step in workflow["jobs"]["gate"]["steps"])
-    assert "bench gate old new --not-worse-than 0.05 --markdown gate.md" in commands
-    Study.load(ROOT / "examples" / "gate" / "gate.toml")

@@ -4,15 +4,12 @@ tests/test_examples.py builds, installs and runs what it writes.
 """
 
 import tomllib
-from pathlib import Path
 
 import pytest
 import yaml
 
 from bench import BenchError, Study
 from bench.cli import new
-
-EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
 
 def test_a_package_has_its_own_name_everywhere(tmp_path):
@@ -36,42 +33,11 @@ def test_a_package_has_its_own_name_everywhere(tmp_path):
     assert "bench run gate.toml" in made[".github/workflows/gate.yml"]
 
 
-@pytest.mark.parametrize("study", ["optimizer/study.toml", "study/smallest.toml", "gate/gate.toml"])
-def test_the_studies_to_copy_need_no_knowledge_of_backlash(study):
-    problems = tomllib.loads((EXAMPLES / study).read_text(encoding="utf-8"))["problems"]
-    families = {name.partition("-")[0] for each in problems for name in each.get("names", [each.get("suite")])}
-    assert families <= {"classical", "engineering"}
-
-
 def test_a_study_is_a_file_that_can_be_run(bench_here, tmp_path):
     done = bench_here("new", "study", "mine", cwd=tmp_path)
     assert done.returncode == 0
     assert done.stdout == "wrote mine.toml; next: bench run mine.toml\n"
     assert Study.load(tmp_path / "mine.toml").name == "mine"
-
-
-@pytest.mark.parametrize(
-    ("kind", "name", "said"),
-    [
-        ("optimiser", "mine", "unknown kind 'optimiser'; did you mean 'optimizer'?"),
-        ("optimizer", "Mine", "the name 'Mine' must be up to 50 lower-case letters, digits and single hyphens"),
-        ("optimizer", "../mine", "must be up to 50 lower-case letters"),
-        ("optimizer", "a" * 51, "must be up to 50 lower-case letters"),
-        ("optimizer", "gwo", "has the optimizer 'gwo' already"),
-        ("optimizer", "hill-climber", "testing-plugins 1.0 has the optimizer 'hill-climber' already"),
-        ("problem", "bbob", "has the problem 'bbob' already"),
-        ("study", "quick", "has the study 'quick' already"),
-        ("optimizer", "lambda", "the name 'lambda' is a keyword of Python; choose another name, such as my-lambda"),
-        ("optimizer", "random", "gives a module 'random', and one of that name is installed already"),
-        ("problem", "family", "gives a class 'Family', which means something else"),
-    ],
-)
-def test_a_name_that_cannot_be_used_is_one_sentence(kind, name, said, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(BenchError) as caught:
-        new.create(kind, name)
-    assert said in str(caught.value)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("kind", ["optimizer", "study"])

@@ -3,13 +3,10 @@
 import csv
 import json
 import shutil
-from functools import partial
 
 import pytest
 
 from bench import Study, run, write_report
-from bench.check.bias import diagnose_all
-from bench.check.verdict import Verdict
 from bench.storage.folder import Folder
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
@@ -88,47 +85,3 @@ def test_a_report_that_is_written_again_leaves_no_stale_file_and_touches_no_fore
     write_report(folders / "old", output=out)
     assert {path.name for path in (out / "tables").iterdir()} == first | {"mine.csv"}
     assert (tmp_path / "keep.txt").exists()
-
-
-@pytest.mark.parametrize("kind", ["csv", "ioh"])
-def test_export_says_where_it_wrote(bench_here, folders, tmp_path, kind):
-    done = bench_here("export", folders / "old", "--format", kind, "--output", tmp_path / "out")
-    assert done.returncode == 0, done.stderr
-    assert f"export: {tmp_path / 'out'}" in done.stdout
-    assert (tmp_path / "out" / "README.txt").exists()
-
-
-@pytest.mark.slow
-def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
-    folder = shutil.copytree(folders / "old", tmp_path / "old")
-    sizes = {"dimension": 2, "runs": 1, "noise_runs": 3}
-    monkeypatch.setattr("bench.check.bias.diagnose_all", partial(diagnose_all, **sizes))
-    first, again, anew = (bench_here("check", folder, *options) for options in ((), (), ("--anew",)))
-    for done in (first, again, anew):
-        assert done.returncode == 0, done.stderr
-        assert "passed: early, centre bias" in done.stdout
-    kept = "not changed since their last check: scatter, early (--anew repeats it)\n"
-    assert again.stdout == first.stdout + kept
-    assert anew.stdout == first.stdout
-    assert json.loads((folder / "checks.json").read_text()).keys() == {"scatter", "early"}
-
-
-@pytest.mark.slow
-def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, bench_here, tmp_path, monkeypatch):
-    (tmp_path / "mine.py").write_text(
-        "def wandering(objective, rng):\n"
-        "    while True:\n"
-        "        objective(objective.upper + rng.random(objective.dimension))\n"
-    )
-    broken = bench("check", "mine.py:wandering", "--no-bias", cwd=tmp_path)
-    assert broken.returncode == 1
-    assert "FAILED: mine.py:wandering, box:" in broken.stdout
-    assert "    remedy: clip to objective.lower and objective.upper" in broken.stdout
-    assert "passed: mine.py:wandering, budget:" in broken.stdout
-    assert broken.stdout.rstrip().endswith("mine.py:wandering fails the contract in: box")
-    found = [Verdict("centre bias", "bias", False, "errors grow", "report it", 50.0)]
-    monkeypatch.setattr("bench.check.bias.diagnose", lambda *_, **__: found)
-    biased = bench_here("check", "scatter")
-    assert biased.returncode == 0
-    assert "BIASED: scatter, centre bias: errors grow" in biased.stdout
-    assert "scatter keeps the contract; biased: fails the checks of centre bias" in biased.stdout

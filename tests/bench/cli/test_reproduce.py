@@ -28,11 +28,6 @@ def called(monkeypatch, capsys, tmp_path):
     return call
 
 
-def test_reading_a_sound_table_ends_with_0(called):
-    code, printed = called(f"{HEAD}function,optimizer,mean,sd,best\nsphere,GWO,2.0,1.0,0.5\n", "--read-only")
-    assert (code, printed) == (0, "no contradiction in 1 cell\n")
-
-
 def test_reading_names_each_cell_that_contradicts_itself_and_ends_with_1(called):
     text = f"{HEAD}function,optimizer,mean,sd,best\nsphere,GWO,2.0,9.0,0.5\nsphere,PSO,3.0,1.0,4.0\nsphere,DE,text,1,\n"
     code, printed = called(text, "--read-only")

@@ -70,19 +70,6 @@ def test_a_problem_that_raises_is_blamed_and_no_optimizer(solve):
     assert "Markup" not in done.stderr
 
 
-def test_a_stop_reason_is_printed_as_it_is(solve):
-    done = solve("sphere-2", "Markup")
-    assert done.returncode == 0
-    assert "4 (stopped by: [/tol] [bold]done)" in done.stdout
-
-
-def test_a_return_before_the_budget_without_a_reason_is_no_success(solve):
-    done = solve("sphere-2", "Early")
-    assert done.returncode == 1
-    assert "10 (stopped by: undeclared)" in done.stdout  # what it found is not lost
-    assert "returned before the budget was spent and declared no reason" in " ".join(done.stderr.split())
-
-
 def test_a_best_point_that_cannot_be_described_is_printed_with_a_warning(solve):
     with pytest.warns(UserWarning, match="vague does not describe its best point: RuntimeError: no figures"):
         done = solve("p.py:Vague", "Markup")
