@@ -6,11 +6,13 @@ from pathlib import Path
 
 import pytest
 import typer
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from bench import objective
 from bench.cli import app
 from bench.plugins import registry
-from bench.report.drawing import Drawer, Drawing
 from tests.bench.objectives import LOOPS
 from tests.bench.reports import make as make
 from tests.bench.reports import read as read
@@ -135,29 +137,34 @@ def small_study():
     )
 
 
-PICTURE = Drawing(b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><g id="a"/></svg>', b"%PDF-1.4")
-FINISH = Drawer.finish
+SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><g id="a"/></svg>'
+UNDRAWN = [
+    (FigureCanvasSVG, "print_svg", lambda self, file, **_: file.write(SVG)),
+    (FigureCanvasPdf, "print_pdf", lambda self, file, **_: file.write(b"%PDF-1.4")),
+    (ConstrainedLayoutEngine, "execute", lambda self, figure: None),
+]
+DRAWN = [(owner, name, getattr(owner, name)) for owner, name, _ in UNDRAWN]
+
+
+@contextmanager
+def matplotlib_with(methods):
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        for method in methods:
+            monkeypatch.setattr(*method)
+        yield
 
 
 @pytest.fixture(scope="package", autouse=True)
 def undrawn():
-    """Have reports hold this picture in place of their figures, whose drawing takes half of the time of a report."""
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr(Drawer, "finish", lambda self, figure: PICTURE)
+    """Have matplotlib write this picture for every figure, whose drawing takes half of the time of a report."""
+    with matplotlib_with(UNDRAWN):
         yield
 
 
 @pytest.fixture(scope="session")
 def drawn():
     """Return a context in which figures are drawn."""
-
-    @contextmanager
-    def drawing():
-        with pytest.MonkeyPatch.context() as monkeypatch:
-            monkeypatch.setattr(Drawer, "finish", FINISH)
-            yield
-
-    return drawing
+    return lambda: matplotlib_with(DRAWN)
 
 
 @pytest.fixture

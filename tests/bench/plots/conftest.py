@@ -6,6 +6,6 @@ from tests.bench.plots.frames import strict
 
 
 @pytest.fixture(autouse=True)
-def strictly():
+def strictly(draws):
     with strict():
         yield

@@ -1,12 +1,11 @@
 """Box plots and bars of times: what they draw, and what they say of the rest."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from bench import plots
 from bench.plots import style
-from tests.bench.plots.frames import axes, clock, texts, trials
+from tests.bench.plots.frames import axes, trials
 
 
 def points_of(ax):
@@ -26,17 +25,6 @@ def test_boxes_are_quartiles_and_every_trial_is_a_point():
     assert median == [-3.0, -3.0]
 
 
-def test_what_is_not_drawn_is_said():
-    frame = trials({("p", "good"): [1.0], ("p", "bad"): [np.inf, np.inf], ("p", "huge"): [1e300, 1.0]})
-    frame["optimizer"] = pd.Categorical(frame["optimizer"], ["good", "bad", "huge", "none"])
-    ax = plots.box_plot(frame, "p", ax=axes())
-    assert {round(text.xy[1]): text.get_text() for text in ax.texts if text.get_text()} == {
-        1: "2 failed", 2: "1 too large", 3: "no trial",
-    }  # fmt: skip
-    assert [len(points) for points in points_of(ax)] == [1, 0, 1, 0]
-    assert "2 missing" in texts(plots.box_plot(frame, "p", column="speed_rpm", ax=axes()))
-
-
 def test_truth_is_a_line_with_a_hatched_band():
     frame = trials({("p", "a"): [1.0, 2.0]})
     ax = plots.box_plot(frame, "p", column="speed_rpm", expected=101.5, tolerance=0.25, ax=axes())
@@ -51,11 +39,3 @@ def test_an_optimum_that_a_log_axis_cannot_show_is_said(optimum, text):
     ax = plots.box_plot(trials({("p", "a"): [1.0, 100.0]}), "p", optimum=optimum, ax=axes())
     assert ax.get_xscale() == "log"
     assert [each.get_text() for each in ax.get_legend().texts] == [text]
-
-
-def test_bars_are_split_and_unknown_times_said():
-    table = clock(["a", "b"])
-    table.loc[1, ["trials", "wall_mean", "objective_mean"]] = [0, np.nan, np.nan]
-    ax = plots.timing(table, ax=axes())
-    assert [bar.get_width() for bar in ax.patches] == [0.5, 0.0, 1.5, 0.0]
-    assert texts(ax) == ["2", "none finished"]

@@ -4,7 +4,6 @@ import pytest
 
 from bench import Results
 from bench.topics.findings import FEW, Findings
-from bench.topics.runs import section as runs
 
 
 @pytest.fixture(scope="module")
@@ -21,13 +20,6 @@ def test_of_more_the_first_ten_and_the_subject_are_shown(wide):
     own = [label for label, pen in wide.display.pens.items() if not pen.background]
     assert sorted(own) == sorted(wide.display.shown)
     assert len({wide.display.pens[label].color for label in own}) == 10
-
-
-def test_the_table_s_file_has_all(wide):
-    (figure,) = runs.section(wide).items
-    assert list(figure.table.frame) == wide.display.shown
-    assert set(figure.table.data["optimizer"]) == set(wide.trials.optimizers)
-    assert "The first 10 of 14 optimizers" in figure.caption
 
 
 def test_of_a_crowd_the_tests_of_the_first_and_the_subject_are_kept(wide, monkeypatch):

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, Results, load_problem
+from bench import Results, load_problem
 from bench.results.results import ProblemFacts
 from bench.topics.course import section as course
 from bench.topics.course.times import ratios
@@ -69,22 +69,6 @@ class TestSections:
         assert "nan" not in " ".join(section.text)
         assert methods(found).text
 
-    def test_running_times_have_their_spread_and_seconds(self, folder):
-        found = findings(folder, [5.0, 2.0, 1e-3], p=4.0, q=4.0)
-        table = found.anytime.running_times
-        spread = ["low", "high", "p10", "p90", "ert_per_d", "ert_s", "low_s", "high_s", "p10_s", "p90_s"]
-        cell = ["problem", "optimizer", "precision", "trials", "successes", "ert", "unsuccessful"]
-        assert list(table) == [*cell, *spread]
-        own = table[table["successes"] > 0]
-        assert len(own)
-        assert (own["low"] <= own["ert"]).all()
-        assert (own["ert"] <= own["high"]).all()
-        assert (own["ert_s"] > 0).all()
-
-    def test_a_tolerance_needs_an_expected_metric(self, folder):
-        with pytest.raises(BenchError, match="need a problem with an expected metric, and this study has none"):
-            findings(folder, "tolerance").anytime.check_targets()
-
 
 class TestRunLengths:
     """Targets by running length, of f08 in 2 dimensions: 3 trials of 100 evaluations, of optimizers a and b."""
@@ -116,9 +100,6 @@ class TestRunLengths:
         assert found.anytime.target_set == "runlength"
         assert found.anytime.near == 0
 
-    def test_a_function_without_the_best_has_precisions(self, small):
-        assert small(function="bbob-f09-d2").anytime.target_set == "precisions"
-
     def test_the_table_is_relative_to_the_best_of_2009(self, small):
         """Within 3 d evaluations the best reached 10^1.6; a precision of 10^1.4 took it 19 evaluations, and a 8."""
         found = small()
@@ -130,13 +111,3 @@ class TestRunLengths:
         assert precision.to_dict() == pytest.approx(
             {0.5: 10**1.8, 1.2: 10**1.6, 3.0: 10**1.4, 10.0: 10**1.2, 50.0: 10.0}
         )
-
-    def test_a_beaten_optimum_leaves_no_target_and_no_section(self, small):
-        found = small("runlength")
-        found.trials.__dict__["unbeaten"] = {}
-        assert found.anytime.targets.empty
-        assert course.section(found) is None
-
-    def test_they_need_the_best(self, folder):
-        with pytest.raises(BenchError, match="the study has no such problem"):
-            findings(folder, "runlength").anytime.check_targets()

@@ -17,13 +17,6 @@ def folder(tmp_path_factory, testing_plugins):
     return place
 
 
-@pytest.mark.parametrize("output", [None, "own"])
-def test_a_selection_replaces_no_report_of_the_whole_folder(folder, output):
-    with pytest.raises(BenchError, match="give it a folder of its own by --output"):
-        write_report(folder, optimizers="early", output=folder if output else None)
-    assert not (folder / "report.html").exists()
-
-
 def test_a_folder_with_other_files_is_left_alone(folder, tmp_path):
     (tmp_path / "references.bib").write_text("mine")
     with pytest.raises(BenchError, match="holds other files"):

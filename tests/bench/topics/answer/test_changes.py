@@ -47,19 +47,8 @@ def test_each_change_is_said_in_place_of_the_5_percent(make, tmp_path, first, su
     assert all(change in said for change in made)
 
 
-def test_runs_with_another_seed_are_of_another_study(make, tmp_path):
-    assert changes(found(make(tmp_path / "s"), FIRST | {"seed": 7, "trials": 3}, FIRST)) == (True, ())
-
-
 def test_a_folder_without_a_record_says_that_nothing_is_known(make, tmp_path):
     findings = found(make(tmp_path / "s"))
     assert changes(findings) == (False, ())
     assert "changes after the results are not known" in str(lines(findings))
     assert "Not known: the folder has no record" in str(section(findings).lines)
-
-
-def test_a_selection_is_a_change(make, tmp_path):
-    folder = make(tmp_path / "s")
-    found(folder, FIRST)
-    selected = Findings(Results(folder).select(optimizers=["a", "c"]))
-    assert changes(selected).made == ("1 optimizer removed",)

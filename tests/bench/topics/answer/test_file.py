@@ -1,11 +1,10 @@
 """The answer of a report, as a terminal shows it."""
 
-import json
 from io import StringIO
 
 from rich.console import Console
 
-from bench.cli.answer import as_lines, is_old, read, show
+from bench.cli.answer import as_lines, is_old, show
 from bench.results.results import StoredResults
 from bench.storage.folder import ANSWER, Folder
 from bench.topics.answer.file import answer
@@ -63,19 +62,3 @@ def test_an_older_report_is_called_old_and_what_the_results_say_now_is_printed(m
     show(folder, console)
     assert "A stale verdict." not in console.file.getvalue()
     assert f"the report is older than the trials; write it again: bench report {folder}" in console.file.getvalue()
-
-
-def test_without_a_comparison_it_states_why(make, tmp_path):
-    findings = Findings(StoredResults(make(tmp_path / "s", optimizers=("a",))))
-    found = answer(findings, lines(findings))
-    assert (found["sentence"], found["lines"], found["rows"]) == (
-        "There is nothing to compare: a is the only optimizer.", [], [],
-    )  # fmt: skip
-    assert printed(found) == ["There is nothing to compare: a is the only optimizer."]
-
-
-def test_what_is_no_answer_is_read_as_none(tmp_path):
-    assert read(tmp_path) == {}
-    for text in ("[", "[]", json.dumps({"rows": 3}), "[" * 100_000):
-        (tmp_path / ANSWER).write_text(text)
-        assert read(tmp_path) == {}

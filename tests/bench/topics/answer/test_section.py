@@ -65,18 +65,6 @@ def test_without_a_winner_the_rivals_that_are_open_are_named(make, tmp_path):
     assert "by how much" not in said(one)
 
 
-@pytest.mark.parametrize(
-    "options", [{"trials": 1}, {"trials": 2, "fail": [("p", "b"), ("q", "b")]}, {"problems": ("p",)}]
-)
-@pytest.mark.parametrize("subject", ["", "b"])
-def test_small_and_odd_studies_have_an_answer_in_few_words(make, tmp_path, options, subject):
-    section = answer.section(findings(make(tmp_path / "s", **options), subject))
-    (card,) = section.cards
-    assert len(card.text[0].split()) <= 25
-    assert len(section.lines) <= 5
-    assert sum(len(text.split()) for text in (card.text, *(line.text for line in section.lines))) <= 90
-
-
 def test_where_nothing_can_be_compared_it_states_why(make, tmp_path):
     lost = [(problem, optimizer) for problem in "pq" for optimizer in "abc"]
     assert answer.section(findings(make(tmp_path / "s", fail=lost))).text == (

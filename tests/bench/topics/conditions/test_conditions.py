@@ -3,10 +3,8 @@
 import pytest
 
 from bench import Study
-from bench.execution.supervisor import Task, check
-from bench.study.descriptions import Description, noted
+from bench.study.descriptions import noted
 from bench.topics.conditions import conditions
-from bench.topics.conditions.conditions import conditions_table
 
 
 def study(*optimizers):
@@ -43,21 +41,6 @@ CASES = {
 def test_what_differs_is_one_clause(case, said):
     own = CASES[case]
     assert conditions.differing(own, noted(own, {}), own.optimizers[0].label) == said
-
-
-def test_a_plug_in_of_a_stranger_without_such_options_is_described(tmp_path):
-    path = tmp_path / "mine.py"
-    path.write_text("def mine(objective, rng, step=0.1):\n    objective(objective.initial(1))\n")
-    own = study({"name": f"{path}:mine", "label": "mine", "step": 0.5}, GWO)
-    table = conditions_table(own, check(Task.of(own)).descriptions)
-    assert "step = 0.5" in table.frame.loc["mine"].iloc[-1]
-
-
-def test_the_table_has_each_optimizer_s_own_options():
-    own = CASES["many ways"]
-    row = conditions_table(own, noted(own, {})).frame.loc["g5"]
-    assert row.tolist() == ["5", "repair", "random", "agents = 5 (30)"]
-    assert conditions_table(study(GWO), {"gwo": Description()}).frame.loc["gwo", "agents"] == "not known"
 
 
 @pytest.mark.parametrize(("leader", "found"), [("gwo[agents=9]", False), ("da", True)])

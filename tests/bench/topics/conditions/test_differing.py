@@ -47,11 +47,6 @@ def explained(findings):
     return differing(findings, findings.final.ranked[1:])
 
 
-def test_nothing_differs_among_equal_conditions(made):
-    alike = [{"name": name, "agents": 9} for name in ("gwo", "random-search")]
-    assert not explained(made(optimizers=alike))
-
-
 def test_a_budget_that_a_rival_did_not_spend_differs(made):
     assert explained(made(nfev={"gwo": 72})).left == pytest.approx({"gwo": 0.28})
     assert not explained(made(name="t", nfev={"gwo": 99})).left
@@ -77,9 +72,3 @@ def test_unused_budget_explains_a_loss_alone(made):
     assert explains("loser", {"random-search": 40}).left == pytest.approx({"random-search": 0.6})
     assert explains("itself", {"gwo": 40}).left == pytest.approx({"gwo": 0.6})
     assert not explains("both", {"gwo": 40, "cma-es": 40})
-
-
-def test_options_that_differ_are_named(made):
-    unlike = explained(made())
-    assert unlike.clause == "handling and start are box, midpoint for cma-es and repair, random for the 2 others"
-    assert unlike.names == ("handling", "start")

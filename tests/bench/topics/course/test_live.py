@@ -1,7 +1,5 @@
 """The figure that a reader changes: its curves are those of the picture, and it works under the page's policy."""
 
-import re
-
 import numpy as np
 import pytest
 from markupsafe import Markup
@@ -42,14 +40,6 @@ def test_its_shares_are_those_of_the_picture(findings, specification):
             own = [(o == place) & (p == problem) for problem in range(2)]
             share = np.mean([reached[cell & (e <= until)].sum() / of[cell].sum() for cell in own])
             assert share == pytest.approx(shares[label, grid[until]])
-
-
-def test_vega_lite_draws_a_curve_an_optimizer(specification):
-    vl_convert = pytest.importorskip("vl_convert", reason="Vega-Lite is the judge: install vl-convert-python")
-    svg = vl_convert.vegalite_to_svg({**specification, "width": 600})
-    marks = svg[svg.index("mark-line") :]
-    assert len(re.findall(r"<path [^>]*stroke-dasharray", marks[: marks.index("</svg>")])) >= 3
-    assert "&lt;i&gt;c" in svg
 
 
 def test_it_works_in_a_page_and_its_picture_without_scripts(findings, browser, tmp_path):

@@ -41,14 +41,3 @@ def test_ranks_medians_and_tests_compare_the_values_themselves(findings):
     assert findings.trials.frame is findings.trials.whole
     assert findings.final.summary["median"].tolist() == [5.0, 6.0]
     assert findings.final.chances.set_index("optimizer")["rank"].to_dict() == {"a": 1.0, "b": 2.0}
-
-
-def test_without_another_optimum_nothing_changes(findings):
-    findings.results._facts = lambda label: ProblemFacts(5.0)
-    assert findings.trials.shifts == {}
-    assert findings.trials.measured is findings.trials.frame
-    assert findings.trials.measured_traces is findings.trials.traces
-    assert findings.final.measured_summary is findings.final.summary
-    rates = success_rates(findings.anytime.hits(["a", "b"]))
-    last = rates[rates["tau"] == 1e-3].set_index("optimizer")
-    assert last["rate"].to_dict() == {"a": 1.0, "b": 0.0}

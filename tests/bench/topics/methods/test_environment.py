@@ -1,6 +1,6 @@
 """The report distinguishes machines and versions, and which trials came from which."""
 
-from tests.bench.topics.methods.records import NEWER, RECORD
+from tests.bench.topics.methods.records import RECORD
 
 
 def table(section):
@@ -10,13 +10,6 @@ def table(section):
 
 def content(section, name):
     return next(file.content for file in section.files if file.path == f"tables/{name}.csv")
-
-
-def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
-    section = render([RECORD, NEWER], [1] * 24)
-    assert section.lines == ()
-    assert list(content(section, "environment-runs")["trials"]) == [24, 0]
-    assert render([RECORD, NEWER]).lines != ()  # which made them is not known
 
 
 def test_fifty_environments_can_still_be_read(render):

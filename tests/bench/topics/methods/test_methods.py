@@ -17,7 +17,7 @@ from bench.study import Entry, Study
 from bench.study.descriptions import Description
 from bench.topics.findings import Findings
 from bench.topics.methods import methods as module
-from bench.topics.methods.methods import bibliography, methods
+from bench.topics.methods.methods import methods
 
 ENVIRONMENT = {
     "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},
@@ -61,13 +61,6 @@ def test_every_citation_has_its_work_and_every_work_is_complete(found):
     assert keys == sorted(in_latex)
     assert set(re.findall(r"[\[ ]@([a-z0-9]+)(?=[\];])", found.markdown)) == set(keys)
     assert read(Path(module.__file__).with_name(module.BIBLIOGRAPHY)).keys() <= set(keys)
-
-
-def test_unreadable_bibtex_is_told_and_costs_nothing_else():
-    works, of, warnings = bibliography(study(Entry("x", "x"), Entry("y", "y")), {"x": Description("@misc{a, title={")})
-    assert warnings[0].startswith("x is not cited: ")
-    assert of == {"x": [], "y": []}
-    assert "holm1979" in works
 
 
 @settings(max_examples=30)

@@ -1,6 +1,5 @@
 """The table of the problems has every bound, and families say where their optima are from."""
 
-from bench import load_problem
 from bench.results.results import ProblemFacts
 from bench.topics.methods.problems import bounds
 
@@ -18,11 +17,3 @@ def test_the_file_has_every_bound_and_where_optima_are_from():
     assert rows.at[("fit-1", "t0"), "upper"] == 4.8
     sources = rows["optimum_from"].fillna("").groupby("problem", sort=False).first()
     assert sources.tolist() == ["the suite", "the suite", "the problem itself", ""]
-
-
-def test_families_say_where_their_optima_are_from():
-    assert load_problem("bbob-f01-d2-i1").optimum_source == "the definition of the suite"
-    assert load_problem("engineering-spring").optimum_source == "the best known design"
-    signature = load_problem("signature-03", unit="rpm")
-    assert signature.optimum_source == "a reference fit, found by an exhaustive search"
-    assert signature.measure == "the RMSE of the fitted signature in rpm"

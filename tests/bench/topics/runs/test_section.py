@@ -7,9 +7,7 @@ from bench import Results, Study, run
 from bench.topics.findings import Findings
 from bench.topics.runs.marks import FIRST, marks
 from bench.topics.runs.panels import measured
-from bench.topics.runs.ranks import rank_map
 from bench.topics.runs.section import section
-from bench.topics.trust import section as trust
 
 
 @pytest.fixture(scope="module")
@@ -83,19 +81,3 @@ class TestTheSection:
             "Tests find a difference on 2 of 2 problems; of 2 problems without any difference, 0.1 would show one.",
         )
         assert {file.path for file in made.files} == {f"tables/{name}.csv" for name in ("trials", "tests", "ranking")}
-
-    def test_failed_and_missing_runs_are_said(self, make, tmp_path):
-        findings = found(make(tmp_path / "s", fail=[("p", "b")], skip=[("q", "c")]))
-        made = section(findings)
-        (gaps,) = (line.text for line in trust.section(findings).lines if line.label == "gaps")
-        assert gaps == "On 1 problem at least one optimizer has no run; nothing is compared with it there."
-        table = made.items[0].table
-        assert table.lost.loc["p"].to_dict() == {"a": False, "b": True, "c": False}
-        assert "8✗" in [text.get_text().strip() for text in made.items[0].figure.axes[0].texts]
-
-
-class TestTheMapOfRanks:
-    def test_has_a_row_a_problem(self, folder):
-        table = rank_map(found(folder))
-        assert table.frame.loc["p"].tolist() == ["1", "2", "3"]
-        assert table.shades.loc["p"].tolist() == [0, 0.5, 1]

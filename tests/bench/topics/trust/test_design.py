@@ -44,22 +44,10 @@ def test_the_trials_that_a_gap_needs_show_it_and_fewer_do_not():
         assert numbers(planned(trials=trials - 2)[1])[place] > 0.69
 
 
-def test_instances_of_a_function_are_trials_of_one_problem():
-    problems = [{"suite": "classical", "functions": ["sphere"], "dimensions": [2], "instances": "1-3"}]
-    design, shown, needed = planned(problems=problems)
-    assert "1 problem, 45 trials of each on a problem (15 on each of 3 instances)" in design
-    assert "over all" not in shown + needed
-
-
 def test_a_subject_is_tested_against_its_rivals_alone_and_finds_more():
     lines, own = planned(), planned(subject="gwo")
     assert "gwo against each other one" in own[0]
     assert numbers(own[1])[0] <= numbers(lines[1])[0]
-
-
-def test_too_few_trials_find_nothing_on_a_problem():
-    assert "on a problem none" in planned(trials=3)[1]
-    assert "none" not in planned(trials=11)[1]
 
 
 def test_the_foreseen_power_is_that_of_new_draws_within_three_hundredths():

@@ -1,16 +1,13 @@
 """What is not compared, in one sentence each, and what a page then says."""
 
-import pandas as pd
 import pytest
 
 from bench import Results
-from bench.analysis.comparable import Comparable
 from bench.study import Entry, Study
 from bench.topics.findings import Findings
 from bench.topics.findings.selection import selection
 from bench.topics.methods.methods import methods
 from bench.topics.trust import section as trust
-from bench.topics.trust.left_out import left_out
 
 PROBLEMS = ["f1-d2-i1", "f1-d2-i2", "f8-d2-i1", "f8-d2-i2"]
 
@@ -34,24 +31,6 @@ def test_a_selection_names_what_is_left_out(optimizers, problems, every, missing
         f"Selected from {every} after the results were seen; left out: {missing}."
     )
     assert selection(whole, whole, by_instance=every == FOUR) == ""
-
-
-CASES = {
-    "nothing": {},
-    "a problem failed": {"failed": {"prob.py:raises": (15, 16)}},
-    "two problems failed": {"failed": {"p": (1, 1), "q": (2, 9)}},
-    "some instances are shared": {"instances": {"f": (2, 4)}},
-    "no instance is shared": {"instances": {"f": (0, 4)}},
-    "one spent more": {"unknown": {("p", "a"): 3, ("q", "a"): 1}},
-    "two spent more": {"unknown": {("p", "a"): 3, ("p", "b"): 1}},
-}
-
-
-def test_each_reason_has_the_committed_sentence(committed):
-    none = Comparable(pd.DataFrame(), pd.DataFrame(), {}, {}, {}, {})
-    said = {name: left_out(none._replace(**changes)) for name, changes in CASES.items()}
-    assert said.pop("nothing") == ()
-    committed("left-out-cases", "".join(f"{name}: {sentence}\n" for name, (sentence,) in said.items()))
 
 
 def said(section):

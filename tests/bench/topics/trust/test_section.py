@@ -1,12 +1,11 @@
 """The card on what may limit the answer."""
 
 import pandas as pd
-import pytest
 
 from bench import Results
 from bench.analysis.comparison import shared_by
 from bench.topics.findings import Findings
-from bench.topics.trust.section import crowded, section
+from bench.topics.trust.section import section
 
 
 def said(findings):
@@ -30,24 +29,3 @@ def test_a_usual_study_has_one_card(make, tmp_path):
 def test_runs_that_share_seeds_across_problems_are_found():
     rows = [("p", "a", 1), ("q", "a", 1), ("p", "b", 2), ("q", "b", 3), ("p", "c", None), ("q", "c", None)]
     assert shared_by(pd.DataFrame(rows, columns=["problem", "optimizer", "seed"])) == ["a"]
-
-
-def test_without_a_trial_there_is_no_section(make, tmp_path):
-    none = [(problem, optimizer) for problem in "pq" for optimizer in "abc"]
-    assert section(Findings(Results(make(tmp_path / "s", skip=none)))) is None
-
-
-@pytest.mark.parametrize(
-    ("records", "said"),
-    [
-        ([{"jobs": 2, "cores": 2}, {"jobs": 1, "cores": 2}], False),
-        ([{"jobs": 2, "cores": 2}, {"jobs": 3, "cores": 2}], True),
-        ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "two"}], False),
-        ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "one"}], True),
-        ([{"jobs": 2}], False),
-        ([], False),
-    ],
-)
-def test_the_cores_of_all_machines_of_a_run_count(records, said):
-    starts = ["a", "b"] if not any("host" in record for record in records) else ["a", "a"]
-    assert crowded([{"started": start} | record for start, record in zip(starts, records, strict=False)]) == said

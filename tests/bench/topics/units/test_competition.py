@@ -37,20 +37,7 @@ def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
     assert "\\midrule\n+ / " in latex
 
 
-def test_means_that_differ_by_rounding_alone_are_both_bold(make, tmp_path):
-    changes = {"a": {"fun": 229.0}, "b": {"fun": 229.0 * (1 + 1e-14)}, "c": {"fun": 229.1}}
-    table = tables(section(make(tmp_path / "s", trials=2, changes=changes), p=0.0))["competition"]
-    assert table.bold.loc["p"].to_dict() == {"a": True, "b": True, "c": False}
-
-
 def test_checkpoints_are_those_of_the_suite(make, tmp_path):
     (file,) = section(make(tmp_path / "s"), p=1.0, q=1.0).files
     assert file.content.groupby(["problem", "optimizer"]).size().tolist() == [16] * 6
     assert not section(make(tmp_path / "t"), suite="cec2019", p=1.0).files
-
-
-def test_other_suites_have_it_for_a_reference_alone(make, tmp_path):
-    folder = make(tmp_path / "s")
-    assert section(folder, suite="bbob") is None
-    assert section(folder, suite="") is None
-    assert "U-score" not in tables(section(folder, "a", suite="bbob", p=1.0, q=1.0))["competition"].texts.index
