@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from bench import BenchError
-from bench.helpers.atomic import names_in, replacing
+from bench.helpers.atomic import replacing
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), ValueError("no")])
@@ -36,17 +36,3 @@ def test_a_folder_replaces_a_folder(tmp_path):
         (temporary / "new.txt").write_text("new")
     assert [each.name for each in (tmp_path / "out").iterdir()] == ["new.txt"]
     assert [each.name for each in tmp_path.iterdir()] == ["out"]
-
-
-def test_the_names_in_a_folder_are_none_in_a_new_one_and_its_own_for_a_file(tmp_path):
-    assert names_in(tmp_path / "new") == set()
-    (tmp_path / "file").touch()
-    assert names_in(tmp_path) == {"file"}
-    assert names_in(tmp_path / "file") == {"file"}
-
-
-@pytest.mark.parametrize("path", [".", "/"])
-def test_a_folder_in_use_is_refused_in_one_sentence(path):
-    said = r"^\S+ cannot be replaced while it is in use; give the name of another"
-    with pytest.raises(BenchError, match=said), replacing(Path(path)):
-        raise AssertionError("it was entered")

@@ -32,14 +32,6 @@ def test_names_and_years(bibtex, name):
     assert work.author_year == name
 
 
-def test_entries_are_read_between_comments_and_kept_as_written():
-    text = "See\n@comment{x}\n@misc{a,\n  title = {A {B} @ C},\n}\nand @article{b:2, year = 1}"
-    assert [(work.key, work.kind) for work in parse(text)] == [("a", "misc"), ("b:2", "article")]
-    assert parse(text)[0].bibtex == "@misc{a,\n  title = {A {B} @ C},\n}"
-    assert parse(parse(text)[0].bibtex) == parse(text)[:1]
-    assert parse(" \n") == []
-
-
 @pytest.mark.parametrize(
     ("bibtex", "why"),
     [
@@ -54,9 +46,3 @@ def test_entries_are_read_between_comments_and_kept_as_written():
 def test_what_is_no_entry_is_refused(bibtex, why):
     with pytest.raises(BenchError, match=why):
         parse(bibtex)
-
-
-def test_letters_fonts_and_formulas_are_kept_as_written():
-    title = r"{\emph{A} \& $\mu^2$-\'{E}S \\ \'\i \c{c} 5\%, \textit{x}\,\url{http://x.org}}"
-    (work,) = parse(f"@misc{{a, title = {title}}}")
-    assert work.fields == f"title = {title}"

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from bench.helpers.text import file_name, free, joined, printable, short_hash, unique
+from bench.helpers.text import file_name, free, printable, unique
 from tests.bench.names import HOSTILE
 
 
@@ -16,9 +16,6 @@ class TestFileNames:
     def test_names_that_differ_never_share_a_file(self):
         names = [*HOSTILE, "a-b", "a/b", "a:b", "A-B"]
         assert len({file_name(name) for name in names}) == len(names)
-
-    def test_a_plain_name_is_kept(self):
-        assert file_name("tests-signature-03") == "tests-signature-03"
 
 
 def test_names_that_collide_are_numbered():
@@ -41,11 +38,3 @@ def test_names_that_collide_are_numbered():
 )
 def test_printable_text_has_no_hidden_characters_and_a_limit(text, shown):
     assert printable(text, 20) == shown
-
-
-def test_parts_are_joined_with_an_and_before_the_last():
-    assert [joined(parts) for parts in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
-
-
-def test_a_text_and_its_bytes_have_one_hash():
-    assert short_hash("é") == short_hash("é".encode()) == "4a99557e4033c353"

@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
+from bench import BenchError, FunctionProblem, Study, load_results, run, solve
 from bench.execution.verify import verify
-from bench.scoring import Scored, objective, scored
+from bench.scoring import objective, scored
 from bench.scoring.constraints import BARRIER, COEFFICIENT, DEFAULT
 
 POINTS = np.array([[1.0, 2.0], [-1.0, 1.0], [-2.0, -1.0], [0.5, 0.0], [9.0, 0.0]])  # the last one outside the box
@@ -29,21 +29,6 @@ def quadrant(kind=FunctionProblem, fun=lambda x: x.sum(axis=1), violations=lambd
 
 def began(handling, problem=None, budget=100):
     return objective(scored(problem or quadrant(Mirrored), handling), budget, np.random.default_rng(0))
-
-
-def test_a_problem_without_constraints_is_left_as_it_is():
-    none = FunctionProblem(lambda x: x[:, 0], [0], [1])
-    empty = quadrant(violations=lambda x: np.empty((len(x), 0)))
-    for problem in (none, empty):
-        assert scored(problem, "death") is problem
-        assert type(objective(problem, 5, np.random.default_rng(0))) is Objective
-
-
-def test_what_is_handled_is_not_handled_twice():
-    problem = quadrant()
-    once = scored(problem, "penalty")
-    assert scored(once, "death") is once
-    assert once.unscored is problem.unscored is problem
 
 
 @pytest.mark.parametrize(
@@ -148,29 +133,12 @@ STUDY = {
 }  # fmt: skip
 
 
-def test_a_study_loads_its_problems_under_its_handling():
-    study = Study.from_dict(STUDY | {"constraints": "death"})
-    ring = study.problem("ring-2")
-    assert isinstance(ring, Scored)
-    assert ring.handling == "death"
-    assert not isinstance(study.problem("sphere-2"), Scored)
-    assert Study.from_dict(STUDY).problem("ring-2").handling == DEFAULT
-
-
 def test_the_handling_is_part_of_the_identity_where_it_is_not_the_default():
     default, death = Study.from_dict(STUDY), Study.from_dict(STUDY | {"constraints": "death"})
     assert death.identity() != default.identity() == Study.from_dict(STUDY | {"constraints": DEFAULT}).identity()
     assert 'constraints = "death"' in death.to_toml()
     assert "constraints" not in default.to_toml()
     assert default.override(constraints="death") == death
-
-
-@pytest.mark.parametrize("given", ["deth", 3, ["death"], ""])
-def test_an_unknown_handling_is_refused(given):
-    with pytest.raises(BenchError, match="'constraints' must be one of death, penalty, lexicographic, repair, not"):
-        Study.from_dict(STUDY | {"constraints": given})
-    with pytest.raises(BenchError, match="'constraints' must be one of"):
-        Study.from_dict(STUDY).override(constraints=given)
 
 
 @pytest.mark.slow
@@ -185,3 +153,10 @@ def test_a_run_stores_feasible_values_and_repeats_them_bit_by_bit(handling, tmp_
     assert (ring["violation"] == 0).all()
     assert frame.loc[frame["problem"] == "sphere-2", "violation"].isna().all()
     assert not verify(path, trials=2, n_jobs=1).different
+
+
+@pytest.mark.parametrize(("constrained", "kept"), [(True, None), (False, 0.5)])
+def test_the_optimum_of_repaired_points_holds_where_no_handling_confines_all_alike(constrained, kept):
+    problem = quadrant(integer=[True, False], **({} if constrained else {"violations": None}))
+    problem.repaired_optimum = 0.5
+    assert scored(problem, DEFAULT).repaired_optimum == kept

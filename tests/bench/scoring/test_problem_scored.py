@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, Results, Study, load_results, run
+from bench import BenchError, FunctionProblem, Study, load_results, run
 from bench.execution.verify import verify
 from bench.scoring import Scored, objective, scored
 
@@ -51,17 +51,6 @@ class TestNoise:
         assert seen == [again(POINTS[0]) for _ in range(50)]
         assert seen != [other(POINTS[0]) for _ in range(50)]
 
-    def test_noise_is_independent_of_the_initial_points(self):
-        one, again = began(noisy()), began(noisy())
-        first = one.initial(5)
-        again(POINTS)
-        assert first.tolist() == again.initial(5).tolist()
-
-    def test_noise_that_is_no_number_is_shown_as_infinite(self):
-        f = began(noisy(fun=lambda x, rng: np.full(len(x), np.nan)))
-        assert f(POINTS).tolist() == [np.inf] * 3
-        assert f.fun == (POINTS[0] ** 2).sum()
-
     def test_constraints_hold_for_a_noisy_problem(self):
         f = objective(scored(noisy(violations=lambda x: -x[:, :1]), "lexicographic"), 10, np.random.default_rng(0))
         assert (f(POINTS) >= 1e100).tolist() == [False, False, True]
@@ -74,11 +63,6 @@ class TestIntegers:
         assert f(POINTS).tolist() == [1.0, 9 + 2.25, 18.0]
         assert f.best_point.tolist() == [0.0, 1.0]
         assert f(POINTS[1]) == 11.25
-
-    def test_the_box_holds_before_rounding(self):
-        f = began(mixed())
-        assert f(np.array([[4.1, 0.0], [4.0, 0.0]])).tolist() == [np.inf, 16.0]
-        assert f.outside_box == 1
 
     def test_a_trial_without_a_point_in_the_box_ends_at_a_whole_number(self):
         f = began(mixed())
@@ -95,13 +79,6 @@ class TestIntegers:
         assert values.tolist() == list(range(-3, 5))
         assert counts.min() > 850
         assert len(np.unique(points[:, 1])) == 8000
-
-    def test_an_optimizer_may_know_them(self):
-        f = began(mixed())
-        assert f.integer.tolist() == [True, False]
-        with pytest.raises(ValueError, match="read-only"):
-            f.integer[0] = False
-        assert began(noisy()).integer.tolist() == [False, False]
 
     def test_a_repaired_point_is_rounded(self):
         class Mirrored(FunctionProblem):
@@ -151,19 +128,6 @@ def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path):
     assert (frame["status"] == "ok").all()
     assert (frame["nfev"] == 60).all()
     assert not verify(tmp_path / "odd", trials=2, n_jobs=1).different
-
-
-def test_results_know_what_is_noisy_and_which_variables_are_whole_numbers(tmp_path):
-    study = {
-        "name": "odd", "budget": 30, "problems": [{"names": ["bbob-noisy-f101-d2-i1", "bbob-mixint-f01-d5-i1"]}],
-        "optimizers": [{"name": "random-search"}],
-    }  # fmt: skip
-    run(Study.from_dict(study), tmp_path / "odd", n_jobs=1)
-    results = Results(tmp_path / "odd")
-    loud, whole = results.facts("bbob-noisy-f101-d2-i1"), results.facts("bbob-mixint-f01-d5-i1")
-    assert (loud.noisy, loud.integers, loud.constraints) == (True, (), "")
-    assert (whole.noisy, whole.integers) == (False, ("x1", "x2", "x3", "x4"))
-    assert whole.continuous == {"x5": (-5.0, 5.0)}
 
 
 def test_an_honest_trial_without_a_point_in_the_box_is_kept(tmp_path):

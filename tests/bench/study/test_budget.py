@@ -35,17 +35,6 @@ def test_anything_else_is_refused_in_a_sentence(given):
         Budget.read(given, "the budget")
 
 
-def test_a_table_must_have_the_dimension():
-    with pytest.raises(BenchError, match=r"problems of dimension 5; it has 10, 20"):
-        Budget.read({"10": 1, "20": 2}).evaluations(5)
-
-
 def test_what_runs_spent_is_by_dimension_where_the_budget_is():
     assert Budget.read({"2": 50, "3": 70}).spent({2: 40, 5: 60}) == {"2": 40, "3": 70}
     assert Budget.read(50).spent({2: 40, 5: 60}) == 60
-
-
-def test_a_table_keeps_the_dimensions_asked_for_unless_it_has_none_of_them():
-    assert Budget.read({"2": 50, "3": 70}).within([3, None]) == {"3": 70}
-    assert Budget.read({"2": 50, "3": 70}).within([5]) == {"2": 50, "3": 70}
-    assert Budget.read("5 * d").within([3]) == "5 * d"

@@ -6,7 +6,7 @@ import pytest
 
 from bench import Study
 from bench.study import Entry
-from bench.study.cell import Cell, alike, differences, record, with_inputs
+from bench.study.cell import alike, with_inputs
 
 STUDY = Study("s", (Entry("p", "p"),), (Entry("o", "o", {"F": 0.5}),), budget="10 * d", seed=3)
 
@@ -14,10 +14,6 @@ STUDY = Study("s", (Entry("p", "p"),), (Entry("o", "o", {"F": 0.5}),), budget="1
 def cell(study=STUDY, dimension=4):
     (one,) = study.cells({"p": dimension}).values()
     return one
-
-
-def test_it_has_the_evaluations_and_the_labels_of_its_seeds():
-    assert (cell().evaluations, cell().seed, cell().labels) == (40, 3, ("p", "o"))
 
 
 @pytest.mark.parametrize(
@@ -54,15 +50,3 @@ def test_other_dimensions_and_inputs_make_another_cell():
 )
 def test_what_decides_no_trial_makes_none(changes):
     assert cell(replace(STUDY, **changes)) == cell()
-
-
-def test_differences_name_options():
-    old = record(label="o", name="m.py:O", options={"F": 1})
-    new = record(label="o", name="m.py:P", options={"G": 2}, inputs=2)
-    assert [*differences(old, new)] == [
-        "it is 'm.py:P', not 'm.py:O'", "F = the default, not 1", "G = 2, not the default",
-    ]  # fmt: skip
-
-
-def test_of_a_damaged_record_nothing_is_known():
-    assert Cell("{", "[]", 1, 0).labels == ("unknown", "unknown")

@@ -1,6 +1,5 @@
 """How optimizers describe themselves: read where a study is checked, noted by the run, used by the report alone."""
 
-import os
 import shutil
 
 import pytest
@@ -8,8 +7,6 @@ import pytest
 from bench import Results, Study, load_optimizer, run, write_report
 from bench.execution.job import Task
 from bench.execution.supervisor import check
-from bench.storage.folder import Folder
-from bench.storage.merge import merge
 from bench.study.descriptions import Description, noted
 
 CODE = """
@@ -62,16 +59,6 @@ def test_each_optimizer_s_own_text_is_read(file, testing_plugins):
     assert cited("gwo", file("mine", "'@misc{mine}'"), "hill-climber") == expected
 
 
-def test_what_is_no_text_or_ends_its_process_costs_only_itself(file, testing_plugins):
-    names = [file("odd", "5"), file("deadly", "os._exit(0)"), file("broken", "1 / 0"), file("sound", "'@misc{c}'")]
-    assert cited(*names) == ["", "", "", "@misc{c}"]
-
-
-def test_no_file_is_imported_here(file, tmp_path, testing_plugins):
-    assert cited(file("mine", "'@misc{mine}'")) == ["@misc{mine}"]
-    assert int((tmp_path / "mine.pid").read_text()) != os.getpid()
-
-
 def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins):
     [mine] = described(file("mine", "''"), agents=9)
     assert mine == Description("", {"agents": "9", "handling": "mirror"}, {"agents": "7", "handling": "mirror"})
@@ -118,17 +105,3 @@ def test_a_run_notes_what_a_report_reads_and_the_report_imports_no_stranger(ran,
     page = write_report(made, n_jobs=1)
     assert "Doe, Jane" in (page.parent / "references.bib").read_text(encoding="utf-8")
     assert not imported.exists()
-
-
-def test_a_note_may_hold_anything(made):
-    strange = {"bibtex": 5, "values": ["a"], "defaults": {"agents": 7}}
-    Folder(made).note("optimizers.json", {"mine": strange, "gwo": "none", "z": {}})
-    results = Results(made)
-    mine, gwo = noted(results.study, results.descriptions).values()
-    assert mine == Description(defaults={})
-    assert gwo.bibtex.startswith("@")
-
-
-def test_a_merged_folder_keeps_the_notes(made, tmp_path):
-    merge([made], tmp_path / "merged")
-    assert Folder(tmp_path / "merged").noted("optimizers.json") == Folder(made).noted("optimizers.json")

@@ -1,13 +1,10 @@
 """Points that are known before a search: read, checked, handed to each optimizer first, and no bit else."""
 
-from collections import deque
-
 import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
 from bench.execution.verify import verify
-from bench.study.initial import known_points
 
 BOX = [(-5, 5)] * 2
 KNOWN = [[4.0, 4.0], [0.5, -0.5]]
@@ -41,22 +38,6 @@ def test_a_search_from_one_point_starts_at_the_best_known_one(name):
         assert np.linalg.norm(seen[2:8].mean(axis=0) - KNOWN[1]) < np.linalg.norm(seen[2:8].mean(axis=0) - KNOWN[0])
 
 
-class Asking:
-    def __init__(self, objective, rng):
-        self.rng, self.x = rng, deque()
-
-    def ask(self, n, x0=None):
-        return self.rng.uniform(-5, 5, (n, 2)) if x0 is None else x0
-
-    def tell(self, x, f):
-        pass
-
-
-def test_ask_takes_them_first_where_it_takes_x0():
-    assert points(Asking, budget=5, initial=KNOWN)[:2].tolist() == KNOWN
-    assert len(points(Asking, budget=1, initial=KNOWN)) == 1
-
-
 def test_they_are_handed_out_once_whatever_is_asked_for():
     problem = FunctionProblem(sphere, [-5, -5], [5, 5])
     problem.initial_points = np.array(KNOWN)
@@ -67,17 +48,6 @@ def test_they_are_handed_out_once_whatever_is_asked_for():
     assert first.nfev == 0
     assert first.start_point().shape == (2,)
     assert first.nfev == 0
-
-
-def test_an_optimizer_that_asks_for_none_is_named():
-    with pytest.warns(UserWarning, match="scipy:direct asks for no initial points"):
-        points("scipy:direct", initial=KNOWN)
-
-
-def test_a_csv_file_holds_them_with_or_without_names(tmp_path):
-    for content in ("4,4\n0.5,-0.5\n", "a,b\n4.0,4\n0.5,-5e-1\n\n"):
-        (tmp_path / "known.csv").write_text(content)
-        assert known_points(str(tmp_path / "known.csv")) == ((4.0, 4.0), (0.5, -0.5))
 
 
 @pytest.mark.parametrize(

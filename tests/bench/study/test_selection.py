@@ -35,11 +35,6 @@ def test_a_function_stands_for_its_instances():
     assert labels(problems="*-d?")[1] == PROBLEMS[:3]
 
 
-def test_patterns_and_dimensions_select_what_has_both():
-    assert labels(dimensions=5)[1] == PROBLEMS[2:]
-    assert labels(problems="bbob*", dimensions=[5])[1] == PROBLEMS[2:3]
-
-
 @pytest.mark.parametrize(
     ("chosen", "message"),
     [
@@ -54,8 +49,3 @@ def test_what_selects_nothing_is_one_sentence(chosen, message):
     with pytest.raises(BenchError, match=message) as raised:
         labels(*chosen)
     assert "\n" not in str(raised.value)
-
-
-def test_what_selects_everything_is_the_study():
-    whole = study(problems=["bbob-f01-d2-i1", "mine"])
-    assert selected(whole, "*", "*", [2, 5], DIMENSIONS) is whole

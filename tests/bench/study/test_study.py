@@ -5,7 +5,6 @@ import re
 import pytest
 
 from bench import BenchError, Study, run
-from bench.helpers.parsing import parse_toml
 from bench.seeds import trial_seed
 from bench.study import Entry
 
@@ -48,15 +47,6 @@ def test_a_seed_is_pinned():
     assert trial_seed(2024, "signature-12", "gwo", 0) == 4642658214545525248
 
 
-@pytest.mark.parametrize("targets", ["precisions", [10.0, 1e-8], ["5%", "1%"], None])
-def test_targets_are_kept(tmp_path, targets):
-    given = study() if targets is None else study(targets=targets)
-    (tmp_path / "s.toml").write_text(given.to_toml())
-    assert Study.load(tmp_path / "s.toml") == given
-    assert ("targets" in given.to_toml()) == (targets is not None)
-    assert given.override(targets="1%").targets == ["1%"]
-
-
 def test_identity_is_what_decides_a_result():
     same = [study(), study(trials=9), study(title="other words"), study(targets="quantiles"), study(targets=[0.1])]
     same += [study(parallel=8), study(evaluation_timeout=None, time=None)]
@@ -64,16 +54,6 @@ def test_identity_is_what_decides_a_result():
     other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
     other += [study(on_error="worst"), study(evaluation_timeout=5), study(time="10 min"), study(time=601)]
     assert len({each.identity() for each in [study(), study(on_error="fail"), *other]}) == 8
-
-
-def test_limits_of_time_and_the_points_in_parallel_are_kept(tmp_path):
-    given = study(evaluation_timeout="30 s", time="10 min", parallel=8)
-    (tmp_path / "s.toml").write_text(given.to_toml())
-    assert Study.load(tmp_path / "s.toml") == given
-    assert (given.evaluation, given.time) == ((8, 30.0), 600.0)
-    assert not {"evaluation_timeout", "time", "parallel"} & {
-        line.split()[0] for line in study().to_toml().split("\n") if line
-    }
 
 
 @pytest.mark.parametrize(
@@ -118,17 +98,6 @@ def test_labels_tell_two_settings_of_one_optimizer_apart():
     assert {trial.optimizer for trial in two.plan()} == {"scatter", "wide"}
 
 
-def test_a_label_can_hold_the_name_of_each_of_many():
-    both = study(problems=["sphere-2", "sphere-3", {"names": ["sphere-2", "sphere-3"], "label": "{name} again"}])
-    assert [entry.label for entry in both.problems][2:] == ["sphere-2 again", "sphere-3 again"]
-
-
-def test_a_list_of_names_is_enough():
-    short = study(problems=["sphere-2", {"name": "sphere-3"}], optimizers=["scatter", "early"])
-    long = study(problems=[{"names": ["sphere-2", "sphere-3"]}], optimizers=[{"name": "scatter"}, {"name": "early"}])
-    assert short == long
-
-
 def test_unknown_and_malformed_files(tmp_path):
     with pytest.raises(BenchError, match="unknown study 'thesys'; did you mean 'thesis'"):
         Study.load("thesys")
@@ -160,12 +129,6 @@ def test_entries_and_values_that_do_not_fit_are_refused_before_a_run(changes, me
     with pytest.raises(BenchError, match=re.escape(message)):
         run(Study(**values | changes), tmp_path / "s")
     assert not list(tmp_path.iterdir())
-
-
-def test_a_study_built_in_python_holds_its_values_as_one_from_a_file():
-    built = Study("s", (Entry("p", "p"),), (Entry("a", "a"),), budget=" 1e4 * d ", targets="1e-3, 10")
-    assert (built.budget, built.targets) == ("1e4 * d", [10.0, 1e-3])
-    assert Study.from_dict(parse_toml(built.to_toml())) == built
 
 
 NAMED = {

@@ -5,8 +5,7 @@ import tomllib
 import pytest
 
 from bench import BenchError, Study
-from bench.study import Entry
-from bench.study.sweep import expanded, swept
+from bench.study.sweep import swept
 
 MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}]}
 
@@ -50,17 +49,6 @@ def test_a_frozen_study_is_the_same_study():
     assert "options" not in given.to_toml()
 
 
-def test_a_list_beside_the_table_stays_a_value_as_it_always_was():
-    given = study({"name": "gwo", "agents": [30, 100]})
-    assert given.optimizers == (Entry("gwo", "gwo", {"agents": [30, 100]}),)
-    with pytest.raises(BenchError, match=r"a whole number, not \[30, 100\]; to sweep it, write options = { agents"):
-        given.optimizer("gwo")
-    assert expanded("a", {"x": [1, 2]}, {"y": [[1], [2]]}) == [
-        ("a[y=[1]]", {"x": [1, 2], "y": [1]}),
-        ("a[y=[2]]", {"x": [1, 2], "y": [2]}),
-    ]
-
-
 @pytest.mark.parametrize(
     ("entry", "said"),
     [
@@ -76,11 +64,3 @@ def test_what_cannot_be_swept_costs_one_sentence(entry, said):
     with pytest.raises(BenchError) as caught:
         study({"name": "gwo", **entry})
     assert said in str(caught.value)
-
-
-def test_only_labels_that_name_the_last_options_belong_to_a_sweep():
-    assert swept("a[x=1]", {"k": 0, "x": 1}) == swept("a[x=2]", {"k": 0, "x": 2}) == ("a", ("x",))
-    assert swept("a[x=1,y=b]", {"x": 1, "y": "b"}) == ("a", ("x", "y"))
-    assert swept("b[x=1]", {"x": 1}) == ("b", ("x",))
-    for label, options in [("a[x=2]", {"x": 3}), ("a[x=1]", {"x": 1, "k": 0}), ("[x=4]", {"x": 4}), ("b", {})]:
-        assert swept(label, options) == (label, ())

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.study.targets import COCO_PRECISIONS, KINDS, Found, Targets, fractions
+from bench.study.targets import KINDS, Found, Targets, fractions
 
 
 @pytest.mark.parametrize(
@@ -39,15 +39,6 @@ def test_anything_else_is_refused_in_one_sentence(given):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("given", [*KINDS, [1.0], [1.0, 0.1], ["5%"]])
-def test_every_kind_is_explained_and_shows_its_own_levels(given):
-    targets = Targets.read(given)
-    assert targets.level in targets.levels
-    assert list(targets.tabled) == sorted(targets.tabled, reverse=True)
-    for known in ([True], [False], [True, False]):
-        assert targets.meaning(known).endswith(".")
-
-
 @pytest.mark.parametrize(
     ("given", "level", "words", "shown"),
     [
@@ -74,22 +65,7 @@ def test_targets_of_a_problem_are_beside_what_was_found_there():
     assert dict(zip(*map(list, Targets.read("quantiles").rungs(found)), strict=True))[0.5] == 6.0
 
 
-def test_targets_by_tolerance_alone_need_an_expected_metric():
-    for given in (*KINDS, [1.0], ["5%"]):
-        Targets.read(given).require_metric(True)
-        if given != "tolerance":
-            Targets.read(given).require_metric(False)
-    with pytest.raises(BenchError, match=r"^targets by tolerance need a problem with an expected metric"):
-        Targets.read("tolerance").require_metric(False)
-
-
 def test_the_ladder_falls_by_ten_steps_a_decade():
     assert (len(fractions(known=False)), len(fractions(known=True))) == (31, 81)
     assert fractions(known=True)[[0, 10, 30, 80]].tolist() == [1.0, 0.1, 0.001, 1e-8]
     np.testing.assert_allclose(np.diff(np.log10(fractions(known=True))), -0.1)
-
-
-def test_coco_s_precisions_are_51_from_1e2_to_1e_8():
-    assert len(COCO_PRECISIONS) == 51
-    assert COCO_PRECISIONS[[0, 5, 10, 50]].tolist() == [100.0, 10.0, 1.0, 1e-8]
-    np.testing.assert_allclose(np.diff(np.log10(COCO_PRECISIONS)), -0.2)
