@@ -9,7 +9,7 @@ from scipy.linalg import invhilbert
 
 from bench import load_problem
 from bench.plugins import registry
-from tests.problems.suites import assert_pure_and_reloadable, best_found
+from tests.problems.suites import best_found
 
 YEARS = (2011, 2014, 2017, 2019, 2020, 2022)
 
@@ -98,13 +98,6 @@ def test_the_problems_of_2019_that_are_not_shifted_have_their_optimum_at_known_p
     assert best_found(atoms, octahedron.ravel() + 1e-3, points=10_000) >= atoms.optimum - 1e-12
 
 
-@pytest.mark.parametrize(
-    "name", ["cec2011-f05-d30", "cec2014-f18-d10", "cec2017-f30-d30", "cec2019-f02-d16", "cec2022-f12-d20"]
-)
-def test_values_depend_on_the_point_alone(name):
-    assert_pure_and_reloadable(load_problem(name))
-
-
 @pytest.mark.parametrize(("year", "number"), [(2017, 6), (2022, 3)])
 def test_schaffer_f7_is_computed_of_the_shifted_point(year, number):
     """The reports define another function here, the rotated expanded F6; the names in lists are of what is computed."""
@@ -115,31 +108,3 @@ def test_schaffer_f7_is_computed_of_the_shifted_point(year, number):
     values = np.mean(np.sqrt(s) * (1 + np.sin(50 * s**0.2) ** 2), axis=1) ** 2
     np.testing.assert_allclose(problem.evaluate(x), values + problem.optimum, rtol=1e-12)
     assert grid(year).titles[f"f{number:02d}"] == "Schaffer F7"
-
-
-def test_where_minionpy_returns_nan_the_value_is_inf():
-    problem = load_problem("cec2011-f05-d30")
-    values = problem.evaluate(np.stack([problem.lower, problem.upper * 1e10, problem.upper]))
-    assert np.isfinite(values).tolist() == [True, False, True]
-    assert values[1] == np.inf
-
-
-@pytest.mark.parametrize(
-    ("year", "groups"),
-    [  # the numbers of functions in the tables of the technical reports
-        (2011, {"real-world": 19}),  # without f04, f21 and f22
-        (2014, {"unimodal": 3, "multimodal": 13, "hybrid": 6, "composition": 8}),
-        (2017, {"unimodal": 2, "multimodal": 7, "hybrid": 10, "composition": 10}),
-        (2019, {"multimodal": 10}),
-        (2020, {"unimodal": 1, "multimodal": 3, "hybrid": 3, "composition": 3}),
-        (2022, {"unimodal": 1, "multimodal": 4, "hybrid": 3, "composition": 4}),
-    ],
-)
-def test_a_problem_says_its_suite_function_and_group(year, groups):
-    names = {grid(year).member(name).function: name for name in grid(year).names()}
-    features = [load_problem(name).features for name in names.values()]
-    assert [each["function"] for each in features] == list(names)
-    assert {each["suite"] for each in features} == {f"cec{year}"}
-    found = [each["group"] for each in features]
-    assert {group: found.count(group) for group in found} == groups
-    assert grid(year).titles.keys() == grid(year).functions.keys()

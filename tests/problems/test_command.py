@@ -96,10 +96,6 @@ class TestConversation:
             assert beside.evaluate(np.array([[0.1, 2.0]])).tolist() == [0.1 / 3]
         assert (tmp_path / "seen").read_text() == '{"x": [0.1, 2]}\n'
 
-    def test_the_first_line_may_name_variables_and_the_optimum(self, program):
-        problem = program(box='{"variables": ["gap", "speed"], "optimum": 0.5, "measure": "the wear in mm"}')
-        assert (problem.variables, problem.optimum, problem.measure) == (("gap", "speed"), 0.5, "the wear in mm")
-
     def test_one_program_answers_for_as_long_as_a_trial_and_ends_with_it(self, program):
         problem = program("answer(os.getpid())")
         with evaluated(problem) as beside:
@@ -107,16 +103,6 @@ class TestConversation:
             process = problem._talk[1]._process
         assert first == again == process.pid
         assert process.poll() is not None
-
-    def test_each_process_of_a_problem_has_a_program_of_its_own(self, program):
-        with evaluated(program("time.sleep(0.2); answer(os.getpid())"), 3) as beside:
-            assert len({*beside.evaluate(np.ones((3, 2)))}) == 3
-
-    def test_it_runs_in_the_folder_that_it_needs(self, program, tmp_path):
-        (tmp_path / "inputs").mkdir()
-        (tmp_path / "inputs" / "mesh").write_text("7")
-        with evaluated(program("answer(float(open('mesh').read()))", folder=str(tmp_path / "inputs"))) as beside:
-            assert beside.evaluate(np.ones((1, 2))).tolist() == [7.0]
 
     @pytest.mark.parametrize(
         ("deed", "reason"),
@@ -197,11 +183,6 @@ class TestOncePerPoint:
         assert problem.noiseless(np.array([[0.1, 2.0]])).tolist() == [0.25]
         assert (Path(problem._command.words[0]).parent / "seen").read_text() == "--case 3 0.1 2.0\n"
 
-    def test_or_stand_where_their_names_are(self, script):
-        problem = script('echo "$1" > "$(dirname "$0")/seen"; echo 1', "--gap={gap}", variables=["gap", "speed"])
-        problem.noiseless(np.array([[0.1, 2.0]]))
-        assert (Path(problem._command.words[0]).parent / "seen").read_text() == "--gap=0.1\n"
-
     @pytest.mark.parametrize(
         ("text", "reason"),
         [
@@ -215,10 +196,6 @@ class TestOncePerPoint:
     def test_what_is_no_value_is_one_sentence(self, script, text, reason):
         with pytest.raises(PointError, match=reason):
             script(text).noiseless(np.ones((1, 2)))
-
-    def test_half_a_box_is_refused(self):
-        with pytest.raises(BenchError, match="has lower, but not both lower and upper"):
-            load_problem("command:true", lower=[0])
 
 
 @pytest.mark.parametrize(
@@ -235,11 +212,3 @@ def test_what_cannot_be_run_is_one_sentence(tmp_path, name, options, reason):
     (tmp_path / "data.txt").write_text("1")
     with pytest.raises(BenchError, match=reason):
         load_problem(name.format(file=tmp_path / "data.txt"), **options)
-
-
-def test_a_study_names_a_program_by_its_words():
-    study = {"name": "s", "problems": [{"problem": ["./mine", "--case", "a b"], "label": "p"}], "optimizers": ["gwo"]}
-    (entry,) = Study.from_dict(study).problems
-    assert (entry.name, entry.label) == ("command:./mine --case 'a b'", "p")
-    with pytest.raises(BenchError, match="a program needs the words of its command as 'problem', as in problem = "):
-        Study.from_dict(study | {"problems": [{"problem": "./mine"}]})

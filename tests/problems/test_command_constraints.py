@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from bench import BenchError, load_problem, load_results, run, solve
+from bench import load_problem, load_results, run, solve
 from bench.errors import PointError
 from bench.execution.side_by_side import evaluated
 from bench.execution.verify import verify
@@ -108,39 +108,4 @@ def test_an_answer_without_its_violations_is_one_sentence(tmp_path, answer, said
     problem = load_problem(f"command:'{sys.executable}' '{tmp_path / 'p.py'}'")
     with pytest.raises(PointError) as caught, evaluated(problem) as beside:
         beside.evaluate(np.ones((1, 1)))
-    assert said in str(caught.value)
-
-
-def licence(tmp_path, free_after, **options):
-    """Return a program that finds no licence until its n-th start, and its file of starts."""
-    starts = tmp_path / "starts"
-    test = f"[ $(wc -l < '{starts}') -gt {free_after} ] || {{ echo no licence >&2; exit 3; }}"
-    (tmp_path / "p.sh").write_text(f"echo x >> '{starts}'\n{test}\necho 7\n")
-    return load_problem(f"command:sh '{tmp_path / 'p.sh'}'", lower=[0], upper=[1], **options), starts
-
-
-def test_a_program_is_started_again_after_an_exit_code(tmp_path, monkeypatch):
-    waits = []
-    monkeypatch.setattr("problems.command.sleep", waits.append)
-    problem, starts = licence(tmp_path, 2, retries=3)
-    assert problem.evaluate(np.ones((1, 1))).tolist() == [7.0]
-    assert (waits, len(starts.read_text().split())) == ([1.0, 2.0], 3)
-    starts.unlink()
-    problem, starts = licence(tmp_path, 9, retries=2)
-    with pytest.raises(PointError, match="ended with code 3; it complained: no licence"):
-        problem.evaluate(np.ones((1, 1)))
-    assert len(starts.read_text().split()) == 3
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"lower": [0], "upper": [1], "violations": -1}, "its number of violations must be a whole number from 0"),
-        ({"lower": [0], "upper": [1], "retries": "x"}, "'retries' must be a whole number from 0 to 100"),
-        ({"retries": 3}, "has retries, but not both lower and upper"),
-    ],
-)
-def test_options_that_cannot_be_are_one_sentence(options, said):
-    with pytest.raises(BenchError) as caught:
-        load_problem("command:sh x", **options)
     assert said in str(caught.value)

@@ -8,7 +8,6 @@ import pytest
 
 from bench import Study, load_problem
 from problems import studies
-from tests.problems.suites import best_found
 
 iohgnbg = pytest.importorskip("iohgnbg", reason="the extra ioh is not installed")
 
@@ -54,13 +53,6 @@ def test_values_box_and_optimum_are_those_of_the_package(number, theirs):
     assert (problem.upper == package.MaxCoordinate).all()
     assert problem.evaluate(x[4:5])[0] == problem.optimum == 0
     assert problem.dimension == package.Dimension
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("number", NUMBERS)
-def test_no_search_beats_the_optimum(number, theirs):
-    problem = load_problem(f"gnbg-f{number:02d}-d30")
-    assert best_found(problem, start=theirs(number).OptimumPosition[0] + 1e-3, points=500) >= problem.optimum
 
 
 def test_the_studies_have_the_rule_of_the_competition(theirs):

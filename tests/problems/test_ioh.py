@@ -66,14 +66,6 @@ def test_every_version_of_ioh_that_is_allowed_has_the_values_of_0_3_22(name, val
     assert problem.evaluate(x[None])[0] == pytest.approx(value, rel=1e-13)
 
 
-def test_a_discrepancy_is_the_share_of_the_points_in_a_box_less_its_volume():
-    problem = load_problem("star-discrepancy-halton-25-d3-i4")
-    grid = np.array(ioh.get_problem(51, 4, 3, ioh.ProblemClass.STAR_REAL).grid)
-    for corner in np.random.default_rng(2).uniform(0.2, 1, (20, 3)):
-        share = (grid < corner).all(axis=1).mean()
-        assert problem.evaluate(corner[None])[0] == pytest.approx(-abs(share - corner.prod()), abs=1e-12)
-
-
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", [f"sbox-cost-f{n:02d}-d5-i3" for n in range(1, 25)] + [each[0] for each in AFFINE[:4]])
 def test_no_search_beats_the_optimum(name):

@@ -1,6 +1,5 @@
 """What the problems of every suite owe: values by the point alone, features, sentences for names that there are not."""
 
-import subprocess
 import sys
 from importlib.util import find_spec
 
@@ -85,12 +84,3 @@ def test_without_the_extra_one_sentence_says_what_to_install(name, monkeypatch):
     wanted = rf"'{name}' needs {needed(name)}; install it with: .*\[{EXTRAS[needed(name)]}\]"
     with pytest.raises(BenchError, match=wanted):
         load_problem(name)
-
-
-def test_names_are_listed_without_a_package():
-    code = "import sys; from bench.plugins import registry as r; "
-    code += "print(*(len(r.load('problems', family).names()) for family in ('bbob', 'classical'))); "
-    code += "print(*{'cocoex', 'minionpy', 'numba', 'pandas'} & {*sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    bbob, classical = map(int, done.stdout.split())
-    assert (bbob, classical % len(FUNCTIONS)) == (24 * 6, 0)

@@ -4,7 +4,7 @@ import cocoex
 import numpy as np
 import pytest
 
-from problems.bbob.coco import bbob_function, evaluated, optimal_point, rotation, uniform
+from problems.bbob.coco import bbob_function, evaluated, optimal_point, uniform
 from tests.problems.bbob.best import function_of
 
 
@@ -19,20 +19,10 @@ def test_the_generator_repeats_its_published_start():
     assert uniform(1, 1).tolist() == [table[slot] / 2147483647]
 
 
-@pytest.mark.parametrize("seed", [0, 1, -1])
-def test_seeds_below_one_count_as_their_absolute_value_or_one(seed):
-    assert uniform(3, seed).tolist() == uniform(3, 1).tolist()
-
-
 @pytest.mark.parametrize(("dimension", "instance"), [(2, 1), (5, 7), (40, 15), (5, 200_000)])
 def test_optimal_points_are_coco_s(dimension, instance):
     theirs = cocoex.BareProblem("bbob", 10, dimension, instance).best_parameter()
     np.testing.assert_allclose(optimal_point(dimension, 10 + 10_000 * instance), theirs, rtol=0, atol=1e-12)
-
-
-def test_a_rotation_is_orthonormal():
-    matrix = rotation(7, 3)
-    np.testing.assert_allclose(matrix @ matrix.T, np.eye(7), atol=1e-13)
 
 
 @pytest.mark.parametrize("one_call", [True, False])

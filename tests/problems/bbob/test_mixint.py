@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench import load_problem, solve
+from bench import load_problem
 from tests.problems.bbob.best import function_of, name
 
 CASES = [
@@ -23,9 +23,3 @@ def test_values_box_and_optimum_are_those_of_coco(case, best):
     np.testing.assert_array_equal(problem.evaluate(x), [function(row) for row in x])
     assert problem.optimum == pytest.approx(function(best[case]), rel=1e-12, abs=1e-12)
     assert problem.evaluate(x).min() >= problem.optimum
-
-
-def test_a_search_finds_whole_numbers():
-    found = solve(name("bbob-mixint", 1, 5, 1), "scipy:differential_evolution", budget=3000, seed=1)
-    assert found.x[:4].tolist() == np.rint(found.x[:4]).tolist()
-    assert 0 <= found.fun - load_problem(name("bbob-mixint", 1, 5, 1)).optimum < 1e-2

@@ -54,9 +54,3 @@ def test_a_loaded_problem_works_in_a_forked_process():
         os._exit(0)
     os.waitpid(child, 0)
     assert os.read(reader, 100) == before
-
-
-def test_loading_leaves_no_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    load_problem("bbob-f20-d3-i9").evaluate(np.zeros((1, 3)))
-    assert list(tmp_path.iterdir()) == []

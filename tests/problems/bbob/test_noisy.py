@@ -6,7 +6,6 @@ import pytest
 from scipy.stats import kstest
 
 from bench import load_problem
-from bench.scoring import objective, scored
 from problems.bbob.noisy import BASES, cauchy, ellipsoid, gaussian, noise_of, uniform
 from tests.problems.bbob.best import function_of
 
@@ -87,19 +86,3 @@ def test_at_the_optimum_there_is_no_noise(number):
     x = np.tile(best, (20, 1))
     assert problem.noiseless(x)[0] == pytest.approx(problem.optimum, abs=1e-9)
     assert problem.evaluate(x, np.random.default_rng(0)).tolist() == pytest.approx([problem.optimum] * 20, abs=1e-9)
-
-
-def test_true_values_depend_on_the_point_alone():
-    for number in (103, 116, 125):
-        problem = scored(load_problem(f"bbob-noisy-f{number}-d3-i2"), "death")
-        x = np.random.default_rng(3).uniform(-5, 5, (17, 3))
-        single = np.concatenate([problem.evaluate(row[None]) for row in x])
-        np.testing.assert_array_equal(single, problem.evaluate(x))
-
-
-def test_an_optimizer_sees_noise_and_the_optimum_is_not_beaten():
-    f = objective(scored(load_problem("bbob-noisy-f110-d2-i1"), "death"), 500, np.random.default_rng(0))
-    seen = f(np.random.default_rng(1).uniform(-5, 5, (500, 2)))
-    problem = load_problem("bbob-noisy-f110-d2-i1")
-    assert seen.min() < f.fun
-    assert f.fun == problem.noiseless(f.best_point[None])[0] > problem.optimum

@@ -1,12 +1,10 @@
 """The family classical: names, instances, features and the contract."""
 
-import pickle
-
 import numpy as np
 import pytest
 
 from bench import load_problem
-from problems.classical.family import DIMENSIONS, FUNCTIONS, classical
+from problems.classical.family import FUNCTIONS, classical
 from problems.classical.instance import MARGIN, instance
 from tests.problems.suites import best_found
 
@@ -35,22 +33,6 @@ def test_no_search_beats_the_optimum(function, options):
     problem = load_problem(f"classical-{function}-d5-i1", **options)
     best, _ = place(problem)
     assert best_found(problem, start=best + 1e-3, points=10_000) >= (-1e-9 if function == "schwefel-2-26" else 0.0)
-
-
-def test_an_unrotated_problem_is_reloaded_unrotated():
-    problem = load_problem("classical-rastrigin-d5-i1", rotate=False)
-    x = np.random.default_rng(0).uniform(-5, 5, (4, 5))
-    again = pickle.loads(pickle.dumps(problem))
-    np.testing.assert_array_equal(again.evaluate(x), problem.evaluate(x))
-    assert again.features == problem.features
-    assert not np.allclose(load_problem("classical-rastrigin-d5-i1").evaluate(x), problem.evaluate(x))
-
-
-@pytest.mark.parametrize("dimension", DIMENSIONS)
-def test_every_rotation_is_orthogonal(dimension):
-    _, rotation = instance("rastrigin", dimension, 1)
-    np.testing.assert_allclose(rotation @ rotation.T, np.eye(dimension), atol=1e-14 * dimension)
-    assert not np.allclose(np.abs(rotation), np.eye(dimension), atol=0.1)
 
 
 def test_an_instance_is_pinned():

@@ -130,11 +130,3 @@ def test_values_are_those_of_the_formula(name, rotate, six):
     z = (x - best) @ (rotation if rotate else np.eye(D)) + at
     expected = [formula(row) for row in z]
     np.testing.assert_allclose(problem.evaluate(x), expected, rtol=1e-6 if name == "weierstrass" else 1e-9)
-
-
-def test_every_function_has_a_source():
-    from problems.classical import multimodal, unimodal
-
-    for name, function in FUNCTIONS.items():
-        home = unimodal if function.modality == "unimodal" else multimodal
-        assert any(year in getattr(home, name.replace("-", "_")).__doc__ for year in map(str, range(1960, 2014))), name

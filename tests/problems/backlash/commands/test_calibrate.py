@@ -4,7 +4,6 @@ import psutil
 import pytest
 
 from problems.backlash.commands.calibrate import calibrate
-from problems.backlash.joint import half_gap
 from problems.backlash.signature.calibration import load_calibration
 
 
@@ -33,11 +32,6 @@ def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path)
     assert made.half_gap == pytest.approx([0.0005, 0.001, 0.0015])
     assert made.name.startswith("joint with load_inertia = 0.346")
     assert "eq. 4.7" not in (tmp_path / "figures" / "calibration.svg").read_text()
-
-
-def test_levels_are_those_of_the_thesis(command, tmp_path):
-    command(calibrate, "--levels", "3:6", "--no-fits", "--output", tmp_path / "a.toml")
-    assert load_calibration(tmp_path / "a.toml").half_gap.tolist() == [half_gap(level) for level in range(3, 7)]
 
 
 def test_two_processes_make_the_fits_that_one_makes_and_the_file_says_how_to_make_it_again(command, tmp_path):
@@ -78,10 +72,3 @@ def test_wrong_input_is_one_sentence_and_writes_nothing(refused, tmp_path, monke
     assert said in refused(calibrate, *arguments)
     assert [path.name for path in tmp_path.iterdir()] == ["there.toml"]
     assert (tmp_path / "there.toml").read_text() == "mine"
-
-
-def test_a_joint_without_gravity_is_refused_and_nothing_written(refused, tmp_path):
-    (tmp_path / "one.toml").write_text("gravity_angle_deg = 0")
-    said = refused(calibrate, "--joint", tmp_path / "one.toml", "--levels", "2:5", "--output", tmp_path / "a.toml")
-    assert "without gravity about its axis nothing opens the gap" in said
-    assert not (tmp_path / "a.toml").exists()

@@ -78,15 +78,6 @@ def test_a_download_has_every_file_whole_and_a_second_one_asks_for_none(server, 
     assert server.asked == list(CONTENT)
 
 
-def test_a_damaged_file_is_downloaded_anew_and_no_other(server, tmp_path):
-    fetched(server, tmp_path)
-    (tmp_path / "Speeddata4.xlsx").write_bytes(b"torn")
-    (tmp_path / "Speeddata3.xlsx").unlink()
-    assert files.faults(KNOWN, tmp_path) == (NAMES[:1], NAMES[1:2], "1 of the 3 published files")
-    assert fetched(server, tmp_path) == (NAMES[:2], "")
-    assert held(tmp_path) == WHOLE
-
-
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
@@ -131,23 +122,6 @@ def test_an_interrupted_download_leaves_nothing_half_written(server, monkeypatch
     with pytest.raises(KeyboardInterrupt):
         files.download(KNOWN, tmp_path, server.address)
     assert held(tmp_path) == {}
-
-
-def test_a_whole_file_deeper_down_is_found_behind_a_damaged_one(tmp_path):
-    wanted = KNOWN["Data_with_Noise_1.zip"]
-    (tmp_path / wanted.path).parent.mkdir(parents=True)
-    (tmp_path / wanted.path).write_bytes(CONTENT[wanted.path])
-    (tmp_path / wanted.name).write_bytes(b"torn")
-    assert files.look_up(wanted, tmp_path) == (tmp_path / wanted.path, True)
-    (tmp_path / wanted.path).unlink()
-    assert files.look_up(wanted, tmp_path) == (tmp_path / wanted.name, False)
-    (tmp_path / wanted.name).unlink()
-    assert files.look_up(wanted, tmp_path) == (None, False)
-
-
-def test_a_folder_that_cannot_be_written_is_one_sentence(server, tmp_path):
-    (tmp_path / "file").write_bytes(b"")
-    assert "Speeddata3.xlsx cannot be written: Not a directory" in fetched(server, tmp_path / "file" / "below")[1]
 
 
 def test_verify_names_what_is_missing_and_damaged_and_ends_with_1(capsys, tmp_path, monkeypatch):

@@ -76,17 +76,6 @@ def test_a_bad_file_costs_itself_only(series, calibration, capsys):
     assert "2024-03.csv: line 3 has no number" in made[2]["error"]
 
 
-def test_a_text_among_the_recordings_of_a_folder_is_a_note(recording, refused, capsys):
-    notes = recording.with_name("notes.txt")
-    notes.write_text("Joint 4 was greased on 2024-01-05.\n")
-    assert not ended(recording.parent, *PLAIN)
-    printed = capsys.readouterr()
-    assert "notes.txt" not in printed.out
-    assert printed.err.splitlines()[0].endswith("notes.txt has too few samples for a load turn: 1; it was left out")
-    assert "notes.txt has too few samples" in refused(estimate, notes)
-    notes.unlink()
-
-
 def test_joints_of_one_file_have_rows_and_trends_of_their_own(command, tmp_path):
     for month, levels in enumerate(((3, 9), (6, 12)), 1):
         made = [(joint, part(level)) for joint, level in zip((4, 5), levels, strict=True)]
@@ -120,13 +109,6 @@ def test_a_series_ends_with_its_trend_and_a_picture_of_it(command, series):
     assert "half-gap" in (series / "trend.svg").read_text()
 
 
-def test_files_of_different_joints_have_no_trend(command, series):
-    other = (series / "2024-02.csv").rename(series / "joint5_2024-02.csv")
-    said = command(estimate, series / "2024-01.csv", other, "--plot", series / "trend.svg", *PLAIN)
-    assert said.splitlines()[-1].startswith("no joint has two recordings, so there is no trend to draw")
-    assert not (series / "trend.svg").exists()
-
-
 def test_every_option_reaches_the_estimate(command, tmp_path, calibration):
     made, path = part(12, end=2.0), tmp_path / "a.csv"
     rows = [f"{60 * v:.6f};{1e3 * t:.3f};1" for t, v in zip(made.time, made.speed, strict=True)]
@@ -139,17 +121,6 @@ def test_every_option_reaches_the_estimate(command, tmp_path, calibration):
     (plain,) = json.loads(command(estimate, path, *options, "--calibration", "none", *PLAIN))
     assert (plain["verdict"], plain["backlash_rad"]) == ("backlash", None)
     assert plain["amplitude_interval_rps"] == [None, None]
-
-
-def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
-    (tmp_path / "a.csv").write_text("t,v\n0,1\n1,a\n2,3\n")
-    (tmp_path / "b.csv").write_text("t,v\n0,1\n1,1\n2,1\n")
-    assert refused(estimate, tmp_path, "--calibration", "none") == "none of the 2 recordings could be estimated"
-    assert "b.csv: the speed is constant" in refused(estimate, tmp_path / "b.csv", "--calibration", "none")
-    capsys.readouterr()
-    assert "line 3 has no number" in refused(estimate, tmp_path / "a.csv", "--calibration", "none", "--json")
-    (record,) = json.loads(capsys.readouterr().out)
-    assert "line 3 has no number" in record["error"]
 
 
 @pytest.mark.parametrize(

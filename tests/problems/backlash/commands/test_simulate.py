@@ -45,20 +45,6 @@ def test_every_option_reaches_the_simulation(command, tmp_path):
     np.testing.assert_allclose(pd.read_csv(path)["speed_rps"], made.speed, atol=1e-6)
 
 
-@pytest.mark.parametrize("bits", [None, 20])
-def test_a_sweep_is_recorded_from_rest(command, tmp_path, bits):
-    encoder = ("--encoder-bits", bits) if bits else ()
-    said = command(
-        simulate, tmp_path / "a.csv", "--level", 8, "--joint", written(tmp_path, speed_rps=20), "--sweep", 4.4,
-        "--start-angle", -2.2, "--duration", 1.4, *encoder,
-    )  # fmt: skip
-    settle = 0.002 if bits else 0.0
-    options = {"sweep": 4.4, "start_angle": -2.2, "duration": 1.4, "settle": settle, "encoder_bits": bits}
-    made = run(load_joint(speed_rps=20.0), half_gap=half_gap(8), **options)
-    np.testing.assert_allclose(pd.read_csv(tmp_path / "a.csv")["speed_rps"], made.speed, atol=1e-6)
-    assert said.endswith(f"peak disturbance {made.peak:.4f} rps at full speed\n")
-
-
 def test_noise_is_added_by_the_seed(command, tmp_path):
     def speed(name, *arguments):
         command(simulate, tmp_path / name, "--level", 3, "--duration", 0.4, *arguments)
@@ -68,14 +54,6 @@ def test_noise_is_added_by_the_seed(command, tmp_path):
     np.testing.assert_array_equal(speed("c.csv", "--noise", 0.3, "--seed", 1), first)
     assert np.abs(speed("d.csv", "--noise", 0.3, "--seed", 2) - first).max() > 0.1
     assert 0.27 < np.ptp(first - clean) <= 0.3
-
-
-def test_a_toml_file_is_given_the_joint_to_edit(command, tmp_path):
-    command(simulate, tmp_path / "joint.toml", "--joint", written(tmp_path, payload_kg=10, gravity_angle_deg=30))
-    joint = load_joint(tmp_path / "joint.toml")
-    assert joint == load_joint(payload_kg=10.0, gravity_angle_deg=30.0)
-    said = command(simulate, tmp_path / "a.csv", "--joint", tmp_path / "joint.toml", "--level", 3)
-    assert f"peak disturbance {run(joint, half_gap=half_gap(3)).peak:.4f} rps" in said
 
 
 def test_wear_writes_a_recording_a_month_and_the_truth(command, tmp_path):
@@ -108,16 +86,6 @@ def test_a_wear_curve_replaces_another_whole_and_only_when_forced(command, refus
     assert [path.name for path in tmp_path.iterdir()] == ["w"]
 
 
-def test_a_file_is_replaced_only_when_forced(command, refused, tmp_path):
-    (tmp_path / "a.csv").write_text("mine")
-    assert "is there already; choose another name, or replace it with --force" in refused(
-        simulate, tmp_path / "a.csv", "--level", 3
-    )
-    assert (tmp_path / "a.csv").read_text() == "mine"
-    command(simulate, tmp_path / "a.csv", "--level", 3, "--force", "--duration", 0.1)
-    assert len(pd.read_csv(tmp_path / "a.csv")) == 51
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -136,15 +104,3 @@ def test_wrong_input_is_one_sentence_and_writes_nothing(refused, tmp_path, monke
     monkeypatch.chdir(tmp_path)
     assert said in refused(simulate, *arguments)
     assert list(tmp_path.iterdir()) == []
-
-
-def vertical(place):
-    return written(place, gravity_angle_deg=0)
-
-
-def test_a_gap_that_friction_never_opens_is_named(command, tmp_path):
-    joint = written(tmp_path, viscous_friction=5)
-    said = command(simulate, tmp_path / "a.csv", "--half-gap", 0.001, "--joint", joint, "--duration", 0.4)
-    assert "friction of 544% of gravity's torque never opens the gap" in said
-    usual = command(simulate, tmp_path / "b.csv", "--half-gap", 0.001, "--joint", vertical(tmp_path), "--duration", 0.4)
-    assert "never opens" not in usual

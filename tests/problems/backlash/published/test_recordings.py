@@ -1,14 +1,11 @@
 """The authors' recordings as problems and as a study, and the published numbers beside them."""
 
-import re
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench import BenchError, Study, load_problem
 from problems.backlash.published import download as files
-from problems.backlash.published.family import CLEAN, ZIPS
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import fitting_errors
 from problems.backlash.report.figures import short
@@ -29,18 +26,6 @@ def load(published, monkeypatch):
             raise
 
     return of
-
-
-def test_the_registry_has_every_file_that_a_problem_needs_once():
-    known = files.registry()
-    clean = [f"Speeddata{level}.xlsx" for level in CLEAN]
-    zips = {noise: [f"Data_with_Noise_{number}.zip" for number in ZIPS[noise]] for noise in ZIPS}
-    assert set(known) == {*clean, *zips["low"], *zips["high"]}
-    assert set(list(known)[:11]) == set(clean)  # of a download that is broken off they are there first
-    assert len({file.sha256 for file in known.values()}) == 26
-    assert all(re.fullmatch("[0-9a-f]{64}", file.sha256) for file in known.values())
-    assert all(f"{noise.capitalize()} level" in known[name].path for noise in zips for name in zips[noise])
-    assert re.fullmatch("[0-9a-f]{40}", files.COMMIT)
 
 
 def test_the_shared_recordings_are_whole(published):
@@ -69,20 +54,6 @@ def test_a_noisy_recording_is_its_dataset_with_the_noise_of_its_level(load, leve
     assert np.ptp(added) == pytest.approx(peak_to_peak(level), rel=0.02)
 
 
-def test_the_first_row_of_the_noisy_dataset_1_is_passed_over(load):
-    problem = load("published:low-1-1")
-    assert len(problem.time) == 2401
-    assert problem.signal[0] + problem.mean_rps == pytest.approx(99.94454535)
-
-
-@pytest.mark.parametrize(
-    "name", ["published:low-6-2", "published:high-1-2", "published:low-1-21", "published:low-1-0", "published:03"]
-)
-def test_an_unknown_name_is_refused_with_the_known_ones(name):
-    with pytest.raises(BenchError, match=r"there is no published recording .*published:low-Z-K of zip Z = 1 … 5"):
-        load_problem(name)
-
-
 def test_without_the_files_problems_are_named_and_planned_but_not_loaded(monkeypatch, tmp_path):
     monkeypatch.setenv(files.VARIABLE, str(tmp_path))
     study = Study.load("published")
@@ -93,12 +64,6 @@ def test_without_the_files_problems_are_named_and_planned_but_not_loaded(monkeyp
         load_problem("published:high-11-02")
     with pytest.raises(BenchError, match="has no option 'units'"):
         load_problem("published-03", units="rpm")
-
-
-def test_the_study_is_the_thesis_s_on_other_problems():
-    ours, theirs = Study.load("published"), Study.load("thesis")
-    assert (ours.optimizers, ours.trials, ours.budget) == (theirs.optimizers, theirs.trials, theirs.budget)
-    assert {entry.options["unit"] for entry in ours.problems} == {"rpm"}
 
 
 def test_table_7_2_takes_the_published_recordings_for_its_datasets():

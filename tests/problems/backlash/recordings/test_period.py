@@ -9,7 +9,6 @@ from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.period import find_period, period_from_gear
 from problems.backlash.signature.datasets import dataset
-from tests.problems.backlash.cut import cut
 
 SAMPLE = 0.002
 
@@ -44,13 +43,6 @@ def test_the_period_is_made_whole_only_where_that_is_within_its_uncertainty():
     assert abs(between / (2 * SAMPLE) % 1 - 2 / 3) < 0.01
 
 
-def test_two_load_turns_are_enough():
-    for level in (2, 12, 20):
-        made = cut(noisy(level, dataset(level).speed, 3), 0.0, 0.8)
-        assert find_period(made) == pytest.approx(0.4, abs=SAMPLE)
-        assert find_period(cut(made, 0.0, 0.7)) is None or find_period(cut(made, 0.0, 0.7)) < 0.36
-
-
 def test_no_period_is_claimed_of_noise():
     rng = np.random.default_rng(0)
     for _ in range(20):
@@ -68,26 +60,6 @@ def test_a_signal_without_antiperiodicity_has_no_period():
     assert find_period(Recording(0.0, SAMPLE, 100 + turned)) == pytest.approx(0.8, abs=1e-4)
 
 
-def test_a_third_of_the_period_and_three_times_it_are_not_taken_for_it():
-    time = SAMPLE * np.arange(2401)
-    thirds = sum(np.sin(2 * pi * k * 2.5 * time) for k in (3, 9, 15)) + 0.3 * np.sin(2 * pi * 2.5 * time)
-    assert find_period(Recording(0.0, SAMPLE, 100 + thirds)) == pytest.approx(0.4, abs=1e-6)
-    sine = np.sin(2 * pi * 2.5 * time)
-    assert find_period(Recording(0.0, SAMPLE, 100 + sine)) == pytest.approx(0.4, abs=1e-6)
-
-
-def test_the_gear_ratio_gives_the_period_where_there_is_no_disturbance():
-    noise = np.random.default_rng(0).uniform(-0.1, 0.1, 2401)
-    assert period_from_gear(Recording(0.0, SAMPLE, -100 + noise), 40.0) == 0.4
-
-
 def test_the_published_recordings_have_the_notebook_s_period(published):
     for level in (3, 12):
         assert find_period(read(published / f"Speeddata{level}.xlsx")) == 0.4
-
-
-def test_a_long_recording_is_looked_at_in_part():
-    speed = np.tile(dataset(12).speed[:2400], 200)
-    assert find_period(Recording(0.0, SAMPLE, speed)) == 0.4
-    fine = np.repeat(dataset(12).speed, 20)
-    assert find_period(Recording(0.0, SAMPLE / 20, fine)) == pytest.approx(0.4, abs=SAMPLE / 12)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from problems.backlash.recordings import NoRecordingError, read, read_joints
+from problems.backlash.recordings import read_joints
 
 T = 0.002 * np.arange(50)
 SPEED = {"J4": 100 + T, "J5": 50 + T, "J6": 25 + T}
@@ -34,13 +34,6 @@ def test_each_joint_may_have_a_column(tmp_path):
         np.testing.assert_allclose(made[name].speed, speed)
 
 
-def test_each_joint_may_have_a_position(tmp_path):
-    path = tmp_path / "cell.csv"
-    pd.DataFrame({"time_s": T, "pos 1 [rev]": 100 * T, "pos 2 [rev]": 50 * T}).to_csv(path, index=False)
-    made = {name: recording().speed.mean() for name, recording in read_joints(path, joint_column="pos * [rev]")}
-    assert made == {"joint1": pytest.approx(100), "joint2": pytest.approx(50)}
-
-
 def test_a_joint_that_cannot_be_read_costs_no_other(tmp_path):
     path = tmp_path / "cell.csv"
     rows = [f"{name},{t:.3f},{'off' if name == 5 and t > 0.05 else 100 + t}" for name in (4, 5) for t in T]
@@ -60,25 +53,3 @@ def test_a_file_without_joints_has_one_without_a_name(tmp_path):
     for column in ("axis", "v_*"):
         with pytest.raises(BenchError, match="has no column"):
             read_joints(path, joint_column=column)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "Dear colleague,\nplease find the recordings attached\n",
-        "Joint 4 was greased on 2026-01-05.\nJoint 5 is next.\n",
-        "date;joint;action\n2026-01-05;J4;greased\n2026-02-05;J4;greased\n2026-03-05;J5;replaced\n",
-    ],
-)
-def test_a_text_without_samples_is_no_recording(tmp_path, text):
-    (tmp_path / "notes.txt").write_text(text)
-    with pytest.raises(NoRecordingError, match=r"notes\.txt"):
-        read(tmp_path / "notes.txt")
-
-
-@pytest.mark.parametrize("text", ["time,speed\n", "time,speed\n0,off\n1,off\n2,off\n"])
-def test_a_recording_without_samples_is_a_damaged_one(tmp_path, text):
-    (tmp_path / "a.csv").write_text(text)
-    with pytest.raises(BenchError) as caught:
-        read(tmp_path / "a.csv")
-    assert not isinstance(caught.value, NoRecordingError)

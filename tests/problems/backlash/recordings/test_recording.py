@@ -1,13 +1,11 @@
 """Reading speed and position recordings, in the shapes that loggers and spreadsheets write."""
 
-import sys
-
 import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, load_problem
-from problems.backlash.recordings import Recording, parse_window, read
+from bench import BenchError
+from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.screen import warnings
 
 T = 0.002 * np.arange(50)
@@ -67,13 +65,6 @@ def test_spreadsheets_and_parquet_are_read_by_their_headings(tmp_path, kind):
     assert (recording.dt, recording.unit) == (pytest.approx(0.002), "rpm")
 
 
-def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    (tmp_path / "a.parquet").touch()
-    with pytest.raises(BenchError, match=r"pip install 'backlash-bench\[parquet\]'"):
-        read(tmp_path / "a.parquet")
-
-
 @pytest.mark.parametrize(
     ("heading", "options", "said"),
     [
@@ -91,21 +82,6 @@ def test_what_no_heading_says_is_reported(tmp_path, heading, options, said):
     notes = [note for note in warnings(made) if "the reader took" in note]
     assert len(notes) == len(said)
     assert all(part in note for part, note in zip(said, notes, strict=True))
-
-
-def test_columns_are_named_or_numbered(tmp_path):
-    path = write(tmp_path, "clock,first speed [rpm],second speed [rpm]\n" + rows(T, 60 * V, 30 * V))
-    for options in ({"speed": "Second Speed"}, {"speed": "second speed [rpm]"}, {"speed": 3}, {"speed": "3"}):
-        np.testing.assert_allclose(read(path, **options).speed, V / 2, rtol=1e-7)
-    np.testing.assert_allclose(read(path, speed=3, unit="rps").speed, 30 * V, rtol=1e-7)
-    below = write(tmp_path, "clock,speed,speed 2\ns,rpm,rpm\n" + rows(T, 60 * V, 30 * V), "b.csv")
-    np.testing.assert_allclose(read(below, speed="speed 2").speed, V / 2, rtol=1e-7)
-    with pytest.raises(
-        BenchError, match=r"the speed may be 'first speed .rpm.' or 'second speed .rpm.'; name it \(--speed"
-    ):
-        read(path)
-    with pytest.raises(BenchError, match=r"no column 'clok'; did you mean 'clock'.; its columns are clock, first"):
-        read(path, speed="clok")
 
 
 @pytest.mark.parametrize(("unit", "turn"), [("rev", 1.0), ("rad", 2 * np.pi), ("deg", 360.0)])
@@ -132,12 +108,6 @@ def test_samples_of_one_time_stamp_are_averaged_and_the_note_says_so(tmp_path):
     assert (recording.start, recording.assumed) == (
         0.0, "1 time stamp is repeated, and samples of one time stamp were averaged",
     )  # fmt: skip
-
-
-def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
-    t = 0.002 * np.arange(1000)
-    path = write(tmp_path, "time_s,speed_rpm\n" + rows(t, 6000 + 30 * np.sin(2 * np.pi * 2.5 * t)))
-    assert load_problem(f"recording:{path}").mean_rps == pytest.approx(100, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -170,22 +140,6 @@ def test_a_file_that_cannot_be_read_is_reported_in_one_sentence(tmp_path, text, 
         read(write(tmp_path, text), **options)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_spreadsheet_s_line_without_a_number_is_named(tmp_path):
-    path = tmp_path / "a.xlsx"
-    pd.DataFrame({"time": T, "speed": [*V[:7], "NA", *V[8:]]}).to_excel(path, index=False)
-    with pytest.raises(BenchError, match="line 9 has no number in column 'speed'; fix"):
-        read(path)
-
-
-def test_a_window_is_typed_with_a_colon():
-    assert parse_window("18.99:20.11") == (18.99, 20.11)
-    assert parse_window("2:") == (2.0, None)
-    assert parse_window(":10") == (None, 10.0)
-    for text in ("3", "a:b", "1:nan", "1:2:3", "5:2", "5:5"):
-        with pytest.raises(BenchError, match="give it in s as begin:end"):
-            parse_window(text)
 
 
 def test_a_motor_that_turns_backwards_gives_the_mirrored_signature(tmp_path):
@@ -229,15 +183,6 @@ def test_dates_and_times_count_from_the_first_sample(tmp_path, first, stamp, kin
     assert recording.assumed == f"time counts from {at[0]}"
 
 
-def test_times_of_spreadsheets_and_parquet_are_read_as_they_are(tmp_path):
-    table = pd.DataFrame({"time": pd.Timestamp("2026-06-01 12:00") + pd.to_timedelta(T, "s"), "speed_rps": V})
-    table.to_excel(tmp_path / "a.xlsx", index=False)
-    table.to_parquet(tmp_path / "a.parquet")
-    for name in ("a.xlsx", "a.parquet"):
-        recording = read(tmp_path / name)
-        assert (recording.start, recording.dt) == (0.0, pytest.approx(0.002, rel=1e-9))
-
-
 @pytest.mark.parametrize(
     "preamble",
     [
@@ -260,17 +205,6 @@ SMOOTH = 100 + 0.5 * np.sin(40 * LONG)
 HEADING = "time_s,speed_rps\n"
 
 
-def test_what_is_damaged_outside_the_window_costs_nothing(tmp_path):
-    speed = SMOOTH.copy()
-    speed[:100] = np.nan
-    path = write(tmp_path, HEADING + rows(np.append(LONG, 9.0), np.append(speed, 7.0)))
-    np.testing.assert_allclose(read(path, window=(0.2, 1.9)).speed, SMOOTH[100:951], atol=1e-6)
-    with pytest.raises(BenchError, match="line 2 has no number in column 'speed_rps'; fix or cut it, or take a part"):
-        read(path)
-    with pytest.raises(BenchError, match=r"window 5:6 holds 0 samples, .* lasts from 0 to 9 s"):
-        read(path, window=(5.0, 6.0))
-
-
 @pytest.mark.parametrize("lost", [[17], [17, 18, 300, 700], [500]])
 def test_few_missing_samples_are_filled_in_with_a_note(tmp_path, lost):
     path = write(tmp_path, HEADING + rows(np.delete(LONG, lost), np.delete(SMOOTH, lost)))
@@ -280,14 +214,6 @@ def test_few_missing_samples_are_filled_in_with_a_note(tmp_path, lost):
     cells = [f"{t:.6f},{'' if i in lost else f'{v:.6f}'}" for i, (t, v) in enumerate(zip(LONG, SMOOTH, strict=True))]
     empty = read(write(tmp_path, HEADING + "\n".join(cells), "empty.csv"))
     np.testing.assert_allclose(empty.speed, recording.speed, rtol=1e-12)
-
-
-@pytest.mark.parametrize("lost", [range(100, 112), range(0, 1000, 50), range(300, 306)])
-def test_many_missing_samples_or_a_long_gap_are_refused_with_the_line(tmp_path, lost):
-    lost = [i for i in lost if i]
-    path = write(tmp_path, HEADING + rows(np.delete(LONG, lost), np.delete(SMOOTH, lost)))
-    with pytest.raises(BenchError, match=f"line {lost[0] + 2}: time is not uniform in column 'time_s': steps of"):
-        read(path)
 
 
 def test_jitter_is_resampled_with_a_note(tmp_path):

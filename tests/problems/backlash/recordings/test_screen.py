@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from bench import BenchError
-from problems.backlash.joint import half_gap, simulate
 from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.screen import screen, steady_window, warnings
 from problems.backlash.signature.datasets import dataset
@@ -40,14 +39,6 @@ def test_a_good_recording_passes_however_it_is_noisy_rounded_or_cut(level):
     assert warnings(recording(speed), period=0.4) == []
 
 
-@pytest.mark.parametrize("level", [0, 1, 2, 7, 20])
-def test_a_recording_through_an_encoder_or_of_five_digits_passes(level):
-    gap = half_gap(level) if level else 0.0
-    screen(recording(digits(simulate(half_gap=gap).speed, 5)), period=0.4)
-    for bits in range(12, 21, 2):
-        screen(recording(simulate(half_gap=gap, encoder_bits=bits).speed), period=0.4)
-
-
 def test_the_published_recordings_pass(published):
     for level in (3, 5, 8, 11, 12):
         made = read(published / f"Speeddata{level}.xlsx")
@@ -66,23 +57,6 @@ def test_a_clipped_peak_is_seen(side, speed, part):
     where = "highest" if side > 0 else "lowest"
     with pytest.raises(BenchError, match=rf"clipped: \d+ samples lie in flat runs at its {where} value"):
         screen(made)
-
-
-def test_rounded_noise_is_not_taken_for_clipping():
-    rng = np.random.default_rng(1)
-    speed = np.round(20 * (100 + rng.uniform(-0.5, 0.5, 2401))) / 20
-    for first in (100, 200):  # chance gives such runs, among many values that are nearly as high
-        speed[first : first + 3], speed[[first - 1, first + 3]] = speed.max(), 100.0
-    screen(recording(speed))
-    for step in (0.001, 0.01, 0.03, 0.05, 0.1, 0.2):
-        for _ in range(10):
-            screen(recording(np.round((100 + rng.uniform(-0.25, 0.25, 2401)) / step) * step))
-
-
-def test_a_speed_that_no_motor_has_is_refused():
-    with pytest.raises(BenchError, match=r"6000\.\d+ rps is more than a motor has; say in which unit"):
-        screen(recording(60 * S))
-    screen(recording(S / 2))
 
 
 RAMP = np.linspace(0, 99, 300)
@@ -130,27 +104,6 @@ def test_other_defects_are_reported_in_one_sentence(made, options, message):
         screen(made, **options)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
-    speed = S.copy()
-    speed[1000] = 0.0
-    screen(recording(speed), period=0.4)
-    assert warnings(recording(speed)) == ["1 lone sample sticks far out, the first at 2 s"]
-
-
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        (recording(S + T / 2), "the mean speed drifts by 2.39"),
-        (recording(S[:500]), "the recording holds 2.4 load turns"),
-        (recording(simulate(half_gap=half_gap(3), encoder_bits=12).speed), "the speed comes in steps of 0.122 rps"),
-        (recording(S - 15 * np.exp(-T / 0.1)), "steady at the ends; think of --window 0."),
-    ],
-)
-def test_what_is_not_an_error_is_a_warning(made, message):
-    screen(made, period=0.4)
-    assert any(message in sentence for sentence in warnings(made, period=0.4))
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.4])

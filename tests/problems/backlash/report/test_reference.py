@@ -11,7 +11,6 @@ from bench.topics import Findings, repairing
 from problems.backlash.report import shares
 from problems.backlash.report import units as on_backlash
 from tests.bench import reports
-from tests.bench.storage.filled import change_data
 
 CMA, GWO = Entry("cma-es", "cma", {"handling": "box"}), Entry("gwo", "wolves")
 FAILED = math.inf
@@ -70,14 +69,6 @@ def test_a_trial_is_measured_against_the_best_fit_under_what_it_ran_under(tmp_pa
 )  # fmt: skip
 def test_who_kept_to_the_constraints_is_told_by_the_handling_also_without_the_plug_in(entry, constrained):
     assert repairing(Study("s", (), (entry,))) == {entry.label: constrained}
-
-
-def test_a_problem_whose_data_changed_is_left_out(tmp_path):
-    make(tmp_path / "s", {"cma": [1.0], "wolves": [1.0]})
-    change_data(tmp_path / "s", {"set 3": "of other data"})
-    shown = section(Results(tmp_path / "s"))
-    assert table(shown)["best fit found %"].tolist() == [100, 100]
-    assert "The expected values of set 3 are not known" in shown.lines[0].text
 
 
 def test_the_first_screen_has_the_shares_of_the_best_fit_and_of_amplitude_and_gap_within_their_bands(tmp_path):

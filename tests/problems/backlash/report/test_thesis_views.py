@@ -13,10 +13,9 @@ from bench.report import Table
 from bench.report.write import save_figure
 from bench.study import Entry, Study
 from bench.topics import Findings
-from problems.backlash.report import accuracy, fitting_errors, sections
+from problems.backlash.report import fitting_errors, sections
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
 from tests.bench.reports import FAILED, ended, store
-from tests.bench.storage.filled import change_data
 
 SWARMS = ("alo", "goa", "da", "gwo")
 
@@ -81,14 +80,6 @@ def printed(results):
     return " ".join(said), shown
 
 
-def test_the_published_table_is_whole():
-    published = fitting_errors.published()
-    assert list(published.index) == list(range(3, 21))
-    assert list(published.columns) == list(SWARMS)
-    assert published.notna().all(axis=None)
-    assert published.sum().round(3).to_dict() == {"alo": 157.121, "goa": 259.768, "da": 223.586, "gwo": 136.255}
-
-
 def test_table_7_2_has_the_thesis_columns_in_order_by_plugin_name(tmp_path):
     _, shown = printed(make(tmp_path / "s", optimizers=("cma-es", "gwo", "da", "random-search", "goa", "alo")))
     swarms = ["ALO", "GOA", "DA", "GWO"]
@@ -113,31 +104,10 @@ def test_exact_reproduction_is_said_in_words(tmp_path):
     assert not (shown.marks == "≠").any(axis=None)
 
 
-def test_much_larger_means_differ_from_the_published_ones(tmp_path):
-    said, shown = printed(make(tmp_path / "s", factor=5, trials=30))
-    assert "8 of 8 cells differ, tested at 5% over the table: f3 (ALO higher, " in said
-    assert (shown.marks[["ALO", "GOA", "DA", "GWO"]] == "≠").all(axis=None)
-
-
-def test_another_budget_cannot_be_judged(tmp_path):
-    said, _ = printed(make(tmp_path / "s", budget=1000))
-    assert "None of 8 cells can be judged." in said
-    assert "Not judged: f3, ALO (line 12) and 7 more cells: the results have another budget." in said
-
-
 def test_a_failed_trial_leaves_its_cell_without_a_mean(tmp_path):
     said, shown = printed(make(tmp_path / "s", fail=[("signature-03", "my alo", 0)]))
     assert np.isnan(shown.frame.at[3, "ALO"])
     assert "Not judged: f3, ALO (line 12): 1 of its 6 trials failed." in said
-
-
-@pytest.mark.parametrize(
-    "change", [{"name": "my-study"}, {"optimizers": ("gwo",)}, {"optimizers": ("gwo", "cma-es"), "trials": 1}]
-)
-def test_smaller_studies_have_what_they_can(tmp_path, change):
-    said, shown = printed(make(tmp_path / "s", **change))
-    assert shown.frame["GWO"].notna().all()
-    assert ("cells" in said) == ("name" not in change)
 
 
 def test_the_pairs_that_a_test_distinguishes_are_counted_where_one_can():
@@ -181,22 +151,6 @@ def test_the_bands_are_half_of_delta_a_and_delta_delta():
     assert pytest.approx(0.0002 / 2) == TOLERANCE_RAD
 
 
-def test_the_simulated_datasets_have_steps_like_the_thesis_s():
-    steps = np.diff([truth(level)["amplitude_rpm"] for level in range(3, 21)])
-    assert steps.min() == pytest.approx(2 * TOLERANCE_RPM, rel=0.05)
-
-
-def test_data_that_changed_is_said_and_left_out(tmp_path):
-    make(tmp_path / "s")
-    change_data(tmp_path / "s", {"signature-03": "of other data"})
-    results = Results(tmp_path / "s")
-    (line,) = view(results).lines
-    assert line.text.startswith("The expected values of signature-03 are not known here and left out: the data of")
-    assert set(table(results, "figure-7-3").data["problem"]) == {"signature-04"}
-    data = table(results, "figure-7-4").data
-    assert data.groupby("problem", observed=True)["expected"].count().tolist() == [0, 30]
-
-
 def recorded(folder, level=5):
     """Write a study on a user's own recording, of which no truth is known."""
     problem = load_problem(f"signature-{level:02d}")
@@ -213,21 +167,6 @@ def test_without_a_truth_there_are_figures_of_the_amplitude_but_no_errors(tmp_pa
     assert list(table(results, "found").frame) == ["ran under", "best fit found %", "median regret %"]
     assert "amplitude" not in words(results)
     assert not view(results).lines
-
-
-def test_only_problems_with_the_figure_are_estimated():
-    frame = pd.DataFrame(
-        {
-            "problem": pd.Categorical(["a", "b", "b", "c"], categories=["c", "b", "a"]),
-            "optimizer": pd.Categorical(["o"] * 4), "trial": [0, 0, 1, 0], "status": ["ok", "ok", "failed", "failed"],
-            "amplitude_rpm": [None, 5.0, None, None],
-        }
-    )  # fmt: skip
-    truths = pd.DataFrame([("b", "amplitude_rpm", 6.0, 1.0)], columns=["problem", "figure", "expected", "tolerance"])
-    data = accuracy.estimates(frame, truths, "amplitude_rpm")
-    assert list(data["problem"].cat.categories) == ["b"]
-    assert data["error"].tolist() == pytest.approx([-1.0, np.nan], nan_ok=True)
-    assert data["within"].tolist() == [True, False]
 
 
 @pytest.mark.sampled(1)

@@ -10,20 +10,12 @@ import pytest
 from bench.errors import BenchError
 from problems.backlash.joint.writing import write_recording
 from problems.backlash.recordings import read_joints
-from problems.backlash.sensor.batch import FEW, Estimated, Failed, estimate_files
+from problems.backlash.sensor.batch import FEW, Failed, estimate_files
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.signature.datasets import noisy
 from tests.problems.backlash.cut import cut
 
 NONE = Settings(calibration=None, resamples=0)
-
-
-def read(path):
-    if path.stem == "bad":
-        raise BenchError(f"recording {path} is bad")
-    if path.stem == "odd":
-        raise BenchError("it is odd")
-    return [("", partial(recording, path))]
 
 
 def recording(path):
@@ -37,20 +29,6 @@ def paths(tmp_path):
     for path in made:
         write_recording(path, (part := recording(path)).time, part.speed)
     return made
-
-
-def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence():
-    paths = [Path("bad.csv"), Path("5.csv"), Path("odd.csv")]
-    (bad,), (good,), (odd,) = estimate_files(paths, read, NONE)
-    assert (bad, odd) == (Failed(paths[0], "recording bad.csv is bad"), Failed(paths[2], "odd.csv: it is odd"))
-    assert isinstance(good, Estimated)
-    assert good.path == paths[1]
-
-
-@pytest.mark.parametrize("jobs", [0, -2, 1.5])
-def test_without_a_worker_there_is_no_estimate(jobs):
-    with pytest.raises(BenchError, match="jobs must be a whole number from 1 to 1000, or -1 for every core"):
-        estimate_files([Path("5.csv")], read, NONE, n_jobs=jobs)
 
 
 def content(outcome):

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench import BenchError
 from problems.backlash.sensor import page
 from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Settings
@@ -49,18 +48,6 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     assert text.count("Recording, fit and residual of") >= 4
     assert "Download" not in text
     assert not read.links
-
-
-def test_without_an_estimate_or_a_place_it_says_so(make_estimate, tmp_path):
-    failed = [Failed(Path("bad.csv"), "no")]
-    path = page.write(tmp_path / "page.html", failed, ["bad.csv"], [], Settings())
-    assert "0 joints, 0 with progressed backlash at last; 1 recording, 1 not estimated." in path.read_text(
-        encoding="utf-8"
-    )
-    hidden = Estimated(Path("a.csv"), make_estimate(math.nan, interval_rad=(np.nan, np.nan)))
-    assert page.write(tmp_path / "page.html", [hidden], ["a.csv"], joints_of([hidden], Settings()), Settings()).exists()
-    with pytest.raises(BenchError, match="cannot be written"):
-        page.write(tmp_path / "no" / "page.html", failed, ["bad.csv"], [], Settings())
 
 
 @pytest.mark.parametrize(

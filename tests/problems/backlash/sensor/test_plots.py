@@ -1,15 +1,13 @@
 """The pictures show what was estimated, in the kind of file asked for."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.plots import check_output, fit_figure, save_figures, trend_figure
+from problems.backlash.sensor.plots import fit_figure, save_figures, trend_figure
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import trend
 
@@ -45,14 +43,6 @@ def test_the_fit_its_half_turn_and_the_rest_are_drawn(make_estimate):
     assert 0.4 < fine.get_ydata().max() == fine.get_ydata()[np.abs(fine.get_ydata()).argmax()]
 
 
-def test_of_a_single_oscillation_the_samples_about_it_are_drawn(make_estimate):
-    middle = fit_figure(make_estimate(), single=True).axes[1]
-    assert middle.get_xlim() == pytest.approx((0.0, 0.33))
-    samples, fine = middle.get_lines()
-    assert len(samples.get_xdata()) == 166
-    assert np.interp(0.07, *fine.get_data()) == pytest.approx(np.interp(0.07, *samples.get_data()), abs=1e-3)
-
-
 def test_each_joint_is_drawn_with_intervals_and_the_limit(trends):
     growing, still = trends("joint4", np.linspace(0.001, 0.0018, 8)), trends("joint5", [0.001, 0.0011, 0.001])
     (ax,) = trend_figure([growing, still], limit_rad=0.0021).axes
@@ -63,19 +53,6 @@ def test_each_joint_is_drawn_with_intervals_and_the_limit(trends):
     assert len([line for line in ax.get_lines() if line.get_linestyle() == "--" and len(line.get_xdata())]) == 1
     (legend,) = ax.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["joint4", "joint5", "trend", "limit"]
-
-
-def test_joints_whose_times_are_of_other_kinds_have_panels_of_their_own(trends, make_estimate):
-    amplitude = trend(
-        Series("c", (0, 1), np.array([1.0, 2.0]), "file"),
-        [make_estimate(math.nan, amplitude_rps=each, amplitude_interval_rps=(each, math.nan)) for each in (1.0, 2.0)],
-        limit_rad=0.0021,
-    )  # fmt: skip
-    figure = trend_figure([trends("a", [0.001, 0.002]), trends("b", [0.001, 0.002], "number"), amplitude], limit_rad=1)
-    figure.draw_without_rendering()
-    assert [ax.get_xlabel() for ax in figure.axes] == ["month", "number in the file's name", "recording"]
-    assert [ax.get_ylabel() for ax in figure.axes] == 2 * ["half-gap δ in mrad"] + ["amplitude A in rps"]
-    assert not lines(figure.axes[2], "limit")
 
 
 @pytest.mark.slow
@@ -93,13 +70,3 @@ def test_files_and_folders_are_written_and_the_same_estimate_gives_the_same_file
     assert save_figures(tmp_path / "c.svg", outcomes, [], NONE, alone=False) == []
     assert save_figures(tmp_path / "c.svg", outcomes[:1], [], NONE, alone=True) == [tmp_path / "c.svg"]
     assert (tmp_path / "c.svg").read_bytes() == made[0].read_bytes()
-
-
-def test_what_is_no_picture_is_refused_before_anything_is_estimated(tmp_path):
-    (tmp_path / "text").touch()
-    for name, said in (("a.jpg", "must end in"), ("text", "is a file without"), ("none/a.svg", "there is no folder")):
-        with pytest.raises(BenchError, match=said):
-            check_output(tmp_path / name)
-    check_output(tmp_path)
-    check_output(tmp_path / "new")
-    check_output(tmp_path / "a.svg")

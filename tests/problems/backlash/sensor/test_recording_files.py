@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from problems.backlash.sensor.recording_files import find, natural, series
+from problems.backlash.sensor.recording_files import find, series
 
 
 def series_of(*names):
@@ -24,20 +24,6 @@ def test_a_folder_is_the_recordings_in_it_and_in_its_subfolders_but_no_truth(tmp
     paths, remarks = find([tmp_path])
     assert [path.relative_to(tmp_path).as_posix() for path in paths] == ["a2.xlsx", "a10.csv", "j5/a1.parquet"]
     assert remarks == [f"{tmp_path / 'truth.csv'} is no recording but a wear curve's truth; it was left out"]
-
-
-def test_a_pattern_is_the_files_that_match_it_and_no_file_is_taken_twice(tmp_path, monkeypatch):
-    for name in ("a10.csv", "a2.csv", "b[1].csv"):
-        (tmp_path / name).touch()
-    monkeypatch.chdir(tmp_path)
-    assert find(["a*.csv", "a2.csv", "b[1].csv"])[0] == [Path("a2.csv"), Path("a10.csv"), Path("b[1].csv")]
-    assert find([tmp_path / "a?.csv"])[0] == [tmp_path / "a2.csv"]
-    assert find(["missing.csv"])[0] == [Path("missing.csv")]  # the reader reports it
-
-
-def test_names_are_sorted_as_a_person_does():
-    names = ["A3.csv", "a20.csv", "b.csv", "b/a2.csv", "b/a10.csv"]
-    assert sorted(map(Path, sorted(names)), key=natural) == list(map(Path, names))
 
 
 @pytest.mark.parametrize(
@@ -70,10 +56,3 @@ def test_joints_are_told_apart_and_each_is_in_the_order_of_time():
         ("joint4", "month", [(names[2], "2024-01-15"), (names[1], "2024-02-15")]),
     ]
     assert series([Path("2024-01.csv"), Path("2024-03-16T1200.csv")])[0].at.tolist() == [24288, 24290.5]
-
-
-def test_a_subfolder_is_a_joint_of_its_own():
-    assert series_of("j4/1.csv", "j5/1.csv", "j4/2.csv") == [
-        ("j4", "number", [("j4/1.csv", "1"), ("j4/2.csv", "2")]),
-        ("j5", "number", [("j5/1.csv", "1")]),
-    ]

@@ -37,19 +37,6 @@ def test_the_slope_is_the_median_of_all_pairs_slopes_and_the_p_value_is_kendalls
     assert line.reaches(6.0, slope=-1.0) == math.inf
 
 
-def test_a_slope_takes_three_recordings_of_different_times(trend_of):
-    assert fit_line(np.arange(2.0), np.arange(2.0)) is None
-    assert fit_line(np.zeros(5), np.arange(5.0)) is None
-    two = trend_of(GAPS[:2])
-    assert (two.line, two.significant, two.reached) == (None, False, None)
-    assert two.change == pytest.approx(0.0001)
-
-
-def test_the_change_has_an_interval_by_those_of_its_ends(trend_of):
-    made = trend_of([0.001, 0.002], width=0.0003)
-    assert made.change_interval == pytest.approx((0.001 - 0.0003 * 2**0.5, 0.001 + 0.0003 * 2**0.5))
-
-
 def test_growth_is_significant_and_its_limit_is_foreseen_with_a_range(trend_of):
     made = trend_of(GAPS)
     assert made.significant
@@ -79,15 +66,3 @@ def test_the_later_half_foretells_the_limit_of_wear_that_runs_in_fast(trend_of):
     made = trend_of(gaps[:13])
     assert made.latest == 7
     assert abs(made.reached[0] - true) < 3 < true - made.line.reaches(0.0021)
-
-
-def test_where_a_recording_has_no_backlash_figure_the_amplitude_is_followed(trend_of, make_estimate):
-    estimates = [
-        make_estimate(0.001),
-        make_estimate(0.002),
-        make_estimate(math.nan, amplitude_rps=1.9, amplitude_interval_rps=(1.8, 2.0)),
-    ]
-    made = trend(Series("", (0, 1, 2), np.arange(3.0), "month"), estimates, limit_rad=0.0015)
-    assert made.quantity == "amplitude"
-    assert made.values == pytest.approx([0.6, 1.2, 1.9])
-    assert (made.since, made.reached) == (None, None)

@@ -7,14 +7,12 @@ import pytest
 
 from bench.errors import BenchError
 from problems.backlash.joint import Joint, half_gap
-from problems.backlash.signature import figures
 from problems.backlash.signature.calibration import (
     EQUATION_4_7,
     Calibration,
     calibrate,
     default_calibration,
     load_calibration,
-    polynomial,
     sensor_calibration,
 )
 
@@ -46,12 +44,6 @@ def test_the_thesis_s_joint_and_levels_give_equation_4_7(made):
     np.testing.assert_allclose(cubic, identified, atol=6e-7)
 
 
-def test_a_cubic_is_printed_as_in_the_thesis(made):
-    assert polynomial(EQUATION_4_7) == "-0.0018 A^3 + 0.4323 A^2 + 9.2524 A + 34.0313"
-    assert polynomial([1, -2, 3, -4]) == "1.0000 A^3 - 2.0000 A^2 + 3.0000 A - 4.0000"
-    assert made.formula() == f"delta = 1e-6 ({polynomial(made.coefficients)}) rad, A in rpm"
-
-
 def test_outside_its_range_a_calibration_returns_nan():
     made = pairs([1, 2, 4, 7])
     assert made.range == (1.0, 7.0)
@@ -69,15 +61,6 @@ def test_the_stored_default_calibration_is_that_of_the_simulator():
     np.testing.assert_allclose(stored.amplitude, made.amplitude, rtol=1e-9)  # the last digits are the machine's
     assert stored.gear_ratio == made.gear_ratio
     assert (stored.speed_rps, stored.friction) == (made.speed_rps, made.friction)
-
-
-def test_a_calibration_comes_back_from_its_file(tmp_path):
-    made = calibrate(Joint(), LEVELS[:5])
-    made.save(tmp_path / "a.toml")
-    again = load_calibration(tmp_path / "a.toml")
-    assert again.name == made.name
-    for amplitude in np.linspace(*made.range, 20):
-        assert again.backlash(amplitude) == made.backlash(amplitude)
 
 
 def test_a_fitted_amplitude_gives_the_peak_that_it_was_fitted_to(tmp_path):
@@ -148,40 +131,6 @@ def test_the_advice_names_half_gaps_whose_amplitudes_no_larger_one_has_again():
         with pytest.raises(BenchError) as caught:
             pairs(amplitude, gaps)
         assert str(caught.value).endswith(advice)
-
-
-def test_without_gravity_there_is_nothing_to_calibrate():
-    for joint in (Joint(gravity_torque=0.0), Joint(gravity_torque=0.01)):
-        with pytest.raises(BenchError, match=r"gravity_torque = .* stays below 0.06 rpm whatever the half-gap"):
-            calibrate(joint, LEVELS[:2])
-
-
-def test_gaps_at_which_the_amplitude_falls_are_named():
-    with pytest.raises(BenchError, match=r"after the half-gap of 0.0059 rad the amplitude does not grow"):
-        calibrate(Joint(load_inertia=0.866, gravity_torque=28.9), [0.0021, 0.0059, 0.008])
-
-
-def test_the_figures_show_the_pairs_and_the_thesis_s_cubic(tmp_path, made):
-    paths = figures.save_figures(tmp_path / "new", Joint(), made)
-    assert [path.stem for path in paths] == ["stiffness", "signals", "disturbances", "calibration"]
-    assert all("<svg" in path.read_text()[:500] for path in paths)
-    first = [path.read_bytes() for path in paths]
-    assert [path.read_bytes() for path in figures.save_figures(tmp_path / "new", Joint(), made)] == first
-
-    speed = figures.signals(Joint(), 0.001).axes[1]
-    assert [np.ptp(line.get_ydata()) > 1 for line in speed.lines] == [False, True]
-    inside, outside = (
-        np.interp(at, *figures.stiffness(Joint(), [0.001]).axes[0].lines[0].get_data()) for at in (0, 1200)
-    )
-    assert inside < 250
-    assert outside == pytest.approx(Joint().stiffness, rel=0.01)
-
-    curve = figures.calibration_curve(made, thesis=True).axes[0]
-    assert [line.get_label() for line in curve.lines] == ["eq. 4.7 of the thesis", "calibration", "simulated"]
-    assert len(figures.calibration_curve(made).axes[0].lines) == 2
-    turn = figures.disturbances(Joint(), LEVELS[:2]).axes[0]
-    peaks = [60 * line.get_ydata().max() for line in turn.lines]
-    assert peaks == pytest.approx(made.amplitude[:2], rel=2e-3)
 
 
 def test_a_calibration_holds_for_its_joint_s_friction(tmp_path):

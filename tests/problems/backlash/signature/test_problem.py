@@ -1,8 +1,6 @@
 """The signature as a problem, its datasets and their cache, and a user's own recordings."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -13,17 +11,6 @@ from problems.backlash.joint import half_gap
 from problems.backlash.signature import datasets
 from problems.backlash.signature.calibration import EQUATION_4_7, default_calibration
 from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES
-
-
-def write(path, time, speed, header="time_s,speed_rps"):
-    lines = [header] if header else []
-    path.write_text("\n".join([*lines, *(f"{t:.9g},{v:.9g}" for t, v in zip(time, speed, strict=True))]) + "\n")
-    return f"recording:{path}"
-
-
-def signal(n=2401, dt=0.002):
-    t = dt * np.arange(n)
-    return t, 100 + 0.5 * np.sin(2 * np.pi * 2.5 * t)
 
 
 def test_the_box_is_table_7_1():
@@ -40,28 +27,11 @@ def test_the_box_is_table_7_1():
     assert narrow.upper[0] == pytest.approx(half)
 
 
-@pytest.mark.parametrize(("turns", "last"), [(0.5, 0.2), (1, 0.4), (100, 4.8)])
-def test_t0_can_be_kept_within_the_first_load_turns(turns, last):
-    problem = load_problem("signature-12", t0_turns=turns)
-    bounds = load_problem("signature-12").upper.copy()
-    bounds[1] = last
-    np.testing.assert_allclose(problem.upper, bounds, rtol=1e-12)
-    assert problem.lower[1] <= problem.reference().x[1] <= last
-
-
 def test_a_reference_fit_keeps_a_bound_of_t0_that_excludes_the_best_one():
     problem, free = (load_problem("noisy-09", **options) for options in ({"t0_turns": 0.1}, {}))
     assert free.reference().x[1] > problem.upper[1]
     assert problem.reference().x[1] <= problem.upper[1]
     assert problem.reference().value > free.reference().value
-
-
-def test_rpm_is_sixty_times_rps():
-    rps, rpm = load_problem("signature-05"), load_problem("signature-05", unit="rpm")
-    x = np.random.default_rng(0).uniform(rps.lower, rps.upper, (50, 7))
-    scaled = x * [60, 1, 1, 1, 60, 1, 1]
-    np.testing.assert_allclose(rpm.evaluate(scaled), 60 * rps.evaluate(x), rtol=1e-12)
-    assert rpm.describe(scaled[0])["amplitude_rpm"] == pytest.approx(rps.describe(x[0])["amplitude_rpm"])
 
 
 def test_describe_gives_amplitude_error_and_backlash():
@@ -116,20 +86,6 @@ def test_cma_es_on_the_published_dataset_12_looks_like_the_authors_runs(publishe
     assert ks_2samp(np.round(ours, 10), np.round(theirs, 10), method="exact").pvalue > 0.05
     assert min(ours) == pytest.approx(min(theirs), abs=1e-12)
     assert np.isclose(ours, 0.15903887218, atol=1e-9).sum() >= 5
-
-
-def test_a_fit_needs_no_import_that_takes_longer_than_the_fit():
-    code = """if True:
-        import sys, bench
-        from problems.backlash.signature.families import noisy, signature
-        from problems.backlash.published.family import published
-        names = signature.names(), noisy.names(), published.names()
-        assert not {"numba", "scipy", "pandas"} & sys.modules.keys()
-        problem = bench.load_problem("signature-12")
-        problem.describe(problem.repair(problem.lower[None])[0])
-        print(*{"pandas", "python_calamine", "scipy.ndimage", "scipy.stats"} & sys.modules.keys())
-    """
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "\n"
 
 
 class TestConstrained:

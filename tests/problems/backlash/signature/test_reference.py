@@ -12,8 +12,8 @@ from problems.backlash.signature import model
 from problems.backlash.signature.datasets import noisy
 from problems.backlash.signature.kernel import fold
 from problems.backlash.signature.problem import SignatureFit
-from problems.backlash.signature.projection import fold_sums, limits, weights
-from problems.backlash.signature.reference import _ceiling, _places
+from problems.backlash.signature.projection import fold_sums, weights
+from problems.backlash.signature.reference import _ceiling
 
 X = np.array([-0.9, 0.0153, 15.5, 134.0, 0.02, 0.0107, 0.19])
 CLOSE = 1e-7  # rps
@@ -95,16 +95,6 @@ def test_a_period_between_samples_is_fitted_as_well_as_by_long_runs():
     assert best_run(problem, constrained=False) >= found.value - CLOSE
 
 
-@pytest.mark.parametrize(
-    ("period", "turns", "count"), [(0.39, 12, 2), (0.4068, 12, 10), (0.4068, 100_000, 10), (0.41113, 50, 24)]
-)
-def test_places_between_samples_are_those_of_the_recording_s_half_turns_and_not_too_many(period, turns, count):
-    folded = fold(np.zeros(10_000), start=0.0, dt=0.002, period=period, replicas=2 * turns)
-    places = _places(folded)
-    assert len(places) == count
-    assert ((places >= 0) & (places < 0.002)).all()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("period", [0.3, 0.2, 0.1])
 def test_windows_that_may_overlap_are_exhausted_too(period):
@@ -157,15 +147,6 @@ def test_weights_are_the_best_of_their_cone():
         z = np.where(rng.random(3000) < 0.5, 1.0, -1.0) * size * np.array([np.cos(angle), np.sin(angle)])
         others = 2 * right @ z - np.einsum("in,ij,jn->n", z, square, z)
         assert others.max() <= energy + 1e-9
-
-
-def test_limits_follow_box_and_constraints():
-    problem = bench.load_problem("signature-12")
-    free = limits(problem._folded, problem.lower, problem.upper, constrained=False)
-    bound = limits(problem._folded, problem.lower, problem.upper, constrained=True)
-    assert (free.t2, bound.t2) == (0.204, 0.2)
-    assert (free.quarter, bound.quarter) == (False, True)
-    assert (free.last, bound.last) == (2400, 2399)
 
 
 def test_the_published_optima_are_reached(published):
