@@ -35,9 +35,9 @@ def run_tests(session: nox.Session, *arguments: str) -> None:
 
 @nox.session
 def tests(session: nox.Session) -> None:
-    """Run the tests that are not slow; arguments after -- go to pytest."""
+    """Run the tests that are not slow and name the slowest of them; arguments after -- go to pytest."""
     session.install("-e", ".", *group("test"))
-    run_tests(session)
+    run_tests(session, "--durations=25")
 
 
 @nox.session

@@ -29,7 +29,7 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
 LONGEST = (
     "test_kernel.py", "test_write.py", "test_app.py", "test_runner.py", "test_examples.py", "test_contract.py",
     "test_cma_es_fast.py", "test_crash.py", "test_dask.py", "test_hostile.py", "test_sandbox.py", "test_estimate.py",
-    "test_browser.py", "test_in_a_browser.py", "test_report.py", "test_checker.py", "test_bias.py", "test_pooled.py",
+    "test_browser.py", "test_report.py", "test_checker.py", "test_bias.py",
     "test_folder.py", "test_author.py",
 )  # fmt: skip
 

@@ -11,12 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from bench import Study, load_optimizer, load_results
+from bench import load_results
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "examples"
 OPTIMIZER, PROBLEM, TOPIC, STUDY = (EXAMPLES / kind for kind in ("optimizer", "problem", "topic", "study"))
-TUNING = EXAMPLES / "tuning" / "tune.py"
 TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 
 
@@ -191,18 +190,7 @@ def test_a_package_that_replaced_a_module_is_named_until_this_one_is_installed_a
     assert call(alone.programs / "bench", "--help").returncode == 0
 
 
-def test_the_readme_shows_the_whole_optimizer():
-    code = (OPTIMIZER / "src" / "hill_climber.py").read_text(encoding="utf-8").partition("from dataclasses")[2]
-    assert "from dataclasses" + code in (ROOT / "README.md").read_text(encoding="utf-8")
-
-
 # The study
-
-
-def test_the_study_in_python_is_that_of_the_file():
-    given = {}
-    exec((STUDY / "smallest.py").read_text(encoding="utf-8").partition("# --- go")[0], given)
-    assert given["study"].to_toml() == Study.load(STUDY / "smallest.toml").to_toml()
 
 
 @pytest.mark.slow
@@ -217,28 +205,3 @@ def test_the_study_gives_the_same_numbers_from_python_and_from_the_command_line(
 
 
 # The tuning
-
-
-def test_the_defaults_are_the_first_configuration_that_a_tuning_tries():
-    pytest.importorskip("optuna")
-    script = {}
-    exec(TUNING.read_text(encoding="utf-8").partition("# --- go")[0], script)
-    assert not {*script["TRAIN"]} & {*script["TEST"]}
-    tried = []
-    script |= {"CONFIGURATIONS": 3, "TRAIN": script["TRAIN"][:1], "RUNS": 1, "BUDGET": 40}
-    scored = script["score"]
-    script["score"] = lambda *configuration: tried.append(configuration) or scored(*configuration)
-    best = script["tuned"]("cma-es")
-    assert len(tried) == 3
-    assert tried[0] == ("cma-es", {"sigma": load_optimizer("cma-es").sigma})
-    assert scored("cma-es", best) == min(scored(*each) for each in tried)
-
-
-@pytest.mark.slow
-def test_the_tuned_optimizers_are_tested_on_other_problems_than_those_they_were_tuned_on(tmp_path):
-    pytest.importorskip("optuna")
-    succeed(sys.executable, TUNING, cwd=tmp_path)
-    frame = load_results(tmp_path / "results" / "runs" / "tuned")
-    assert len(frame) == 4 * 4 * 15
-    assert {"cma-es", "cma-es-tuned"} < {*frame["optimizer"]}
-    assert (tmp_path / "results" / "runs" / "tuned" / "report.html").exists()

@@ -14,10 +14,6 @@ def read(name):
     return nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
 
 
-def test_these_are_all_notebooks():
-    assert {path.stem for path in FOLDER.glob("*.ipynb")} == set(NAMES)
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_a_notebook_is_stored_with_the_outputs_of_one_run(name):
     code = [cell for cell in read(name).cells if cell.cell_type == "code"]

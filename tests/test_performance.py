@@ -1,7 +1,6 @@
 """The performance page has what the scripts measured, and nothing else."""
 
 import json
-import shlex
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -9,16 +8,6 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 MEASURED = json.loads((ROOT / "docs" / "reference" / "performance.json").read_text(encoding="utf-8"))
-
-
-def test_every_script_has_its_rows_and_every_row_its_script():
-    scripts = {path.stem for path in (ROOT / "performance").glob("[a-z]*.py")}
-    assert {row["script"] for row in MEASURED["rows"]} == scripts
-    for row in MEASURED["rows"]:
-        program, script, *_ = shlex.split(row["command"])
-        assert (program, (ROOT / script).is_file()) == ("python", True)
-        assert row["measured"]
-        assert row["value"]
 
 
 def loaded(path):

@@ -54,10 +54,6 @@ def test_the_citation_says_what_pyproject_says():
     ]
 
 
-def test_the_supported_versions_of_python_are_those_of_the_classifiers(release):
-    assert release.versions() == ["3.11", "3.12", "3.13"]
-
-
 @pytest.mark.parametrize(
     ("text", "dated"),
     [
@@ -71,32 +67,3 @@ def test_a_release_needs_a_dated_entry(release, tmp_path, text, dated):
     (tmp_path / "CHANGELOG.md").write_text(text)
     found = [sentence.split(";")[0] for sentence in release.changelog_problems(tmp_path, "1.2.0")]
     assert found == [] if dated else ["CHANGELOG.md has no line '## 1.2.0 - YYYY-MM-DD'"]
-
-
-@pytest.mark.parametrize(
-    ("text", "plain", "extra"),
-    [
-        ("MIT", "", ""),
-        ("Mozilla Public License 2.0 (MPL 2.0)", "", ""),
-        ("GNU Lesser General Public License v3 (LGPLv3)", "", ""),
-        ("GNU General Public License v3 (GPLv3)", "an extra only", ""),
-        ("GPL-2.0-only", "cannot be combined", "cannot be combined"),
-        ("GPL-2.0-only OR MIT", "", ""),
-        ("AGPL-3.0-only", "cannot be combined", "cannot be combined"),
-        ("UNKNOWN", "which is unknown", "which is unknown"),
-    ],
-)
-def test_a_licence_that_is_unknown_or_cannot_be_combined_is_refused(release, text, plain, extra):
-    for only_in_extra, said in ((False, plain), (True, extra)):
-        sentence = release.licence_problem("thing", text, only_in_extra)
-        assert bool(sentence) == bool(said)
-        assert said in sentence
-
-
-def test_the_text_of_a_licence_stands_for_its_name(release):
-    stated = {"License-Expression": "UNKNOWN", "License-Classifier": "UNKNOWN", "License-Metadata": "UNKNOWN"}
-    assert release.licence(stated) == "UNKNOWN"
-    assert release.licence(stated | {"License-Metadata": "MIT"}) == "MIT"
-    whole = "Copyright (c) 2017 Somebody\n\nPermission is hereby granted, free of charge, to any person" + " x" * 50
-    assert "free of charge" in release.licence(stated | {"License-Metadata": whole})
-    assert release.licence(stated | {"License-Metadata": "Terms: ask us first" + " x" * 50}) == "UNKNOWN"

@@ -9,7 +9,6 @@ import pytest
 
 import bench
 from bench import BenchError, FunctionProblem, Optimizer, Results, compare
-from bench.execution.verify import verify
 from bench.storage.folder import Folder
 
 
@@ -60,27 +59,6 @@ def test_functions_and_classes_are_compared_in_one_call(results):
     assert [entry.name for entry in results.study.optimizers] == ["python:Halving", "python:draw"]
     again = bench.solve(valley(), Halving, budget=10, seed=int(results.frame["seed"][0]))
     assert again.fun == results.frame["fun"][0]
-
-
-def test_the_same_call_makes_only_what_is_missing(results, place):
-    before = stored(results)
-    made = []
-    more = compare(
-        [valley()], [Halving, draw], trials=3, budget="5 * d", output=place, n_jobs=1, verify=False,
-        on_trial=lambda trial, row: made.append(trial.number),
-    )  # fmt: skip
-    assert made == [2, 2]
-    assert stored(more)[before.index].equals(before)
-
-
-def test_a_session_that_has_the_objects_can_verify_and_one_that_has_not_says_what_it_needs(request, results, place):
-    bench.Study.from_dict({"name": "again", "problems": [valley()], "optimizers": [Halving, draw]})
-    assert verify(place, trials=1, n_jobs=1).different == {}
-    another_process = request.getfixturevalue("bench")
-    assert another_process("verify", place).stderr == (
-        "bench: 'python:valley' stands for an object of a Python session, and no file holds it: give the same object "
-        "again, as to bench.compare with the folder as its output\n"
-    )
 
 
 def test_without_an_output_the_same_comparison_goes_on_and_another_gets_a_folder_of_its_own(tmp_path, monkeypatch):
@@ -158,18 +136,6 @@ def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence, tmp
         compare(problems, optimizers, **{"trials": 1, "budget": 3, "n_jobs": 1, "verify": False} | settings)
     assert sentence in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_part_that_fails_is_a_warning_and_a_mapping_gives_labels(tmp_path):
-    optimizers = {"mine": draw, "swarm": {"name": "gwo", "agents": 3}, "bad": fails}
-    with pytest.warns(UserWarning, match="1 trial of 3 failed, such as bad on a, trial 0: RuntimeError: no luck"):
-        made = compare(
-            {"a": valley()}, optimizers, trials=1, budget=3, output=tmp_path / "c", n_jobs=1, verify=False, name="named"
-        )
-    assert dict(zip(made.frame["optimizer"], made.frame["status"], strict=True)) == {
-        "mine": "ok", "swarm": "ok", "bad": "failed"
-    }  # fmt: skip
-    assert (made.study.name, [entry.label for entry in made.study.problems]) == ("named", ["a"])
 
 
 SCRIPT = """

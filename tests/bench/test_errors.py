@@ -1,11 +1,9 @@
 """BenchError, and the hints in its messages."""
 
-import json
-
 import pytest
 
 from bench import BenchError
-from bench.errors import explained, nearest, require
+from bench.errors import explained, nearest
 
 
 @pytest.mark.parametrize(
@@ -32,15 +30,6 @@ from bench.errors import explained, nearest, require
 )
 def test_a_hint_names_the_nearest_or_what_is_known(name, known, hint):
     assert nearest(name, known) == hint
-
-
-def test_a_missing_extra_is_named_with_its_command():
-    assert require("json", "none", "this needs") is json
-    with pytest.raises(BenchError) as caught:
-        require("bench_missing.part", "parquet", "the format needs")
-    assert str(caught.value) == (
-        "the format needs bench_missing.part; install it with: pip install 'backlash-bench[parquet]'"
-    )
 
 
 class UnprintableError(Exception):

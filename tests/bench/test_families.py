@@ -18,17 +18,6 @@ def test_the_names_are_those_of_each_function_in_its_dimensions_and_instances():
     assert NUMBERED.dimensions == [2, 5]
 
 
-@pytest.mark.parametrize("grid", [NUMBERED, NAMED])
-def test_every_name_says_what_it_is(grid):
-    for name in grid.names():
-        function, dimension, instance = grid.member(name)
-        assert list(grid.names([function], [dimension], [instance])) == [name]
-
-
-def test_a_name_may_have_an_instance_that_is_not_listed():
-    assert NUMBERED.member("suite-f03-d5-i77") == ("f03", 5, 77)
-
-
 @pytest.mark.parametrize(
     ("grid", "name", "sentence"),
     [

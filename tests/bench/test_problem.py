@@ -61,31 +61,6 @@ def test_the_call_that_finds_out_is_made_once_and_has_points_of_the_box_that_are
     assert shapes == [(3, 2), (2, 2), (2, 2)]
 
 
-def test_a_function_that_fails_both_ways_says_both_and_is_asked_again():
-    def undefined(x):
-        return x[:, 0] + nothing  # noqa: F821
-
-    with pytest.raises(
-        ValueError, match=r"takes neither one point \(IndexError.*\) nor 3 at once \(NameError: name 'no"
-    ):
-        plane_of(undefined).evaluate(np.zeros((1, 2)))
-    with pytest.raises(ZeroDivisionError, match=r"^division by zero$"):
-        plane_of(lambda x: 1 / 0).evaluate(np.zeros((1, 2)))
-    there = plane_of(lambda x: 1.0 if (x == 0).all() else 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        there.evaluate(np.ones((1, 2)))
-    assert there.evaluate(np.zeros((4, 2))).tolist() == [1.0] * 4
-
-
-def plane_of(fun):
-    return FunctionProblem(fun, [-1.0] * 2, [1.0] * 2)
-
-
-def test_violations_of_one_point_belong_to_a_function_of_one_point():
-    problem = FunctionProblem(lambda x: x.sum(), [0] * 3, [1] * 3, violations=lambda x: [x[0] - 0.5, -x[1]])
-    assert problem.violations(np.full((2, 3), 0.25)).tolist() == [[-0.25, -0.25]] * 2
-
-
 @pytest.mark.parametrize(
     ("lower", "upper", "sentence"),
     [
@@ -100,22 +75,6 @@ def test_bounds_are_checked(lower, upper, sentence):
         plane(lower, upper, name="mine")
     assert str(caught.value).startswith("problem 'mine': ")
     assert sentence in str(caught.value)
-
-
-def test_variables_have_different_names():
-    assert plane().variables == ("x1", "x2")
-    assert plane(variables="ab").variables == ("a", "b")
-    for names in ("a", "aa", "abc"):
-        with pytest.raises(BenchError, match="give 2 different variable names"):
-            plane(variables=names)
-
-
-def test_points_are_repaired_to_the_box_and_described_by_nothing():
-    problem = plane()
-    assert problem.repair(np.array([[-3.0, 2.0], [0.5, 9.0]])).tolist() == [[-1.0, 2.0], [0.5, 4.0]]
-    assert problem.dimension == 2
-    assert problem.describe(np.zeros(2)) == problem.expected == {}
-    assert problem.optimum is None
 
 
 def test_a_problem_that_lacks_attributes_is_told_which():

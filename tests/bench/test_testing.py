@@ -7,7 +7,6 @@ import pytest
 from bench import BenchError
 from bench.check.conformance.rules import RULES
 from bench.testing import parametrize_with_checks
-from tests.bench.check import faulty
 
 pytest_plugins = ["pytester"]
 
@@ -111,41 +110,6 @@ def test_a_failure_can_be_expected_and_must_then_occur(author):
     assert outcomes == all_but("Chatty", silence="XFAIL") | all_but("Sound", silence="FAILED")
     assert "XFAIL test_author.py::test_conforms[Chatty-silence] - a banner" in printed
     assert "[XPASS(strict)] a banner" in printed
-
-
-def test_an_optimizer_that_no_process_can_load_breaks_the_rule_of_pickling(author):
-    outcomes, printed = author("@parametrize_with_checks([Locked()])")
-    assert outcomes == {f"Locked()-{name}": "FAILED" if name == "pickling" else "SKIPPED" for name in IDS}
-    assert "not checked: it cannot be sent to another process: TypeError: cannot pickle" in printed
-
-
-@pytest.mark.slow
-def test_an_unknown_name_is_no_expected_failure(author):
-    decorator = "@parametrize_with_checks(['gwp'], expected_failures={'box': 'it leaves the box'})"
-    outcomes, printed = author(decorator, "-k", "box")
-    assert outcomes == {"gwp-box": "FAILED"}
-    assert "unknown optimizer 'gwp'; did you mean 'gwo'?" in printed
-
-
-def test_nothing_runs_and_no_name_is_loaded_while_tests_are_collected(author):
-    refuse = "bench.check.checker.Process = bench.plugins.loading.load_optimizer = None"
-    outcomes, printed = author("@parametrize_with_checks([Sound, 'gwp'])", "--collect-only", "-q", setup=refuse)
-    assert list(outcomes) == []
-    assert "36 tests collected" in printed
-
-
-@pytest.mark.parametrize(
-    ("optimizer", "label"),
-    [
-        (faulty.Sound(), "Sound()"),
-        (faulty.Sound(agents=2, way="near"), "Sound(agents=2, way='near')"),
-        (faulty.Locked(), "Locked()"),
-        (faulty.Plain(), "Plain()"),
-        ("mealpy:OriginalGWO", "mealpy:OriginalGWO"),
-    ],
-)
-def test_an_id_shows_the_parameters_that_were_set_and_repeats(optimizer, label):
-    assert parametrize_with_checks([optimizer]).args[1][0].id == f"{label}-parameters"
 
 
 @pytest.mark.parametrize(

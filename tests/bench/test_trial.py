@@ -48,11 +48,6 @@ class Holding(Drawing):
         objective(objective.initial(6) + 0 * held[0])
 
 
-class Lazy(Drawing):
-    def minimize(self, objective, rng):
-        yield objective(objective.initial(1))
-
-
 @pytest.mark.parametrize(
     ("optimizer", "stop", "nfev"),
     [
@@ -67,18 +62,6 @@ def test_a_trial_ends_by_its_budget_a_declared_reason_or_without_one(optimizer, 
     result = search(SPHERE, optimizer, 10, seed=3)
     assert (result.stop, result.nfev, result.seed) == (stop, nfev, 3)
     assert result.fun == (result.x**2).sum() == result.trace.values[-1]
-
-
-def test_the_seed_repeats_a_trial():
-    one, two, other = (search(SPHERE, Drawing(), 10, seed=seed) for seed in (1, 1, 2))
-    assert one.x.tolist() == two.x.tolist() != other.x.tolist()
-
-
-def test_an_optimizer_that_evaluates_nothing_is_an_error():
-    with pytest.raises(RuntimeError, match=r"^the optimizer returned without a single evaluation$"):
-        search(SPHERE, Drawing(points=0), 10, seed=0)
-    with pytest.raises(RuntimeError, match="its minimize holds a yield or is async"):
-        search(SPHERE, Lazy(), 10, seed=0)
 
 
 def test_times_are_those_of_the_search(monkeypatch):
@@ -109,22 +92,6 @@ def test_a_row_has_the_variables_and_metrics_by_name():
     assert named(row, "x") == dict(zip("ab", result.x.tolist(), strict=True))
     assert named(row, "metrics") == {"norm": 0.5}
     assert (row["status"], row["fun"], row["nfev"], row["stop"]) == ("ok", result.fun, 10, "budget")
-
-
-@pytest.mark.parametrize(
-    ("variables", "figures", "sentence"),
-    [
-        (("a",), {}, "the problem names 1 different variables for 2 dimensions"),
-        (("a", "a"), {}, "the problem names 1 different variables for 2 dimensions"),
-        (("a", "b"), {"fun": 1.0}, "a name of the tidy frame: 'fun'"),
-        (("a", "b"), {"x_a": 1.0}, "a name of the tidy frame: 'x_a'"),
-        (("a", "b"), {"norm": "long"}, "could not convert"),
-    ],
-)
-def test_what_makes_no_columns_is_refused(variables, figures, sentence):
-    result = replace(search(SPHERE, Drawing(), 10, seed=0), metrics=figures)
-    with pytest.raises(ValueError, match=sentence):
-        as_row(result, variables)
 
 
 def raises_beyond(limit):
@@ -200,21 +167,6 @@ def test_a_value_that_the_best_point_has_is_not_doubted(fun, value):
 )  # fmt: skip
 def test_a_value_that_the_best_point_does_not_have_is_doubted(fun, value):
     assert f"the best value is {fun!r}, and its point has" in doubts(fun, lambda x: np.full(len(x), value))
-
-
-def test_what_is_left_of_large_terms_may_depend_on_the_batch():
-    def cancelling(x):
-        return 2e-17 * (np.arange(len(x)) > 0)
-
-    assert doubts(1e-17, cancelling) == ""
-    assert "the best value is" in doubts(1e-14, cancelling)
-
-
-def test_a_point_is_evaluated_alone_and_only_once_where_its_value_is_the_same():
-    sizes = []
-    assert doubts(0.75, lambda x: sizes.append(len(x)) or x.sum(axis=1)) == ""
-    assert sizes[-1:] == [1]
-    assert sizes.count(1) <= 2  # a function problem may try its function once
 
 
 def test_what_the_problem_raises_at_a_best_point_is_its_own_error():

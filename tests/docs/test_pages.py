@@ -67,16 +67,6 @@ def test_files_are_written_output_is_compared_and_reasons_are_heeded(tmp_path, m
     ]  # fmt: skip
 
 
-def test_a_block_imports_a_module_that_the_page_has_written(tmp_path, monkeypatch):
-    monkeypatch.setattr(blocks, "ROOT", tmp_path)
-    monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
-    text = "```{code-block} python\n:caption: of_a_page.py\nx = 3\n```\n\n```python\nimport of_a_page\n```\n"
-    (tmp_path / "page.md").write_text(text, encoding="utf-8")
-    (tmp_path / "run").mkdir()
-    blocks.run(tmp_path / "page.md", tmp_path / "run")
-    assert str(tmp_path / "run") not in sys.path
-
-
 def test_a_page_has_run_as_long_as_its_blocks_and_the_code_are_the_same(tmp_path, monkeypatch):
     page, code = tmp_path / "how-to" / "page.md", tmp_path / "bench" / "execution" / "made.py"
     for part, place in (("ROOT", tmp_path), ("DOCS", tmp_path)):
