@@ -11,7 +11,6 @@ from statsmodels.stats.proportion import proportion_confint
 
 from bench.analysis.anytime import (
     convergence,
-    data_profiles,
     ecdf,
     evaluation_grid,
     expected_running_time,
@@ -20,7 +19,6 @@ from bench.analysis.anytime import (
 )
 from bench.analysis.target_sets import targets
 from bench.objective import Trace
-from bench.study.targets import fractions
 
 INF = float("inf")
 BUDGET = 100
@@ -84,15 +82,6 @@ class TestHittingTimes:
         assert set(failed["spent"]) == {BUDGET}
         assert set(hits.loc[hits["trial"] != 2, "spent"]) == {3.0}
 
-    def test_problems_of_different_ladders_and_of_none(self):
-        frame = trials(("p", "a", 0, "ok", 9), ("q", "a", 0, "ok", 9), ("r", "a", 0, "ok", 9))
-        traces = {("p", "a", 0): trace((1, 2.0), (3, 1.0)), ("q", "a", 0): trace((1, 2.0), (4, 0.5))}
-        hits = hitting_times(frame, traces, targets(traces, {"q": 0.0}), BUDGET)
-        assert hits.groupby("problem").size().to_dict() == {"p": 31, "q": 81}
-        assert one(hits, problem="p", tau=0.001)["evaluations"] == 3
-        assert one(hits, problem="q", tau=fractions(known=True)[6])["evaluations"] == 4
-        assert one(hits, problem="q", tau=0.1)["evaluations"] == INF
-
 
 class TestExpectedRunningTime:
     def test_by_hand(self):
@@ -130,14 +119,6 @@ class TestSuccessRates:
             expected = proportion_confint(row.successes, row.trials, method="wilson")
             assert (row.low, row.high) == pytest.approx(expected, abs=1e-12)
 
-    def test_a_tau_between_targets_means_the_harder_one(self):
-        times = {0: trace((1, 1.0), (2, 0.09), (3, 0.0)), 1: trace((1, 1.0), (9, 0.05))}
-        traces = {("p", "a", trial): each for trial, each in times.items()}
-        frame = trials(("p", "a", 0, "ok", 10), ("p", "a", 1, "ok", 10))
-        hits = hitting_times(frame, traces, targets(traces), BUDGET)
-        assert success_rates(hits, taus=(0.06,))["successes"].tolist() == [2]
-        assert success_rates(hits, taus=(0.0500,))["successes"].tolist() == [1]
-
 
 class TestShares:
     grid = np.array([1, 5, 20, 100])
@@ -159,13 +140,6 @@ class TestShares:
         }
         hits = hitting_times(frame, traces, targets(traces, {"q": 0.0}), BUDGET)
         assert ecdf(hits, np.array([9]))["fraction"].item() == pytest.approx((1 + 1 / 81) / 2)
-
-    def test_simplex_gradients(self):
-        profile = data_profiles(HITS, 0.1, np.array([2.0, 10.0]), {"p": 3})
-        assert list(profile) == ["optimizer", "groups", "fraction"]
-        assert profile.loc[profile["optimizer"] == "b", "fraction"].tolist() == [0.5, 1.0]
-        with pytest.raises(KeyError, match="p"):
-            data_profiles(HITS, 0.1, self.grid, {"q": 3})
 
 
 @st.composite
@@ -236,9 +210,3 @@ class TestConvergence:
         assert a["evaluations"].tolist() == [1, 10, 100]
         assert a["median"].tolist() == [6.0, 3.0, 1.0]
         assert b["median"].tolist() == b["q1"].tolist() == [INF, 1.0, 1.0]
-
-    def test_a_failed_trial_counts_as_infinite_whatever_its_trace(self):
-        frame = ended(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "a", 2, "timeout"))
-        curves = convergence(frame, {**CURVES, ("p", "a", 2): trace((1, -1.0))}, evaluation_grid(100, 3))
-        assert curves["median"].tolist() == [8.0, 4.0, 2.0]
-        assert curves["q3"].tolist() == [INF] * 3

@@ -31,15 +31,6 @@ def test_the_curve_is_the_runtime_distribution(rng):
     np.testing.assert_allclose(curve_bands(table, GRID)["fraction"], ecdf(table, GRID)["fraction"])
 
 
-def test_equal_optimizers_with_unequal_runs_on_easy_and_hard_problems_show_no_lead():
-    easy, hard = np.full((30, 1), 2.0), np.full((30, 1), np.inf)
-    cells = [("a", easy), ("b", easy[:20]), ("a", hard[:20]), ("b", hard)]
-    tables = [hits(**{name: times}).assign(problem=f"p{place // 2}") for place, (name, times) in enumerate(cells)]
-    table = pd.concat(tables, ignore_index=True)
-    assert (leads(table, GRID)["ahead"] == "").all()
-    assert curve_bands(table, GRID).groupby("optimizer")["fraction"].max().tolist() == [0.5, 0.5]
-
-
 def test_the_variance_is_that_of_runs_within_problems_and_of_what_they_did_not_show(rng):
     cells = [rng.random((5, 1)), rng.random((8, 1))]
     expected = 0.0

@@ -3,15 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.stats import binom
 
 from bench.analysis.cells import (
     ReferenceValue,
     cells,
-    coverage,
-    in_study_order,
     merge_near_ties,
     reference_values,
     regret,
@@ -20,7 +16,6 @@ from bench.analysis.cells import (
     summarise,
     timing,
 )
-from bench.study import Entry, Study
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
@@ -30,15 +25,6 @@ class TestScoresAndCells:
     def test_a_trial_that_failed_or_is_not_finite_scores_infinity(self, frame_of):
         frame = frame_of({("p", "a"): [1.0, None, float("nan"), -INF, INF]})
         assert scores(frame).tolist() == [1.0, INF, INF, INF, INF]
-
-    def test_the_study_brings_its_order_and_its_empty_cells(self, frame_of):
-        study = Study("s", (Entry("q", "q"), Entry("p", "p")), (Entry("b", "b"), Entry("a", "a")), trials=3)
-        frame = in_study_order(frame_of({("p", "a"): [1.0, 2.0], ("q", "b"): [1.0, None, 3.0]}), study)
-        table = coverage(frame, planned=3)
-        assert table[["problem", "optimizer"]].to_numpy().tolist() == [["q", "b"], ["q", "a"], ["p", "b"], ["p", "a"]]
-        assert table["stored"].tolist() == [3, 0, 0, 2]
-        assert table["failed"].tolist() == [1, 0, 0, 0]
-        assert table["missing"].tolist() == [0, 3, 3, 1]
 
     def test_near_ties_are_merged_over_the_cells_of_a_problem_and_not_over_problems(self, frame_of):
         near = 1 + 1e-13
@@ -134,15 +120,6 @@ class TestNearTies:
     def test_by_hand(self):
         values = np.array([2.0, 1 + 1e-13, 1.0, INF, 1 + 1e-9, -3.0, -3 - 1e-12, INF])
         assert merge_near_ties(values).tolist() == [2.0, 1.0, 1.0, INF, 1 + 1e-9, -3 - 1e-12, -3 - 1e-12, INF]
-
-    @given(st.lists(st.floats(-1e6, 1e6) | st.just(INF)))
-    def test_keeps_the_order_moves_little_and_is_done_after_once(self, values):
-        values = np.array(values, dtype=float)
-        merged = merge_near_ties(values)
-        ordered = merged[np.argsort(values)]
-        assert (ordered[1:] >= ordered[:-1]).all()
-        np.testing.assert_allclose(merged, values, rtol=1e-10 * max(len(values), 1))
-        np.testing.assert_array_equal(merge_near_ties(merged), merged)
 
 
 class TestTiming:

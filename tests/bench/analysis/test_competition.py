@@ -8,7 +8,7 @@ import pytest
 
 from bench import Trace
 from bench.analysis import pairwise_tests
-from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, signs
+from bench.analysis.competition import checkpoints, error_statistics, signs
 
 
 def made(**cells):
@@ -78,13 +78,6 @@ class TestSigns:
 
 
 class TestCheckpoints:
-    def test_the_competitions_have_their_own(self):
-        assert checkpoint_shares("cec2017", 30) == (0.01, 0.02, 0.03, 0.05, *(each / 10 for each in range(1, 11)))
-        shares = checkpoint_shares("cec2022", 10)
-        assert len(shares) == 16
-        assert (shares[0], shares[-1]) == pytest.approx((1e-3, 1.0))
-        assert checkpoint_shares("bbob", 10) == checkpoint_shares("cec2022", 1) == ()
-
     def test_errors_are_those_at_the_checkpoint(self):
         frame = made(a=[4.0, 6.0, None])
         traces = {

@@ -381,12 +381,6 @@ class TestWhatIsNoTrap:
         sound.put(sound.trial("p", "b", 1), nfev=990, stop="undeclared")
         assert set(sound.check()["verdict"]) == {"pass"}
 
-    def test_a_box_that_is_not_known_is_named(self, sound):
-        points_on_a_bound(sound)
-        found = sound.check(boxes={"p": BOXES["p"]}).loc["boundary clamping"]
-        assert found["verdict"] == "pass"
-        assert "unknown for q" in found["finding"]
-
 
 class TestWithoutTrials:
     @pytest.mark.parametrize("categories", [False, True])
@@ -398,24 +392,6 @@ class TestWithoutTrials:
         verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stored=0)["verdict"]
         assert verdicts["completeness"] == "warning"
         assert set(verdicts.drop("completeness")) == {"not checked"}
-
-    def test_nothing_but_failures(self, sound):
-        numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
-        sound.frame = sound.frame.assign(status="failed", **numbers)
-        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stored=0)["verdict"]
-        assert verdicts[["completeness", "failures"]].tolist() == ["pass", "error"]
-        assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
-
-
-class TestFrames:
-    def test_categories_tell_of_cells_without_trials(self, sound):
-        an_empty_cell(sound)
-        entries = [tuple(Entry(name, name) for name in names) for names in (("q", "p", "r"), ("c", "a", "b"))]
-        sound.frame = in_study_order(sound.frame, Study("s", *entries, trials=TRIALS))
-        found = sound.check().loc["completeness"]
-        assert "24 of 54 planned trials" in found["finding"]
-        assert "4 of 9 cells" in found["finding"]
-        assert found["cells"] == "c on q; c on r; a on r; b on r"
 
 
 def test_clamping_here_and_in_separate_runs_is_one_finding(sound):

@@ -1,7 +1,6 @@
 """The comparison matrix and tables, by hand."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from bench.analysis.cells import summarise
@@ -36,11 +35,6 @@ class TestMatrix:
         assert row_of(matrix, "best") == [True, False, False]
         assert row_of(matrix, "alike") == [False, True, False]
 
-    def test_mean_and_median_may_crown_different_optimizers(self, matrix_of):
-        cells = {("p", "a"): [1, 1, 1, 1, 99.0], ("p", "b"): [2, 3, 4, 5, 6.0]}
-        for statistic, best in (("median", [True, False]), ("mean", [False, True])):
-            assert row_of(matrix_of(cells, statistic=statistic), "best") == best
-
     def test_a_cell_with_a_failure_has_no_mean_and_no_mark(self, matrix_of):
         cells = {("p", "a"): [1, 2, None], ("p", "b"): [3, 4, 5.0], ("p", "c"): [6, 7, 8.0]}
         matrix = matrix_of(cells, statistic="mean")
@@ -54,14 +48,6 @@ class TestMatrix:
         assert row_of(matrix, "best") == [True, True, False, False, False]
         assert not matrix["alike"].any()
         assert row_of(matrix, "value")[1] == 1 + 1e-13
-
-    def test_every_cell_has_a_row_also_without_trials(self, frame_of):
-        frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("q", "a"): FAR})
-        frame["optimizer"] = pd.Categorical(frame["optimizer"], ["b", "c", "a"])
-        summary, pairs = summarise(frame), pairwise_tests(frame)
-        matrix = comparison_matrix(summary, pairs)
-        assert len(matrix) == 6
-        assert row_of(matrix, "best", "q") == [False] * 3
 
 
 class TestTables:

@@ -25,10 +25,3 @@ def test_only_cells_that_cannot_reach_the_optimum_are_shifted():
     assert [*found] == [*traces]
     assert len(found) == 2
     assert shifted(FRAME, {}) is FRAME
-
-
-def test_an_optimizer_that_was_below_the_optimum_of_repaired_points_does_not_repair():
-    low = FRAME.assign(fun=[1.0, 1.4, 2.0, 2.0, None])
-    assert shifts(low, {"p": 1.0, "q": 2.0}, {"p": 1.5, "q": 2.1}, ["repair"]) == {}
-    rounded = FRAME.assign(fun=[1.0, 1.5 * (1 - 1e-12), 2.0, 2.1, None])
-    assert len(shifts(rounded, {"p": 1.0, "q": 2.0}, {"p": 1.5, "q": 2.1}, ["repair"])) == 2

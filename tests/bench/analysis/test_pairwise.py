@@ -103,13 +103,6 @@ class TestByHand:
         assert (pair.a12, pair.a12_low) == (0.0, pytest.approx(0))
         assert (pair.p, pair.p_holm, pair.lower, pair.significant) == (2**-5, 2**-5, "b", True)
 
-    def test_rounding_noise_at_one_optimum_is_not_tested(self, frame_of):
-        rng = np.random.default_rng(0)
-        this, other = 1 + 1e-14 * rng.integers(0, 20, 30), 1 + 1e-14 * rng.integers(20, 40, 30)
-        assert p_values(effects(this[np.newaxis], other[np.newaxis]))[0] < 1e-6
-        pair = pair_of(frame_of, this, other)
-        assert (pair.p, pair.a12, pair.lower, pair.ks_p) == (1.0, 0.5, "", 1.0)
-
     @pytest.mark.parametrize(
         ("value", "word"),
         [

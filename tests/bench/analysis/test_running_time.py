@@ -84,11 +84,6 @@ class TestRunningTimes:
         # a percentile bootstrap of these cells: 0.77, 0.86, 0.93
         assert ((table["low"] <= true) & (true <= table["high"])).mean() >= 0.94
 
-    def test_the_mean_of_simulated_restarts_is_the_ert(self):
-        times = np.array([10, 20, 30, INF, INF])
-        drawn = simulated_restarts(batch_of(times, 100), 100_000)
-        assert drawn.mean() == pytest.approx(260 / 3, rel=0.01)
-
 
 class TestSeconds:
     frame = pd.DataFrame(

@@ -1,9 +1,6 @@
 """The standing of optimizers on a problem: by hand, in odd cases, and on problems that medians mislead about."""
 
-from pathlib import Path
-
 import numpy as np
-import pandas as pd
 import pytest
 
 from bench.analysis.cells import summarise
@@ -12,7 +9,6 @@ from bench.analysis.matrix import comparison_matrix, table
 from bench.analysis.pairwise import pairwise_tests
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
-THESIS = Path(__file__).parents[3] / "results" / "thesis" / "trials.csv"
 LOW = [float(i) for i in range(1, 11)]
 
 
@@ -57,12 +53,3 @@ def test_the_lowest_median_of_two_basins_may_lose_by_trials(frame_of):
     assert pair["a12"] > 0.5
     assert table(comparison_matrix(summarise(frame), pairs), "best").loc["p"].idxmax() == "alo"
     assert table(chances(frame), "rank").loc["p"].idxmin() == "cma-es"
-
-
-@pytest.mark.parametrize("problem", ["signature-10", "signature-11"])
-def test_the_lowest_median_may_belong_to_another(problem):
-    """On two datasets the median of GWO is the lowest, though trials of CMA-ES mostly end lower."""
-    trials = pd.read_csv(THESIS)
-    frame = trials[trials["problem"] == problem]
-    by_value = table(comparison_matrix(summarise(frame), pairwise_tests(frame)), "best").loc[problem]
-    assert (by_value.idxmax(), table(chances(frame), "rank").loc[problem].idxmin()) == ("gwo", "cma-es")

@@ -31,12 +31,6 @@ def test_shared_instances_with_two_trials_or_more_are_strata(apart):
     assert [len(own) for own in strata(apart.drop(columns="instance"))["p"][0]] == [16, 16]
 
 
-@pytest.mark.parametrize("instances", [{"a": [1, 1, 2, 2], "b": [1, 1, 3, 3]}, {"a": [1, 1, 1, 2], "b": [1, 1, 2, 2]}])
-def test_instances_that_are_not_shared_or_have_a_single_trial_are_no_strata(frame_of, instances):
-    frame = frame_with(frame_of, {"a": range(4), "b": range(4)}, instances)
-    assert [len(own) for own in strata(frame)["p"][0]] == [4, 4]
-
-
 def test_a12_is_the_mean_of_that_within_instances(apart):
     (row,) = pairwise_tests(apart).to_dict("records")
     values = apart["fun"].to_numpy()

@@ -82,11 +82,6 @@ class TestSets:
         assert target_table(["50%"], FRAME, below, {"p": -4.0})["target"].tolist() == [-2.0]
         assert target_table(["50%"], FRAME, TRACES, {"p": 0.0}).empty
 
-    def test_quantiles_count_failed_trials_as_infinite(self):
-        table = target_table("quantiles", FRAME, TRACES)
-        assert table["tau"].tolist() == [0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05]
-        assert table["target"].tolist() == [5.0] * 7 + [4.1] * 6
-
 
 class TestTolerance:
     def test_the_time_is_when_the_best_point_was_found(self):

@@ -1,10 +1,7 @@
 """``check_optimizer``, its report and its biases; rules are checked once, in order and in a process of their own."""
 
-import subprocess
-import sys
 from contextlib import closing
 from dataclasses import replace
-from textwrap import dedent
 
 import pytest
 
@@ -48,41 +45,6 @@ def test_a_failed_report_says_how_to_mend_it_and_what_could_not_be_checked():
         "Clocked fails the contract in: repetition; not checked until that is fixed: "
         "processes, no state, pickling, global states, anonymity, invariances, idle parameters"
     )
-
-
-@pytest.mark.slow
-def test_classes_of_a_script_and_of_a_function_can_be_checked(tmp_path):
-    script = tmp_path / "mine.py"
-    script.write_text(
-        dedent(
-            """
-            from __future__ import annotations
-            from dataclasses import dataclass
-            from typing import ClassVar, Literal
-            import bench
-
-            @dataclass(frozen=True)
-            class Base(bench.Optimizer):
-                code: ClassVar[str] = "mine"
-                way: Literal["far", "near"] = "far"
-
-            def local() -> type:
-                @dataclass(frozen=True)
-                class Mine(Base):
-                    step: float = 0.1
-
-                    def minimize(self, objective, rng):
-                        while True:
-                            objective(objective.initial(3))
-                return Mine
-
-            checkup = bench.check_optimizer(local(), bias=False)
-            assert checkup, str(checkup)
-            assert len(checkup.verdicts) == 18, str(checkup)
-            """
-        )
-    )
-    subprocess.run([sys.executable, script], check=True, timeout=300, cwd=tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Box plots and bars of times: what they draw, and what they say of the rest."""
 
 import numpy as np
-import pytest
 
 from bench import plots
 from bench.plots import style
@@ -32,10 +31,3 @@ def test_truth_is_a_line_with_a_hatched_band():
     assert set(line.get_xdata()) == {101.5}
     assert (band.get_x(), band.get_width(), band.get_hatch()) == (101.25, 0.5, "/////")
     assert [text.get_text() for text in ax.get_legend().texts] == ["expected 101.5", "± 0.25"]
-
-
-@pytest.mark.parametrize(("optimum", "text"), [(0.0, "optimum 0 (off the axis)"), (0.5, "optimum 0.5")])
-def test_an_optimum_that_a_log_axis_cannot_show_is_said(optimum, text):
-    ax = plots.box_plot(trials({("p", "a"): [1.0, 100.0]}), "p", optimum=optimum, ax=axes())
-    assert ax.get_xscale() == "log"
-    assert [each.get_text() for each in ax.get_legend().texts] == [text]

@@ -33,13 +33,6 @@ class TestLooks:
         known = {"cma-es": "#009E73", "gwo": "#000000", "random-search": "#8C6D31"}
         assert {label: color for label, (color, _, _) in pens_of(list(known)).items()} == known
 
-    def test_the_best_keep_their_looks_whatever_becomes_of_the_others(self):
-        labels, best = [f"o{i}" for i in range(20)], ["o3", "o7", "o11"]
-        grey, coloured = style.pens(labels, best), style.pens(labels, best, grey=False)
-        assert [label for label, each in grey.items() if not each.background] == best
-        assert {label: grey[label] for label in best} == {label: coloured[label] for label in best} == style.pens(best)
-        assert len({(each.color, each.marker, str(each.line)) for each in coloured.values()}) == 20
-
     def test_every_colour_is_seen_on_white_and_on_a_dark_page(self):
         def luminance(color):
             parts = np.array([int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)])
@@ -50,14 +43,3 @@ class TestLooks:
             for page in ("#ffffff", "#14171b"):
                 low, high = sorted([luminance(color), luminance(page)])
                 assert (high + 0.05) / (low + 0.05) > 2, (color, page)
-
-
-def test_a_subject_stands_out_and_its_rivals_are_paler():
-    pens = style.pens("abc")
-    shown = style.standing_out(pens, "b")
-    assert shown["b"].color == pens["b"].color
-    assert shown["b"].width > 1
-    assert all(shown[label].color != pens[label].color for label in "ac")
-    assert len({(pen.color, pen.marker, str(pen.line)) for pen in shown.values()}) == 3
-    assert style.behind_first(shown)[-1][0] == "b"
-    assert style.standing_out(pens, "") == pens

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.report.latex import ACCENTS, LAYOUTS, SYMBOLS, escape, prose, to_latex
+from bench.report.latex import ACCENTS, LAYOUTS, SYMBOLS, escape, to_latex
 from bench.report.parts import Table
 
 HOSTILE = [
@@ -104,10 +104,6 @@ class TestToLatex:
         assert r"r & \textit{$\infty$} & -- \\" in text
         assert r"a\_1" in text
         assert r"x\_y" in text
-
-    def test_sentences_have_powers_boxes_and_names_that_may_break(self):
-        assert prose("from 1e-08 in [-5, 5]^d") == "from 10$^{-8}$ in [$-$5, 5]$^d$"
-        assert prose("rde.py:RestartDE, 0.5") == r"rde.\allowbreak{}py:\allowbreak{}RestartDE, 0.5"
 
 
 @needs_pdflatex

@@ -11,7 +11,7 @@ import pytest
 
 from bench.plots import style
 from bench.report.page import FileRow, inline, render
-from bench.report.parts import MOST_ROWS, Card, Figure, Line, Section, Table
+from bench.report.parts import Card, Figure, Line, Section, Table
 from bench.report.write import save_figure
 
 HOSTILE = "<script>alert(1)</script>&amp; {{ 7*7 }} {% raw %} \"'><b onclick=x>"
@@ -69,12 +69,6 @@ class TestTable:
         assert "<td>0</td>" in page
         assert page.count("--lost: #") == 2
         assert '.lost::before { content: "✗ "; content: "✗ " / "failed: "; }' in page
-
-    def test_a_long_table_is_cut_and_says_so(self, page, document):
-        assert "The first 400 of 1,234 rows are shown; the other 834 are in figures/long.csv." in document.texts(
-            "p", **{"class": "note"}
-        )
-        assert page.count("<tr>") == 1 + 2 + 1 + 12 + 1 + 2 + 1 + MOST_ROWS + 1 + 3  # the files
 
 
 OWN = f"f{zlib.crc32(b'n'):x}"  # of the ids in a figure named n

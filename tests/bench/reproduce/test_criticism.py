@@ -68,11 +68,6 @@ def test_an_sd_that_the_other_numbers_exclude_is_found(numbers):
     assert "impossible SD" in kinds(cell(**numbers))
 
 
-def test_a_mean_that_median_and_best_exclude_is_found():
-    assert kinds(cell(mean="4.00", best="1.00", median="8.00")) == ["impossible mean"]
-    assert kinds(cell(mean="9.00", median="5.00", worst="10.00")) == ["impossible mean"]
-
-
 def test_averages_that_do_not_recompute_are_found():
     cells = (cell("1", mean="1.0", rank="1"), cell("2", mean="3.0", rank="2"))
     wrong = [cell("Average", mean="2.5"), cell("average rank", mean="1.8")]

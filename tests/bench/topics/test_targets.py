@@ -9,7 +9,6 @@ from bench.results.results import ProblemFacts
 from bench.topics.course import section as course
 from bench.topics.course.times import ratios
 from bench.topics.findings import Findings
-from bench.topics.findings import anytime as findings_module
 from bench.topics.methods.methods import methods
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
@@ -27,23 +26,6 @@ def findings(folder, asked=None, expected=None, **optima):
         found.results._facts = lambda label: ProblemFacts(expected=expected)
     found.trials.__dict__["optima"] = optima
     return found
-
-
-class TestDefault:
-    @pytest.mark.parametrize(
-        ("known", "functions", "usual"),
-        [
-            ({"p": ProblemFacts(0.0, features={"suite": "bbob-noisy"})}, [], True),
-            ({"p": ProblemFacts(0.0, features={"suite": "bbob"}), "q": ProblemFacts(0.0)}, [], False),
-            ({"p": ProblemFacts(None, features={"suite": "cec2011"})}, [], False),
-            ({"p": ProblemFacts(1.0, features={"suite": "engineering"})}, [], False),
-            ({"p": ProblemFacts(0.0, features={"suite": "mine"})}, ["p"], True),
-            ({"p": ProblemFacts(0.0)}, [], False),
-            ({}, [], False),
-        ],
-    )
-    def test_precisions_only_where_the_field_has_them(self, known, functions, usual):
-        assert findings_module.are_of_the_field(known, functions) == usual
 
 
 class TestSections:

@@ -97,17 +97,6 @@ def test_equal_instances_of_a_suite_are_found():
     assert "it has the values of star-discrepancy-sobol-10-d2-i2" in found["instances"].finding
 
 
-def test_what_cannot_be_checked_is_refused_in_a_sentence():
-    for wrong, sentence in (
-        (3, "give the name of a plug-in of bench.problems"),
-        ("bbob-f99-d2-i1", "has no function 'f99'"),
-    ):
-        with pytest.raises(bench.BenchError, match=sentence):
-            ProblemSubject.of(wrong, {}, 0)
-    with pytest.raises(bench.BenchError, match="'total' cannot be set: the problem is made already"):
-        ProblemSubject.of(faulty.Sound(), {"total": 1}, 0)
-
-
 def test_a_search_finds_what_lies_below_a_claimed_optimum_and_says_how_near_it_came():
     searches = ("cma-es", "missing:LSHADE")
     said = check_search(ProblemSubject(faulty.Sound), searches, 300)
