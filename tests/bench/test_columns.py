@@ -1,14 +1,9 @@
 """One table says what a trial's columns are; results, stores and frames have no others."""
 
-import sqlite3
-
 import numpy as np
 
 from bench import FunctionProblem, load_optimizer
 from bench.columns import COLUMNS, MEASURED, STORED, named, packed
-from bench.results.tidy import COLUMNS as FRAME_COLUMNS
-from bench.storage.rows import VALUES
-from bench.storage.schema import schema
 from bench.trial import as_row, search
 
 
@@ -27,21 +22,6 @@ def test_a_result_has_every_measured_column_with_its_type():
     assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {
         "environment", "seed", "error", "log", "inputs"
     }  # fmt: skip
-
-
-def test_the_store_has_the_stored_columns_with_their_types():
-    kinds = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
-    connection = sqlite3.connect(":memory:")
-    connection.executescript(schema())
-    made = {name: kind for _, name, kind, *_ in connection.execute("PRAGMA table_info(results)")}
-    assert {column.name: kinds[column.kind] for column in STORED}.items() <= made.items()
-    assert [name for name in made if name in VALUES] == [*VALUES]
-    connection.close()
-
-
-def test_the_frame_has_every_column_but_bytes_and_inputs():
-    bytes_of = {column.name for column in COLUMNS if column.kind is bytes}
-    assert {column.name for column in COLUMNS} - bytes_of - {"inputs"} == {*FRAME_COLUMNS}
 
 
 def test_every_bit_of_a_point_and_of_its_metrics_is_kept():

@@ -8,16 +8,6 @@ NUMBERED = Grid("suite", {"f01": (2, 5), "f03": (5,)}, instances=2)
 NAMED = Grid("other", {"ball": (2,), "saw-tooth": (2, 30)})
 
 
-def test_the_names_are_those_of_each_function_in_its_dimensions_and_instances():
-    assert list(NUMBERED.names()) == [
-        "suite-f01-d2-i1", "suite-f01-d2-i2", "suite-f01-d5-i1", "suite-f01-d5-i2", "suite-f03-d5-i1",
-        "suite-f03-d5-i2",
-    ]  # fmt: skip
-    assert list(NAMED.names()) == ["other-ball-d2", "other-saw-tooth-d2", "other-saw-tooth-d30"]
-    assert list(NUMBERED.names(["f03"], [2, 5], [9])) == ["suite-f03-d5-i9"]
-    assert NUMBERED.dimensions == [2, 5]
-
-
 @pytest.mark.parametrize(
     ("grid", "name", "sentence"),
     [

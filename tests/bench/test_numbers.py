@@ -1,6 +1,5 @@
 import math
 
-import numpy as np
 import pytest
 
 from bench import BenchError
@@ -12,21 +11,11 @@ from bench.numbers import (
 )
 
 
-@pytest.mark.parametrize("value", [0, 5, np.int64(3)])
-def test_whole_numbers_within_the_range_pass(value):
-    require_whole("n", value, 0, 5)
-
-
 @pytest.mark.parametrize("value", [-1, 6, 1.0, "1", None, True, math.nan])
 def test_any_other_value_is_one_sentence(value):
     with pytest.raises(BenchError) as raised:
         require_whole("n", value, 0, 5, also=", or all")
     assert str(raised.value) == f"n must be a whole number from 0 to 5, or all, not {value!r}"
-
-
-@pytest.mark.parametrize("value", [1, 0.5, np.float64(2.0), 10])
-def test_positive_numbers_up_to_the_limit_pass(value):
-    require_positive("t", value, 10)
 
 
 @pytest.mark.parametrize("value", [0, -1, 11, math.inf, math.nan, True, "1", None])
@@ -46,9 +35,3 @@ def test_neither_truth_nor_infinity_is_a_finite_number():
 )
 def test_a_duration_has_a_unit_or_is_in_seconds(value, expected):
     assert seconds(value, "time") == expected
-
-
-@pytest.mark.parametrize("value", [0, -1, "soon", "1 year", "1.2.3 s", True, float("inf"), None, "0 s"])
-def test_any_other_duration_is_one_sentence(value):
-    with pytest.raises(BenchError, match="time must be a number of seconds above 0, or a text such as '10 min', not"):
-        seconds(value, "time")

@@ -1,16 +1,15 @@
 """One trial: how it ends, what its result holds, and its row in the store."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, nan
 
 import numpy as np
 import pytest
 
 from bench import FunctionProblem, Optimizer
-from bench.columns import named
 from bench.errors import ProblemError
-from bench.trial import as_row, doubt, search
+from bench.trial import doubt, search
 from tests.bench.made import result
 
 
@@ -84,14 +83,6 @@ def test_the_memory_of_a_trial_is_that_of_its_own_process_and_not_what_its_paren
         os._exit(0)
     os.waitpid(child, 0)
     assert 35 < float(os.read(reader, 100)) < 64
-
-
-def test_a_row_has_the_variables_and_metrics_by_name():
-    result = replace(search(SPHERE, Drawing(), 10, seed=0), metrics={"norm": 0.5})
-    row = as_row(result, SPHERE.variables)
-    assert named(row, "x") == dict(zip("ab", result.x.tolist(), strict=True))
-    assert named(row, "metrics") == {"norm": 0.5}
-    assert (row["status"], row["fun"], row["nfev"], row["stop"]) == ("ok", result.fun, 10, "budget")
 
 
 def raises_beyond(limit):

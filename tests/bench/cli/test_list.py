@@ -22,15 +22,6 @@ def test_a_plugin_that_fails_to_import_is_named_and_hides_no_other(bench_here):
     assert "hill-climber A (1+1)-ES" in text
 
 
-def test_a_member_of_a_family_is_listed_with_its_parameters_and_what_is_not_mapped(bench_here):
-    for words in (("scipy:shgo",), ("optimizers", "scipy:shgo")):
-        text = " ".join(bench_here("list", *words).stdout.split())
-        assert "paper Endres et al., 2018" in text
-        assert "iters=1 (>= 1)" in text
-        assert "not mapped values above 1e+100" in text
-    assert "scipy has no optimizer 'shg'; did you mean 'shgo'?" in bench_here("list", "scipy:shg").stderr
-
-
 def listed(monkeypatch, missing, *words):
     """Return what a list prints where a library is missing."""
     monkeypatch.setitem(sys.modules, missing, None)

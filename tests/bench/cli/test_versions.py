@@ -30,12 +30,3 @@ def test_it_works_where_a_foreign_module_stops_every_other_command(tmp_path):
     assert done.returncode == 2
     assert "the module 'optimizers' found at" in done.stderr
     assert "Traceback" not in done.stderr
-
-
-def test_the_shell_completes_commands_and_options(bench_here, monkeypatch):
-    for typed, offered in (("gat", "gate"), ("verify --jo", "--jobs")):
-        words = ["bench", *typed.split(" ")]
-        monkeypatch.setenv("_BENCH_COMPLETE", "complete_bash")
-        monkeypatch.setenv("COMP_WORDS", "\n".join(words))
-        monkeypatch.setenv("COMP_CWORD", str(len(words) - 1))
-        assert bench_here().stdout.split() == [offered]

@@ -133,14 +133,6 @@ STUDY = {
 }  # fmt: skip
 
 
-def test_the_handling_is_part_of_the_identity_where_it_is_not_the_default():
-    default, death = Study.from_dict(STUDY), Study.from_dict(STUDY | {"constraints": "death"})
-    assert death.identity() != default.identity() == Study.from_dict(STUDY | {"constraints": DEFAULT}).identity()
-    assert 'constraints = "death"' in death.to_toml()
-    assert "constraints" not in default.to_toml()
-    assert default.override(constraints="death") == death
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
 def test_a_run_stores_feasible_values_and_repeats_them_bit_by_bit(handling, tmp_path):

@@ -33,8 +33,3 @@ def test_a_budget_is_a_number_a_multiple_of_d_or_a_table(given, held, at_10, wor
 def test_anything_else_is_refused_in_a_sentence(given):
     with pytest.raises(BenchError, match=r"^the budget"):
         Budget.read(given, "the budget")
-
-
-def test_what_runs_spent_is_by_dimension_where_the_budget_is():
-    assert Budget.read({"2": 50, "3": 70}).spent({2: 40, 5: 60}) == {"2": 40, "3": 70}
-    assert Budget.read(50).spent({2: 40, 5: 60}) == 60

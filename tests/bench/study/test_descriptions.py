@@ -59,20 +59,6 @@ def test_each_optimizer_s_own_text_is_read(file, testing_plugins):
     assert cited("gwo", file("mine", "'@misc{mine}'"), "hill-climber") == expected
 
 
-def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins):
-    [mine] = described(file("mine", "''"), agents=9)
-    assert mine == Description("", {"agents": "9", "handling": "mirror"}, {"agents": "7", "handling": "mirror"})
-    gwo, cma = described("gwo", "cma-es", agents=9)
-    assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
-    assert cma.defaults == {
-        "agents": "null",
-        "handling": "repair",
-        "start": "random",
-        "sigma": "0.25",
-        "active": "true",
-    }
-
-
 WORK = "@misc{mine2020,\n  author = {Doe, Jane},\n  title = {Mine},\n  year = {2020},\n}"
 
 

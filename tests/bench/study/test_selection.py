@@ -30,11 +30,6 @@ def test_a_label_stands_for_itself_and_a_pattern_for_all_that_match_in_the_order
     assert labels(patterns)[0] == kept
 
 
-def test_a_function_stands_for_its_instances():
-    assert labels(problems="bbob-f01-d2")[1] == PROBLEMS[:2]
-    assert labels(problems="*-d?")[1] == PROBLEMS[:3]
-
-
 @pytest.mark.parametrize(
     ("chosen", "message"),
     [

@@ -92,12 +92,6 @@ def test_check_finds_what_cannot_run(changes, said):
     assert said in str(caught.value)
 
 
-def test_labels_tell_two_settings_of_one_optimizer_apart():
-    two = study(optimizers=[{"name": "scatter"}, {"name": "scatter", "label": "wide", "agents": 40}])
-    assert two.optimizer("wide").agents == 40
-    assert {trial.optimizer for trial in two.plan()} == {"scatter", "wide"}
-
-
 def test_unknown_and_malformed_files(tmp_path):
     with pytest.raises(BenchError, match="unknown study 'thesys'; did you mean 'thesis'"):
         Study.load("thesys")

@@ -31,16 +31,6 @@ def test_every_combination_is_an_optimizer_whose_label_names_its_values():
     assert {swept(entry.label, entry.options) for entry in found.optimizers} == {("gwo", ("agents", "variant"))}
 
 
-def test_names_labels_and_single_values():
-    assert labels({"name": "cma-es", "label": "mine", "options": {"active": [True, False], "sigma": 0.3}}) == [
-        "mine[active=true]",
-        "mine[active=false]",
-    ]
-    assert labels({"names": ["gwo", "alo"], "options": {"agents": [10, 20]}})[2] == "alo[agents=10]"
-    assert labels({"name": "gwo", "options": {"agents": 10}}) == ["gwo"]
-    assert labels({"name": "gwo", "options": {"agents": [10]}}) == ["gwo[agents=10]"]
-
-
 def test_a_frozen_study_is_the_same_study():
     given = study({"name": "cma-es", "options": {"active": [True, False], "sigma": [0.1, 0.3], "handling": "box"}})
     frozen = Study.from_dict(tomllib.loads(given.to_toml()))

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.study.targets import KINDS, Found, Targets, fractions
+from bench.study.targets import KINDS, Targets, fractions
 
 
 @pytest.mark.parametrize(
@@ -54,15 +54,6 @@ def test_a_level_in_words_and_in_a_table(given, level, words, shown):
     targets = Targets.read(given)
     assert (targets.at(level), targets.level_text(level)) == (words, shown)
     assert targets.in_unit(pd.DataFrame({"tau": [level]}))["tau"].tolist() == pytest.approx([float(shown)])
-
-
-def test_targets_of_a_problem_are_beside_what_was_found_there():
-    found = Found(4.0, True, 14.0, np.array([5.0, np.inf, 6.0, 7.0]))
-    tau, target = Targets.read("1, 0.5").rungs(found)
-    assert (tau.tolist(), target.tolist()) == ([1.0, 0.5], [5.0, 4.5])
-    assert Targets.read("50%").rungs(found)[1].tolist() == [6.0]
-    assert Targets.read("relative").rungs(found)[1].tolist() == (4 + 10 * fractions(True)).tolist()
-    assert dict(zip(*map(list, Targets.read("quantiles").rungs(found)), strict=True))[0.5] == 6.0
 
 
 def test_the_ladder_falls_by_ten_steps_a_decade():
