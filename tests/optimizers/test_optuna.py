@@ -31,17 +31,6 @@ def test_every_sampler_is_a_member_or_left_out():
     assert optuna.names() == sorted(f"optuna:{name}" for name in MEMBERS)
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "count"),
-    [("TPESampler", {"n_startup_trials": 12}, 12), ("NSGAIISampler", {"agents": 9}, 9), ("CmaEsSampler", {}, 1)],
-)
-def test_the_first_points_are_those_of_the_harness(name, options, count):
-    problem = Watched()
-    run(name, problem, seed=3, **options)
-    first = Objective(problem, 80, streams(3)[0]).initial(count)
-    np.testing.assert_array_equal(evaluated(problem)[:count], first)
-
-
 @pytest.mark.parametrize("name", ["TPESampler", "RandomSampler", "QMCSampler"])
 def test_a_run_is_optuna_s_own(name):
     """With optuna's own loop, which asks for one variable after the other, and optuna's defaults."""

@@ -1,6 +1,5 @@
 """pymoo's algorithms spend the budget to the evaluation, follow the seed alone, and are pymoo's own."""
 
-import random
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -11,7 +10,7 @@ from bench import BenchError, Objective, solve
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.pymoo import FOLDER, TABLE, pymoo
-from tests.optimizers.observed import OPTIMUM, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Watched
 
 MEMBERS, PARAMETERS = TABLE["members"], TABLE["parameters"]
 
@@ -37,28 +36,6 @@ def test_every_algorithm_of_pymoo_is_a_member_or_left_out():
     assert all(entry.keys() <= known for entry in MEMBERS.values())
     assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= PARAMETERS.keys()
     assert pymoo.names() == sorted(f"pymoo:{name}" for name in MEMBERS)
-
-
-def variants():
-    """Every member, and with each choice of each parameter that has choices."""
-    for name, entry in MEMBERS.items():
-        yield name, {}
-        for each in sorted(PARAMETERS.keys() & set(entry["parameters"])):
-            for choice in PARAMETERS[each].get("choices", ()):
-                yield name, {each: choice}
-    yield "DE", {"jitter": True}
-    yield "CMAES", {"bipop": True, "restarts": 2}
-
-
-@pytest.mark.sampled(6)
-@pytest.mark.parametrize(("name", "options"), list(variants()), ids=str)
-def test_a_seed_repeats_a_run_and_another_does_not(name, options):
-    """Also where pymoo makes generators without a seed, as it does in many places: none of them may be drawn from."""
-    first = trace(run(name, budget=230, **options))
-    random.seed(99)
-    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
-    assert trace(run(name, budget=230, **options)) == first
-    assert trace(run(name, budget=230, seed=2, **options)) != first
 
 
 @pytest.mark.parametrize(
@@ -99,19 +76,6 @@ def test_a_run_is_pymoo_s_own(name, options, generations):
     box = Sphere(n_var=3, n_obj=1, xl=np.array(Watched().lower.tolist()), xu=np.array(Watched().upper.tolist()))
     found = minimize(box, algorithm, ("n_gen", generations), seed=theirs)
     assert (ours.fun, ours.nfev) == (found.F[0], found.algorithm.evaluator.n_eval)
-
-
-def test_nrbo_plans_as_many_generations_as_the_budget_allows(monkeypatch):
-    solver = type(pymoo.load("pymoo:NRBO")).solver
-    seen, infill = [], solver._infill
-
-    def watched(algorithm):
-        seen.append((algorithm.n_iter, algorithm.max_iteration))
-        return infill(algorithm)
-
-    monkeypatch.setattr(solver, "_infill", watched)
-    run("NRBO", budget=390, agents=20)
-    assert seen[-1] == (20, 20)
 
 
 @pytest.mark.parametrize(

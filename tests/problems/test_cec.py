@@ -77,13 +77,6 @@ def test_no_search_beats_the_optimum(name):
     assert best_found(problem, start, points=10_000) >= problem.optimum - 1e-12 * problem.optimum
 
 
-def test_frequency_modulation_has_its_optimum_at_the_parameters_of_its_data():
-    problem = load_problem("cec2011-f01-d6")
-    known = np.array([[1.0, 5.0, -1.5, 4.8, 2.0, 4.9]])  # Das and Suganthan 2010, problem 1
-    assert problem.evaluate(known)[0] == pytest.approx(problem.optimum, abs=1e-12)
-    assert load_problem("cec2011-f02-d30").optimum is None
-
-
 def test_the_problems_of_2019_that_are_not_shifted_have_their_optimum_at_known_points():
     chebyshev = [[128.0, 0, -256, 0, 160, 0, -32, 0, 1]]  # T8, Storn's problem
     assert load_problem("cec2019-f01-d9").evaluate(np.array(chebyshev)) == load_problem("cec2019-f01-d9").optimum
@@ -96,15 +89,3 @@ def test_the_problems_of_2019_that_are_not_shifted_have_their_optimum_at_known_p
     assert atoms.evaluate(octahedron.reshape(1, -1))[0] == pytest.approx(atoms.optimum, abs=1e-14)
     assert 0 < 1 - atoms.optimum < 1e-11  # by the report it is 1
     assert best_found(atoms, octahedron.ravel() + 1e-3, points=10_000) >= atoms.optimum - 1e-12
-
-
-@pytest.mark.parametrize(("year", "number"), [(2017, 6), (2022, 3)])
-def test_schaffer_f7_is_computed_of_the_shifted_point(year, number):
-    """The reports define another function here, the rotated expanded F6; the names in lists are of what is computed."""
-    problem = load_problem(f"cec{year}-f{number:02d}-d10")
-    x = np.random.default_rng(1).uniform(problem.lower, problem.upper, (4, 10))
-    shifted = x - problem.optimum_point
-    s = np.hypot(shifted[:, :-1], shifted[:, 1:])
-    values = np.mean(np.sqrt(s) * (1 + np.sin(50 * s**0.2) ** 2), axis=1) ** 2
-    np.testing.assert_allclose(problem.evaluate(x), values + problem.optimum, rtol=1e-12)
-    assert grid(year).titles[f"f{number:02d}"] == "Schaffer F7"

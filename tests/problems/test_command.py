@@ -90,12 +90,6 @@ def test_the_study_of_the_examples_runs_with_points_in_parallel(simulator, tmp_p
 
 
 class TestConversation:
-    def test_numbers_travel_without_loss_and_whole_ones_as_such(self, program, tmp_path):
-        problem = program(f"open({str(tmp_path / 'seen')!r}, 'w').write(line); answer(x[0] / 3)", '{"integer": [0, 1]}')
-        with evaluated(scored(problem, "death")) as beside:
-            assert beside.evaluate(np.array([[0.1, 2.0]])).tolist() == [0.1 / 3]
-        assert (tmp_path / "seen").read_text() == '{"x": [0.1, 2]}\n'
-
     def test_one_program_answers_for_as_long_as_a_trial_and_ends_with_it(self, program):
         problem = program("answer(os.getpid())")
         with evaluated(problem) as beside:

@@ -7,7 +7,6 @@ import pytest
 
 from bench import load_problem
 from tests.problems.bbob.best import function_of, name
-from tests.problems.suites import best_found
 
 CASES = [
     *(("bbob", function, 5, instance) for function in range(1, 25) for instance in (1, 15)),
@@ -32,15 +31,6 @@ def test_the_optimum_is_the_value_of_coco_s_best_point(case, best):
     problem = load_problem(name(*case))
     value = problem.evaluate(best[case][None])[0]
     assert problem.optimum <= value <= problem.optimum + 1e-8
-
-
-@pytest.mark.sampled(6)
-@pytest.mark.parametrize("function", range(1, 25))
-def test_no_search_beats_the_optimum(function, best):
-    case = ("bbob", function, 5, 1)
-    problem = load_problem(name(*case))
-    found = best_found(problem, start=best[case] + 1e-3, points=2_000)
-    assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
 
 
 def test_a_loaded_problem_works_in_a_forked_process():

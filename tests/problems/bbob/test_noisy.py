@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import kstest
 
 from bench import load_problem
-from problems.bbob.noisy import BASES, cauchy, ellipsoid, gaussian, noise_of, uniform
+from problems.bbob.noisy import BASES, cauchy, gaussian, noise_of, uniform
 from tests.problems.bbob.best import function_of
 
 FUNCTIONS = list(BASES)
@@ -69,14 +69,6 @@ def test_moderate_and_severe_noise_have_the_definition_s_parameters():
     assert noise_of(107, 4).keywords == {"beta": 1.0}
     assert noise_of(129, 4).keywords == {"alpha": 0.74, "beta": 1.0}
     assert noise_of(130, 4).keywords == {"alpha": 1.0, "p": 0.2}
-
-
-@pytest.mark.parametrize(("dimension", "instance"), [(2, 1), (20, 9)])
-def test_the_ellipsoid_is_bbob_s_with_another_condition_number(dimension, instance):
-    x = np.random.default_rng(2).uniform(-5, 5, (9, dimension))
-    bbob = load_problem(f"bbob-f10-d{dimension}-i{instance}")
-    mine = ellipsoid(dimension, instance, 1e6)(x) + bbob.optimum
-    np.testing.assert_allclose(mine, bbob.evaluate(x), rtol=1e-12)
 
 
 @pytest.mark.parametrize("number", FUNCTIONS)

@@ -6,7 +6,6 @@ import pytest
 from bench import load_problem
 from problems.classical.family import FUNCTIONS, classical
 from problems.classical.instance import MARGIN, instance
-from tests.problems.suites import best_found
 
 
 def place(problem):
@@ -24,15 +23,6 @@ def test_the_optimum_is_zero_and_well_within_the_box(function, dimension):
     share = (best - problem.lower) / (problem.upper - problem.lower)
     assert (share >= MARGIN - 1e-12).all()
     assert (share <= 1 - MARGIN + 1e-12).all()
-
-
-@pytest.mark.sampled(6)
-@pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("options", [{}, {"rotate": False}])
-def test_no_search_beats_the_optimum(function, options):
-    problem = load_problem(f"classical-{function}-d5-i1", **options)
-    best, _ = place(problem)
-    assert best_found(problem, start=best + 1e-3, points=10_000) >= (-1e-9 if function == "schwefel-2-26" else 0.0)
 
 
 def test_an_instance_is_pinned():

@@ -67,15 +67,6 @@ def test_sequential_quadratic_programming_ends_at_the_best_design(name):
     assert min(ends) == pytest.approx(1, abs=1e-6)
 
 
-def test_no_gear_train_is_better():
-    problem = load_problem("engineering-gear-train")
-    teeth = np.arange(12, 61)
-    drivers = np.stack(np.meshgrid(teeth, teeth, indexing="ij"), axis=-1).reshape(-1, 2)
-    drivers = drivers[drivers[:, 0] <= drivers[:, 1]]
-    best = min(problem.evaluate(np.hstack([drivers, np.tile(pair, (len(drivers), 1))])).min() for pair in drivers)
-    assert best == problem.optimum
-
-
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
 @pytest.mark.parametrize("name", [name for name in DESIGNS if name != "engineering-gear-train"])
 def test_the_best_design_keeps_its_value_under_every_handling(name, handling):

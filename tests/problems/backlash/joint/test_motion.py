@@ -6,7 +6,6 @@ from math import pi
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
 from problems.backlash.joint import load_joint, simulate
 
 WRIST = load_joint(speed_rps=20.0)  # half a load turn a second
@@ -62,10 +61,3 @@ def test_one_oscillation_each_way_of_opposite_sign():
     first, second = (deviation[way & late] for way in (forth, back))
     assert first[np.argmax(np.abs(first))] * second[np.argmax(np.abs(second))] < 0
     assert moved(0.001).peak == pytest.approx(np.abs(np.concatenate([first, second])).max())
-
-
-def test_a_sweep_too_short_for_full_speed_is_refused():
-    with pytest.raises(BenchError, match=r"take a sweep of at least 0[.]942 rad or a shorter ramp"):
-        moved(0.001, sweep=0.5)
-    with pytest.raises(BenchError, match="ramp must be a positive number"):
-        moved(0.001, ramp=0.0)

@@ -5,7 +5,7 @@ import pytest
 
 from bench.errors import BenchError
 from problems.backlash.joint import Joint, simulate
-from problems.backlash.joint.wear import half_gaps, monthly_recordings, wear
+from problems.backlash.joint.wear import monthly_recordings, wear
 
 CURVE = {"new": 0.0005, "worn": 0.002, "months": 3, "noise": 0.2, "duration": 0.4}
 
@@ -25,13 +25,6 @@ def test_wear_has_three_phases():
     assert rate[-1] == pytest.approx(0.45 + 0.4 * 2 / 0.3, rel=0.01)
 
 
-def test_gaps_grow_from_the_new_to_the_worn():
-    gaps = half_gaps(0.0003, 0.0039, 24)
-    assert gaps[0] == 0.0003
-    assert gaps[-1] == pytest.approx(0.0039, rel=1e-12)
-    assert (np.diff(gaps) > 0).all()
-
-
 def test_a_month_holds_its_joint_s_recording_with_noise_and_the_truth():
     made = months(noise=0.1, start_angle=0.5)
     assert [month.name for month in made] == ["2024-01", "2024-02", "2024-03"]
@@ -41,14 +34,6 @@ def test_a_month_holds_its_joint_s_recording_with_noise_and_the_truth():
         noise = month.speed - clean.speed
         assert 0.09 < np.ptp(noise) < 0.1
     assert not np.array_equal(made[0].speed[:5] - made[1].speed[:5], np.zeros(5))
-
-
-def test_the_seed_decides_noise_and_start_whatever_the_number_of_months():
-    first, same, other = months(), months(), months(seed=2)
-    for one, two, three in zip(first, same, other, strict=True):
-        np.testing.assert_array_equal(one.speed, two.speed)
-        assert np.abs(one.speed - three.speed).max() > 0.1
-    np.testing.assert_array_equal(months(months=2)[0].speed, first[0].speed)
 
 
 @pytest.mark.parametrize(

@@ -43,13 +43,3 @@ def test_a_joint_that_cannot_be_read_costs_no_other(tmp_path):
     np.testing.assert_allclose(first().speed, 100 + T)
     with pytest.raises(BenchError, match="line 78 has no number in column 'speed_rps' but 'off'; fix or cut it"):
         second()
-
-
-def test_a_file_without_joints_has_one_without_a_name(tmp_path):
-    path = tmp_path / "a.csv"
-    pd.DataFrame({"time_s": T, "speed_rps": SPEED["J4"]}).to_csv(path, index=False)
-    ((name, recording),) = read_joints(path)
-    assert (name, recording().start) == ("", 0.0)
-    for column in ("axis", "v_*"):
-        with pytest.raises(BenchError, match="has no column"):
-            read_joints(path, joint_column=column)

@@ -49,12 +49,6 @@ def test_text_is_read_with_the_units_of_its_headings(tmp_path, text, factor):
     np.testing.assert_allclose(recording.speed, V / factor, rtol=1e-12)
 
 
-def test_numbers_are_read_to_the_last_bit(tmp_path):
-    speed = 100 + np.random.default_rng(0).standard_normal(len(T))
-    path = write(tmp_path, "".join(f"{t!r};{v!r}\n" for t, v in zip(T.tolist(), speed.tolist(), strict=True)), "a.txt")
-    np.testing.assert_array_equal(read(path).speed, speed)
-
-
 @pytest.mark.parametrize("kind", ["xlsx", "parquet"])
 def test_spreadsheets_and_parquet_are_read_by_their_headings(tmp_path, kind):
     table = pd.DataFrame({"current": 0 * T, "Speed [rpm]": 60 * V, "Time_us": 1e6 * T})

@@ -9,12 +9,6 @@ from problems.backlash.recordings.sampling import averaged_down
 from problems.backlash.sensor.estimate import Settings, estimate
 
 
-@pytest.mark.parametrize("rate", [499.0, 500.0, 999.0])
-def test_a_slow_recording_stays_as_it_is(rate):
-    recording = Recording(0.0, 1 / rate, 100 + np.arange(1000.0))
-    assert averaged_down(recording) == (recording, "")
-
-
 def test_a_fast_recording_keeps_its_time_and_what_is_slow_in_it():
     time = 1e-4 * np.arange(100_001)
     slow = 100 + np.sin(2 * np.pi * 25 * time) + time

@@ -8,7 +8,7 @@ import pytest
 
 from bench import BenchError
 from problems.backlash.recordings import Recording, read
-from problems.backlash.recordings.screen import screen, steady_window, warnings
+from problems.backlash.recordings.screen import screen, warnings
 from problems.backlash.signature.datasets import dataset
 from tests.problems.backlash.cut import cut
 
@@ -104,13 +104,3 @@ def test_other_defects_are_reported_in_one_sentence(made, options, message):
         screen(made, **options)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.4])
-def test_the_window_that_is_advised_leaves_out_the_ramps(noise):
-    steady = dataset(12).speed
-    ramp = steady[0] * np.arange(500) / 500
-    whole = np.concatenate((ramp, steady, ramp[::-1]))
-    begin, end = steady_window(Recording(0.0, 0.002, whole + noise * RNG.uniform(-0.5, 0.5, len(whole))))
-    assert 1.0 < begin < 1.2
-    assert 5.6 < end < 5.8

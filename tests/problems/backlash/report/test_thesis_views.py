@@ -110,15 +110,6 @@ def test_a_failed_trial_leaves_its_cell_without_a_mean(tmp_path):
     assert "Not judged: f3, ALO (line 12): 1 of its 6 trials failed." in said
 
 
-def test_the_pairs_that_a_test_distinguishes_are_counted_where_one_can():
-    pairs = pd.DataFrame({"ks_p": [0.05, 0.01, 0.2, 0.051], "n_first": 30, "n_second": 30})
-    study = Study("thesis", (), (), trials=1, budget=60_000)
-    assert "distinguishes 2 of 4 pairs of swarms" in fitting_errors.swarm_tests(pairs, study)[0]
-    assert fitting_errors.swarm_tests(pairs[:0], study) == []
-    (said,) = fitting_errors.swarm_tests(pairs.assign(n_first=1, n_second=1), study)
-    assert said == "With 1 trial a cell no Kolmogorov-Smirnov test can distinguish two swarms."
-
-
 def test_shares_within_the_bands_by_hand(tmp_path):
     results = make(tmp_path / "s", fail=[("signature-03", "my cma-es", 0), ("signature-04", "my cma-es", 1)])
     found = table(results, "found").frame

@@ -7,7 +7,6 @@ from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
-from problems.backlash.signature.calibration import calibrate
 from problems.backlash.signature.datasets import noisy
 from tests.problems.backlash.cut import cut
 
@@ -131,14 +130,6 @@ def test_an_interval_that_contains_the_limit_leaves_the_verdict_open():
         assert again.verdict == verdict
         assert any("contains the limit" in note for note in again.notes) == (verdict == "undecided")
         assert again.interval_rad == found.interval_rad
-
-
-def test_a_calibration_that_ends_below_the_limit_cannot_say_progressed():
-    short = calibrate(Joint(), [0.0, 0.0005, 0.001])
-    found = estimate(noisy(12), Settings(resamples=0, calibration=short))
-    assert found.verdict == "undecided"
-    assert "the calibration ends at 1 mrad, below the limit of 2.1 mrad" in found.notes
-    assert estimate(noisy(12), Settings(resamples=0, calibration=short, limit_rad=0.001)).verdict == "progressed"
 
 
 @pytest.mark.slow

@@ -1,12 +1,8 @@
 """The page on many recordings."""
 
-import math
 import re
 from html.parser import HTMLParser
 from pathlib import Path
-
-import numpy as np
-import pytest
 
 from problems.backlash.sensor import page
 from problems.backlash.sensor.batch import Estimated, Failed
@@ -48,26 +44,3 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     assert text.count("Recording, fit and residual of") >= 4
     assert "Download" not in text
     assert not read.links
-
-
-@pytest.mark.parametrize(
-    ("gaps", "verdict", "tone", "change", "limit"),
-    [
-        ([0.0010, 0.0014, 0.0018, 0.0022], "progressed", "bad", "no trend: +0.400 a month", "passed in 2024-04"),
-        (np.linspace(0.001, 0.0017, 8), "early", "warn", "+0.100 a month", "2024-12 ("),
-        (np.linspace(0.001, 0.00102, 8), "no backlash", "good", "+0.003 a month", "not within 10 years"),
-        ([0.001, 0.0011], "undecided", "warn", "unknown: fewer than three recordings", "unknown"),
-        ([0.001], "early", "warn", "unknown: fewer than three recordings", "unknown"),
-        ([0.001, 0.002, math.nan], "undecided", "warn", "unknown: not every half-gap is known", "unknown"),
-    ],
-)
-def test_a_joint_has_a_row_with_what_is_known_of_it(make_estimate, gaps, verdict, tone, change, limit):
-    outcomes = [
-        Estimated(Path(f"J4_2024-{month:02}.csv"), make_estimate(float(gap), verdict=verdict))
-        for month, gap in enumerate(gaps, 1)
-    ]
-    table = page._joints(joints_of(outcomes, Settings()), Settings())
-    ((name, shown, _, changes, reached, latest),) = ([cell.text for cell in row] for row in table.rows)
-    assert (name, shown, latest) == ("J4", verdict, f"2024-{len(gaps):02}")
-    assert (changes.startswith(change), reached.startswith(limit)) == (True, True)
-    assert table.rows[0][1].tone == tone

@@ -7,7 +7,7 @@ import pytest
 
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.plots import fit_figure, save_figures, trend_figure
+from problems.backlash.sensor.plots import fit_figure, save_figures
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import trend
 
@@ -41,18 +41,6 @@ def test_the_fit_its_half_turn_and_the_rest_are_drawn(make_estimate):
     assert (off < 0.02).sum() >= len(off) - 1  # but for the jump
     assert off[2] < 0.006 < 0.012 < abs(mean.get_ydata()[2])  # where the oscillation before has not ended
     assert 0.4 < fine.get_ydata().max() == fine.get_ydata()[np.abs(fine.get_ydata()).argmax()]
-
-
-def test_each_joint_is_drawn_with_intervals_and_the_limit(trends):
-    growing, still = trends("joint4", np.linspace(0.001, 0.0018, 8)), trends("joint5", [0.001, 0.0011, 0.001])
-    (ax,) = trend_figure([growing, still], limit_rad=0.0021).axes
-    np.testing.assert_allclose(lines(ax, "joint4")[0].get_ydata(), 1e3 * growing.values)
-    bars = [segment[:, 1] for segment in ax.collections[0].get_segments()]
-    np.testing.assert_allclose(bars, 1e3 * growing.intervals)
-    assert lines(ax, "limit")[0].get_ydata()[0] == pytest.approx(2.1)
-    assert len([line for line in ax.get_lines() if line.get_linestyle() == "--" and len(line.get_xdata())]) == 1
-    (legend,) = ax.figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["joint4", "joint5", "trend", "limit"]
 
 
 @pytest.mark.slow

@@ -110,17 +110,6 @@ def test_a_file_that_is_not_a_calibration_is_refused_in_one_sentence(tmp_path, t
     assert "\n" not in str(caught.value)
 
 
-def test_a_calibration_knows_its_joint_and_speed_also_from_its_file(tmp_path):
-    made = calibrate(Joint(gear_ratio=50.0, omega_ref=2 * np.pi * 80), LEVELS[:3])
-    made.save(tmp_path / "a.toml")
-    for known in (made, load_calibration(tmp_path / "a.toml")):
-        assert (known.gear_ratio, known.speed_rps) == (50.0, pytest.approx(80.0))
-        assert known.differences(-80.5, 49.7) == []
-        assert known.differences(80.0, None) == []
-        assert known.differences(82.0, 51.0) == ["a gear ratio of 51, not 50", "a motor speed of 82 rps, not 80"]
-    assert pairs([1, 2, 4]).differences(82.0, 51.0) == []
-
-
 def test_the_advice_names_half_gaps_whose_amplitudes_no_larger_one_has_again():
     gaps = np.array([0.0, 0.001, 0.002, 0.003, 0.004])
     for amplitude, advice in (
@@ -131,16 +120,6 @@ def test_the_advice_names_half_gaps_whose_amplitudes_no_larger_one_has_again():
         with pytest.raises(BenchError) as caught:
             pairs(amplitude, gaps)
         assert str(caught.value).endswith(advice)
-
-
-def test_a_calibration_holds_for_its_joint_s_friction(tmp_path):
-    made = calibrate(Joint(coulomb_friction=2.0), [0.001, 0.002])
-    assert made.friction == pytest.approx(2.0 / 14.43)
-    made.save(tmp_path / "a.toml")
-    again = load_calibration(tmp_path / "a.toml")
-    assert again.friction == made.friction
-    assert (again.other_joint(1.0, 0.2, {}), again.other_joint(1.0, 0.0, {}) != "") == ("", True)
-    assert pairs([1.0, 2.0]).other_joint(1.0, 0.5, {}) == ""
 
 
 @pytest.mark.parametrize(

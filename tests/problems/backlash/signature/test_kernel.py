@@ -65,13 +65,6 @@ def test_windows_that_end_on_a_sample_leave_it_out_in_every_turn():
     np.testing.assert_allclose(wave[200:2301], wave[:2101], atol=1e-12)
 
 
-def test_a_value_does_not_depend_on_its_neighbours():
-    _, _, lower, upper, folded, _ = case("the published recordings")
-    points = np.random.default_rng(3).uniform(lower, upper, (50, 7))
-    together = kernel.evaluate(points, folded)
-    assert [kernel.evaluate(x[np.newaxis], folded)[0] for x in points] == together.tolist()
-
-
 def test_far_outside_the_box_values_are_finite_or_infinitely_bad():
     folded = case("the published recordings")[4]
     rng = np.random.default_rng(4)

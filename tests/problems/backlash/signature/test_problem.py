@@ -7,9 +7,7 @@ import pytest
 from scipy.stats import ks_2samp
 
 from bench import BenchError, load_optimizer, load_problem, solve
-from problems.backlash.joint import half_gap
 from problems.backlash.signature import datasets
-from problems.backlash.signature.calibration import EQUATION_4_7, default_calibration
 from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES
 
 
@@ -32,33 +30,6 @@ def test_a_reference_fit_keeps_a_bound_of_t0_that_excludes_the_best_one():
     assert free.reference().x[1] > problem.upper[1]
     assert problem.reference().x[1] <= problem.upper[1]
     assert problem.reference().value > free.reference().value
-
-
-def test_describe_gives_amplitude_error_and_backlash():
-    problem = load_problem("signature-12", unit="rpm")
-    peak = 60 * datasets.dataset(12).peak
-    assert problem.expected == {
-        "amplitude_rpm": (peak, pytest.approx(3.8672 / 2)),
-        "backlash_rad": (half_gap(12), pytest.approx(0.0001)),
-    }
-    found = problem.describe(np.array([-peak, 0, 15, 134, 0, 0, 0.2]))
-    assert found["amplitude_rpm"] == pytest.approx(peak)
-    assert found["amplitude_error_rpm"] == pytest.approx(0.0)
-    assert found["backlash_rad"] == pytest.approx(half_gap(12), rel=1e-9)
-
-
-def test_the_calibration_is_near_the_thesis_s_cubic_where_that_was_fitted():
-    calibration = default_calibration()
-    for level in range(2, 12):
-        amplitude = 60 * datasets.dataset(level).peak
-        assert calibration.backlash(amplitude) == pytest.approx(half_gap(level), rel=1e-9)
-        cubic = 1e-6 * np.polyval(EQUATION_4_7, amplitude)
-        assert cubic == pytest.approx(half_gap(level), rel=0.03)
-    assert calibration.amplitude[-1] > 1.3 * 60 * datasets.dataset(20).peak  # the box's end, where A may be found
-    assert np.isnan(calibration.backlash(500.0))
-    assert np.isnan(calibration.backlash(0.1))
-    between = np.linspace(calibration.amplitude[0], calibration.amplitude[-1], 500)
-    assert (np.diff([calibration.backlash(a) for a in between]) > 0).all()
 
 
 @pytest.mark.parametrize(

@@ -34,13 +34,6 @@ def test_a_refit_is_the_reference_fit_of_its_signal(options):
         assert (found <= problem.upper).all()
 
 
-def test_a_refit_of_the_same_signal_is_the_fit_itself():
-    problem = SignatureFit("same", noisy(5))
-    x = problem.reference().x
-    (found,) = problem.near(x, [problem.signal])
-    np.testing.assert_allclose(found, x, rtol=1e-4, atol=1e-4)
-
-
 def test_refits_find_tau_and_omega_far_better_than_they_scatter():
     """The nine points end at steps of 0.016 1/s and 0.03 rad/s, the paraboloid through them is much closer."""
     problem = SignatureFit("fine", noisy(12))

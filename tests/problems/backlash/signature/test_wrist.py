@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, load_problem
-from problems.backlash.signature import families, wrist
+from problems.backlash.signature import wrist
 
 
 def test_each_joint_has_the_amplitude_that_the_thesis_expected():
@@ -12,21 +12,10 @@ def test_each_joint_has_the_amplitude_that_the_thesis_expected():
         assert wrist.recorded(f"wrist-{number}-{state}").peak == pytest.approx(expected, rel=0.01)
 
 
-def test_the_names_are_those_of_the_joints():
-    assert list(families.wrist.listed) == [f"wrist-{number}-{state}" for number in wrist.AXES for state in wrist.STATES]
-    with pytest.raises(BenchError, match="unknown problem 'wrist-2-healthy'"):
-        load_problem("wrist-2-healthy")
-
-
 def test_one_oscillation_is_fitted_and_a_tampered_joint_has_the_larger_one():
     healthy, tampered = (load_problem(f"wrist-4-{state}") for state in wrist.STATES)
     assert healthy.replicas == tampered.replicas == 1
     assert abs(tampered.reference().x[0]) > 1.5 * abs(healthy.reference().x[0])
-
-
-def test_a_wrist_has_no_half_gap_by_the_bench_s_calibration():
-    problem = load_problem("wrist-6-tampered")
-    assert list(problem.describe(problem.lower)) == ["amplitude_rpm", "amplitude_error_rpm"]
 
 
 def test_another_draw_is_other_noise_on_the_same_motion():
@@ -40,11 +29,3 @@ def test_joint_1_is_the_noise_alone_at_any_gap():
     for state in wrist.STATES:
         assert wrist.recorded(f"wrist-1-{state}").peak < 0.005
     assert np.ptp(wrist.recorded("wrist-1-tampered").speed) < 0.11
-
-
-def test_repaired_points_lie_in_the_box_although_the_oscillation_may_be_longer_than_the_recording():
-    problem = load_problem("wrist-1-healthy")
-    width = problem.upper - problem.lower
-    x = np.random.default_rng(0).uniform(problem.lower - width, problem.upper + width, (200, problem.dimension))
-    repaired = problem.repair(x)
-    assert ((repaired >= problem.lower) & (repaired <= problem.upper)).all()
