@@ -23,6 +23,7 @@ def test_of_more_the_first_ten_and_the_subject_are_shown(wide):
 
 
 def test_of_a_crowd_the_tests_of_the_first_and_the_subject_are_kept(wide, monkeypatch):
+    everyone = wide.final.pairs
     monkeypatch.setattr("bench.topics.findings.final.CROWD", 12)
     pairs = Findings(wide.results, asked_subject=wide.final.ranked[-1]).final.pairs
     kept = {*wide.final.ranked[:10], wide.final.ranked[-1]}
@@ -30,6 +31,6 @@ def test_of_a_crowd_the_tests_of_the_first_and_the_subject_are_kept(wide, monkey
     others = pairs[~pairs["first"].isin(kept) & ~pairs["second"].isin(kept)]
     assert set(others.index) <= set(clearest)
     assert len(pairs) - len(others) == 3 * (91 - 3)
-    whole = wide.final.pairs.merge(pairs, on=["problem", "first", "second"], suffixes=("", "_kept"))
+    whole = everyone.merge(pairs, on=["problem", "first", "second"], suffixes=("", "_kept"))
     assert len(whole) == len(pairs)
     assert (whole["p_holm"] == whole["p_holm_kept"]).all()
