@@ -1,5 +1,6 @@
 """The answer of a report, as a terminal shows it."""
 
+import json
 from io import StringIO
 
 from rich.console import Console
