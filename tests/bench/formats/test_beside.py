@@ -16,7 +16,6 @@ from bench.formats.importing import import_results
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.targets import Targets
-from bench.topics import write_report
 from bench.topics.answer import section as answer
 from bench.topics.findings import Findings
 from bench.topics.methods.methods import methods
@@ -255,18 +254,6 @@ def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_pa
         verify(archive)
     call("merge", archive, "-o", tmp_path / "merged")
     assert Results(tmp_path / "merged").frame.equals(Results(archive).frame)
-
-
-@pytest.mark.slow
-def test_a_report_says_what_is_unknown_and_what_differs(mine, archive, tmp_path):
-    page = write_report(mine, archive, output=tmp_path / "report", n_jobs=1).read_text()
-    for sentence in (
-        "The folders share 2 problems; only those are compared.",
-        "at 120 evaluations, the largest budget that all had",
-        "environment-runs.csv",
-    ):
-        assert sentence in page
-    assert "nan s" not in page
 
 
 def test_a_second_import_of_our_export_holds_the_same(archive, tmp_path):

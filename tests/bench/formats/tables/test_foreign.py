@@ -83,52 +83,54 @@ def matrix(o, p, last=False):
     )
 
 
-def course(head, cells):
-    return long(head, "\n".join(cells))
+CELLS = "{problem},{optimizer},{run},{value}"
+LONG = {
+    "pandas, long": ("r.csv", "Function,Algorithm,Run,Fitness", CELLS),
+    "seeds and times": (
+        "summary.csv", "algorithm,problem,seed,final_fitness,best_fitness,elapsed_time",
+        "{optimizer},{problem},{seed},99,{value},1.5",
+    ),
+    "a combinatorial experiment": (
+        "experiment_results.csv", "Instance,Algorithm,Run,InitialFitness,FinalFitness,TimeMs",
+        "{problem},{optimizer},{run},99,{value},15",
+    ),
+    "no run numbers": ("r.csv", "Test Function,Optimizer,Best Value", "{problem},{optimizer},{value}"),
+    "CEC with evaluations": (
+        "r.csv", "Algorithm,Function,Dim,Run,FES,Error", "{optimizer},{problem},10,{run},100000,{value}",
+    ),
+    "a value of an unknown name": ("r.csv", "Function,Algorithm,Run,f_min", CELLS),
+    "TSV": ("r.tsv", "func\talgo\ttrial\tfun", "{problem}\t{optimizer}\t{run}\t{value}"),
+    "EvoloPy": (
+        "experiment.csv", "Optimizer,objfname,ExecutionTime,Iter1,Iter2,Iter3",
+        "{optimizer},{problem},1.5,999,500,{value}",
+    ),
+    "jMetalPy": (
+        "QualityIndicatorSummary.csv", "Algorithm,Problem,IndicatorName,ExecutionId,IndicatorValue",
+        "{optimizer},{problem},IGD,{run},{value}",
+    ),
+    "PlatEMO, one row a run": (
+        "raw.csv", "Algorithm,Problem,M,D,Seed,IGD,Execution_Time_s", "{optimizer},{problem},1,30,{seed},{value},2",
+    ),
+    "courses over generations": (
+        "r.csv", "problem,algorithm,seed,n_gen,f_best",
+        "{problem},{optimizer},{seed},1,999\n{problem},{optimizer},{seed},2,{value}",
+    ),
+    "pymoo: courses over evaluations": (
+        "r.csv", "problem,algorithm,seed,n_eval,F",
+        "{problem},{optimizer},{seed},100,999\n{problem},{optimizer},{seed},200,{value}",
+    ),
+}  # fmt: skip
+"""Tables with a row a run or a value: name of the file, head, cells."""
 
-
-SHAPES = {
-    "pandas, long": {"r.csv": long("Function,Algorithm,Run,Fitness")},
+SHAPES = {shape: {name: long(head, cells)} for shape, (name, head, cells) in LONG.items()} | {
     "a notebook's frame with index": {
         "r.csv": pd.DataFrame(
             records(problem="Problem", optimizer="Algorithm", run="Run", value="Best_Fitness")
         ).to_csv()
     },
-    "seeds and times": {
-        "summary.csv": long(
-            "algorithm,problem,seed,final_fitness,best_fitness,elapsed_time",
-            "{optimizer},{problem},{seed},99,{value},1.5",
-        )
-    },
-    "a combinatorial experiment": {
-        "experiment_results.csv": long(
-            "Instance,Algorithm,Run,InitialFitness,FinalFitness,TimeMs", "{problem},{optimizer},{run},99,{value},15"
-        )
-    },
-    "no run numbers": {"r.csv": long("Test Function,Optimizer,Best Value", "{problem},{optimizer},{value}")},
-    "CEC with evaluations": {
-        "r.csv": long("Algorithm,Function,Dim,Run,FES,Error", "{optimizer},{problem},10,{run},100000,{value}")
-    },
     "German spreadsheet": {
         "r.csv": long("Funktion;Function;Algorithm;Run;Best fitness", "x;{problem};{optimizer};{run};{value}").replace(
             ".", ","
-        )
-    },
-    "a value of an unknown name": {"r.csv": long("Function,Algorithm,Run,f_min")},
-    "TSV": {"r.tsv": long("func\talgo\ttrial\tfun", "{problem}\t{optimizer}\t{run}\t{value}")},
-    "EvoloPy": {
-        "experiment.csv": long(
-            "Optimizer,objfname,ExecutionTime,Iter1,Iter2,Iter3", "{optimizer},{problem},1.5,999,500,{value}"
-        )
-    },
-    "jMetalPy": {
-        "QualityIndicatorSummary.csv": long(
-            "Algorithm,Problem,IndicatorName,ExecutionId,IndicatorValue", "{optimizer},{problem},IGD,{run},{value}"
-        )
-    },
-    "PlatEMO, one row a run": {
-        "raw.csv": long(
-            "Algorithm,Problem,M,D,Seed,IGD,Execution_Time_s", "{optimizer},{problem},1,30,{seed},{value},2"
         )
     },
     "SAES and others: columns are optimizers": {
@@ -171,18 +173,6 @@ SHAPES = {
             f"{optimizer},{problem}," + ",".join(str(value(p, o, run)) for run in range(RUNS)) + "\n"
             for p, problem in enumerate(PROBLEMS)
             for o, optimizer in enumerate(OPTIMIZERS)
-        )
-    },
-    "courses over generations": {
-        "r.csv": course(
-            "problem,algorithm,seed,n_gen,f_best",
-            ["{problem},{optimizer},{seed},1,999", "{problem},{optimizer},{seed},2,{value}"],
-        )
-    },
-    "pymoo: courses over evaluations": {
-        "r.csv": course(
-            "problem,algorithm,seed,n_eval,F",
-            ["{problem},{optimizer},{seed},100,999", "{problem},{optimizer},{seed},200,{value}"],
         )
     },
     "a folder a problem, a file an optimizer, a value a line": {
