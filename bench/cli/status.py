@@ -90,7 +90,7 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
         yield line, "red" if verified.get("different") else None
     made = folder.store.made()
     for number, record in folder.store.environments().items():
-        yield from ((line, None) for line in _environment(record, made.get(number, 0)))
+        yield from ((line, None) for line in (_environment(record, made.get(number, 0)) if record else ()))
 
 
 def summary(folder: Folder) -> Group:

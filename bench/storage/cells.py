@@ -74,24 +74,17 @@ class Cells:
         That is the first whose trials were made from no other state of any of them: ``first``, or the latest; else a
         cell with the next numbers.
         """
-        problem, optimizer = (
-            self._fitting(place, text, read_by_it, first and first.records[place])
-            for place, (text, read_by_it) in enumerate(zip(bare.records, inputs, strict=True))
-        )
-        return Cell(problem, optimizer, *bare.conditions)
+        records = []
+        for place, (text, read_by_it) in enumerate(zip(bare.records, inputs, strict=True)):
+            known = [*([first.records[place]] if first else []), *self.candidates(place, text)]
+            records.append(next(each for each in known if not conflicts(self.made.get(each, {}), read_by_it)))
+        return Cell(records[0], records[1], *bare.conditions)
 
-    def _fitting(self, place: int, text: str, inputs: Inputs, first: str | None) -> str:
-        if first is not None and not conflicts(self.made.get(first, {}), inputs):
-            return first
-        numbers = self.numbers(place, text)
-        known = (with_inputs(text, number) for number in reversed(numbers))
-        fits = (each for each in known if not conflicts(self.made.get(each, {}), inputs))
-        return next(fits, with_inputs(text, max(numbers, default=0) + 1))
-
-    def numbers(self, place: int, text: str) -> list[int]:
-        """Return the numbers of the inputs that cells have of this problem (place 0) or optimizer (1)."""
+    def candidates(self, place: int, text: str) -> list[str]:
+        """Return the records of this problem (place 0) or optimizer (1), the latest inputs first; last, one of new."""
         records = {cell.records[place] for cell in self.all.values()}
-        return sorted(read_record(each)["inputs"] for each in records if with_inputs(each, 1) == with_inputs(text, 1))
+        numbers = {read_record(each)["inputs"] for each in records if with_inputs(each, 1) == with_inputs(text, 1)}
+        return [with_inputs(text, number) for number in (*sorted(numbers, reverse=True), max(numbers, default=0) + 1)]
 
     def display_labels(self, number: int) -> Labels:
         """Return the labels of a cell for people, whether it is selected or not."""

@@ -10,7 +10,7 @@ from bench.errors import BenchError
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import Present, shown
 from bench.storage.cells import Cells
-from bench.study.cell import Cell, Labels, alike, differences, read, relabelled, with_inputs
+from bench.study.cell import Cell, Labels, alike, differences, read, relabelled
 
 KINDS = "problem", "optimizer"
 
@@ -70,15 +70,13 @@ def select(
 
 def _present(place: int, bare: str, label: str, held: Cells, run: Collection[str], present: Present) -> str:
     """Return the record of which the trials were made from what is there now; of new inputs where there is none."""
-    numbers = held.numbers(place, bare)
-    for number in reversed(numbers):
-        text = with_inputs(bare, number)
-        if text not in run:
-            if number == numbers[-1]:
-                return text
-        elif not present.changed(held.made.get(text, {}), label):
-            return text
-    return with_inputs(bare, max(numbers, default=0) + 1)
+    latest, *others = held.candidates(place, bare)
+    unchanged = (
+        text
+        for text in (latest, *others[:-1])
+        if (not present.changed(held.made.get(text, {}), label) if text in run else text == latest)
+    )
+    return next(unchanged, [latest, *others][-1])
 
 
 def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored: Iterable[Cell]) -> dict[str, str]:
