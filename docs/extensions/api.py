@@ -1,20 +1,69 @@
-"""Write a page for each module of ``bench.analysis`` with the public functions that it defines."""
+"""Write the pages on Python: the public names by what they are for, and those of each module of ``bench.analysis``."""
 
 from __future__ import annotations
 
 import inspect
 from importlib import import_module
 from pathlib import Path
+from pydoc import locate
 
 from sphinx.application import Sphinx
 
 from extensions.pages import code, table, write
 
+PUBLIC = {
+    "run": "bench.compare bench.solve bench.run bench.Outcome bench.Study bench.Result",
+    "read results": "bench.load_results bench.Results bench.results.results.StoredResults bench.notebook.Plots "
+    "bench.write_report",
+    "load and check plug-ins": "bench.list_optimizers bench.list_problems bench.load_optimizer bench.load_problem "
+    "bench.check_optimizer bench.Checkup bench.Verdict bench.testing bench.BenchError bench.WorkerDiedError",
+    "judge generated optimizers": "bench.Evaluator bench.evaluator.Found bench.evaluator.Final",
+    "an optimizer": "bench.Optimizer bench.parameter bench.AskTell bench.optimizer.Search bench.Objective bench.Trace "
+    "bench.BudgetExhausted",
+    "a problem": "bench.Problem bench.FunctionProblem bench.Grid bench.families",
+    "a section of a report": "bench.report bench.topics",
+    "helpers of plug-ins": "bench.typing bench.errors bench.numbers bench.seeds bench.helpers bench.sandbox.callers",
+}
+"""The public names, or modules of them, by the title of their page."""
+
+MEMBERS = {  # of modules that define other names, too
+    "bench.families": "\n   :exclude-members: Grid",
+    "bench.errors": "\n   :exclude-members: BenchError",
+    "bench.typing": "\n   :undoc-members:",
+    "bench.seeds": " trial_seed",
+    "bench.sandbox.callers": " Callers, Call",
+    "bench.topics": " Findings, repairing",
+    "bench.AskTell": " start",
+    "bench.Evaluator": "\n   :special-members: __call__",
+}
+
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Write the pages when the build begins."""
-    app.connect("builder-inited", lambda app: write(Path(app.srcdir) / "reference" / "analysis", pages()))
+    app.connect("builder-inited", lambda app: _write(Path(app.srcdir) / "reference"))
     return {"parallel_read_safe": True}
+
+
+def _write(reference: Path) -> None:
+    write(reference / "analysis", pages())
+    write(reference / "python", {title.replace(" ", "-"): public(title, names) for title, names in PUBLIC.items()})
+
+
+def public(title: str, names: str) -> str:
+    """Return the page of some public names, those of whole modules included."""
+    entries = "\n\n".join(map(_public, names.split()))
+    return f"# {title.capitalize()}\n\n```{{eval-rst}}\n.. currentmodule:: bench\n\n{entries}\n```\n"
+
+
+def _public(name: str) -> str:
+    thing = locate(name)
+    if inspect.ismodule(thing):
+        imported = "\n   :imported-members:" if hasattr(thing, "__all__") and name not in MEMBERS else ""
+        return f".. automodule:: {name}\n   :members:{MEMBERS.get(name, '')}{imported}"
+    if not inspect.isclass(thing):
+        return f".. autofunction:: {name}"
+    kind = "autoexception" if issubclass(thing, BaseException) else "autoclass"
+    return f".. {kind}:: {name}\n   :members:{MEMBERS.get(name, '')}"
 
 
 def pages() -> dict[str, str]:

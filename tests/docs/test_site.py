@@ -126,7 +126,7 @@ def axe():
 @pytest.mark.parametrize(
     "name",
     ["index", "tutorials/first-comparison", "how-to/index", "reference/study", "reference/commands/run",
-     "reference/optimizers/gwo", "reference/api/index", "explanation/reading-a-difference"],
+     "reference/optimizers/gwo", "reference/python/run", "explanation/reading-a-difference"],
 )  # fmt: skip
 def test_axe_finds_nothing(browser, site, axe, name, width, dark):
     browser.open(site / f"{name}.html", width=width, dark=dark)
