@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import Subject, ordinary_budget
 from bench.check.idle import alternatives
@@ -44,6 +43,8 @@ def check_invariances(subject: Subject) -> str:
 
 def check_rotation(subject: Subject) -> str:
     """Final values keep their law when coordinates change their order or are rotated, where the method declares it."""
+    from bench.analysis.kolmogorov_smirnov import ks_tests  # not at the top: it imports pandas and scipy.stats
+
     plain = _finals(subject, None)
     changed = {"order": np.eye(DIMENSION)[::-1], "rotation": _rotation()}
     ps = {name: float(ks_tests(plain, _finals(subject, matrix))["ks_p"][0]) for name, matrix in changed.items()}
