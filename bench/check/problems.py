@@ -50,6 +50,11 @@ def bowl(dimension: int = 3, **naming: Any) -> RecordingProblem:
     return _ordinary(lambda _, f: f, dimension, **naming)
 
 
+def spiked(best: Floats) -> RecordingProblem:
+    """Return the ordinary problem but for one point, a share of the box, whose value is far below all others."""
+    return _ordinary(lambda u, f: np.where((u == best).all(axis=1), -1e9, f), len(best))
+
+
 def corner() -> RecordingProblem:
     """Return a plane that falls towards a corner of a box of widths 1e-3, 1e-6 and 4.9e4 far from the origin."""
     lower, upper = np.array([100.0, 1e-3, -5e4]), np.array([100.001, 1.001e-3, -1e3])

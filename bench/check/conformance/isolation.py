@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import pickle
+import random
 import sys
 import tempfile
 import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from itertools import count
 from math import inf
 from pathlib import Path
 from time import monotonic, sleep
-from typing import IO
+from typing import IO, Any
 
 import cloudpickle
+import numpy as np
 
 from bench.check.conformance.recording import LOST, ViolationError, expect_same, explain_lost_process
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
@@ -24,6 +28,7 @@ from bench.check.problems import bowl
 from bench.execution.safe_runs import PRINTED
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process
+from bench.typing import Floats
 
 
 def check_repetition(subject: Subject) -> str:
@@ -37,15 +42,36 @@ def check_repetition(subject: Subject) -> str:
     others = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
     if all(other.course() == run.course() for other in others):
         return "deterministic: the seed repeats the run, and so does every other seed"
-    if not any(recorded.drew for recorded in (run, *others)):
-        if run.generators:
-            raise ViolationError(
-                "it draws nothing from rng and makes a generator of its own, so that its moves from equal starts are "
-                "equal for every seed",
-                "draw from rng, or make the generator from a number drawn from rng",
-            )
-        return "a seed repeats its run, other seeds give others; nothing is drawn from rng"
+    if _own_states(subject, 0) & _own_states(subject, 1):
+        raise ViolationError(
+            "it draws from a generator of its own that has the same state for every seed, so that its moves from equal "
+            "starts are equal for every seed",
+            "draw from rng, or make the generator from a number drawn from rng",
+        )
     return "a seed repeats its run, other seeds give others"
+
+
+def _own_states(subject: Subject, seed: int) -> set[bytes]:
+    """Return the states, seen now and then, of the generators that a run makes and draws from."""
+    problem, seen, calls = bowl(), dict[int, list[bytes]](), count(1)
+    evaluate, before = problem.evaluate, _generators()
+
+    def watch(x: Floats, rng: np.random.Generator | None = None) -> Floats:
+        if next(calls) in (2, 3, 8, 32, 128):  # to look takes longer than to evaluate
+            for each in _generators():
+                if not any(each is other for other in before):
+                    state = each.bit_generator.state if isinstance(each, np.random.Generator) else each.__getstate__()
+                    seen.setdefault(id(each), []).append(pickle.dumps(state))
+        return evaluate(x, rng)
+
+    problem.evaluate = watch  # type: ignore[method-assign]
+    subject.run(problem, seed=seed)
+    return {state for states in seen.values() if len(set(states)) > 1 for state in states}
+
+
+def _generators() -> list[Any]:
+    kinds = (np.random.Generator, np.random.RandomState, random.Random)
+    return [each for each in gc.get_objects() if issubclass(type(each), kinds)]
 
 
 def check_processes(subject: AnySubject) -> str:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from time import monotonic
 from typing import Any
-from unittest import mock
 from zlib import crc32
 
 import numpy as np
@@ -43,8 +42,6 @@ class RecordedRun:
         asked_after: how many times it called the objective again after BudgetExhausted was raised.
         outside_box: points outside the box or not finite.
         reached: attributes of the objective that it read or set although the contract does not offer them.
-        drew: whether it drew from its generator.
-        generators: how many of its own it made with numpy's ``default_rng``.
         touched: the global random states that it left changed.
     """
 
@@ -53,8 +50,6 @@ class RecordedRun:
     asked_after: int = 0
     outside_box: int = 0
     reached: set[str] = field(default_factory=set)
-    drew: bool = False
-    generators: int = 0
     touched: tuple[str, ...] = ()
 
     def course(self) -> list[int]:
@@ -127,7 +122,7 @@ class Progress:
 
 
 class ObservedOptimizer(Optimizer):
-    """An optimizer whose use of the objective and the generator is recorded in ``run``."""
+    """An optimizer whose use of the objective is recorded in ``run``."""
 
     def __init__(self, optimizer: Optimizer, run: RecordedRun, progress: Progress) -> None:
         self._optimizer, self._run, self._progress = optimizer, run, progress
@@ -135,15 +130,11 @@ class ObservedOptimizer(Optimizer):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Run the optimizer on a stand-in for the objective."""
-        lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
-        made = mock.Mock(wraps=np.random.default_rng)
+        lower, upper = objective.lower.copy(), objective.upper.copy()
         try:
-            with mock.patch("numpy.random.default_rng", made):
-                self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._progress), rng)  # type: ignore[arg-type]
+            self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._progress), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
-            self._run.generators = made.call_count
-            self._run.drew = _state(rng) != before
             if not (np.array_equal(lower, objective.lower) and np.array_equal(upper, objective.upper)):
                 self._run.reached.add("the values of lower and upper")
 
@@ -178,10 +169,6 @@ class _ObjectiveProxy:
         values = self._objective(x)
         self._progress.report(self._objective.nfev)
         return values
-
-
-def _state(rng: np.random.Generator) -> str:
-    return f"{rng.bit_generator.state} {getattr(rng.bit_generator.seed_seq, 'n_children_spawned', 0)}"
 
 
 @contextmanager

@@ -14,6 +14,8 @@ from typing import Any
 
 from bench.check.conformance import (
     apartness,
+    clocks,
+    following,
     invariances,
     isolation,
     parameters,
@@ -61,6 +63,8 @@ RULES = (
     Rule("no state", isolation.check_state, "a second run of an instance must start as the first did", _REPEATED),
     Rule("pickling", isolation.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
     Rule("global states", isolation.check_global_states, "draw from rng alone", _REPEATED),
+    Rule("clock", clocks.check_clock, "fix what raises where clocks go fast", _REPEATED),
+    Rule("leader", following.check_leader, "fix what raises with other values", _REPEATED),
     Rule("box", robustness.check_box, _ROBUST),
     Rule("repair", robustness.check_repair, "objective.repair(x) may move points within the box"),
     Rule("dimensions", robustness.check_dimensions, _ROBUST),
@@ -101,12 +105,14 @@ PROBLEM_RULES = (
     ),
     Rule("pickling", isolation.check_pickling, "let __reduce__ return load_problem and the name", _DECIDED),
     Rule("global states", isolation.check_global_states, "draw from a generator of its own", _DECIDED),
+    Rule("clock", clocks.check_clock, "fix what raises where clocks go fast", _DECIDED),
     Rule("instances", problem_rules.check_instances, "fix what raises for another instance", _DECIDED),
     Rule("silence", isolation.check_silence, "a call must not need a terminal", _DECIDED),
     Rule("leftovers", isolation.check_leftovers, "a call must not depend on the working folder", _DECIDED),
     Rule("cost", problem_rules.check_cost, _ANY_POINT, ("declaration", "values")),
 )
-"""The rules of a problem, in the order in which they are checked; "no state" to "leftovers" are those of optimizers."""
+"""The rules of a problem, in the order in which they are checked; "no state" to "clock" and those of silence and
+leftovers are those of optimizers."""
 
 SEARCH = Rule("search", problem_rules.check_search, "fix what raises during a search", _DECIDED, 86_400.0)
 """The rule of a problem that is checked only on request, as it takes minutes."""

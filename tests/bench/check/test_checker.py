@@ -11,7 +11,7 @@ from bench.check.checker import Checker
 from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.rules import RULES, find_rule
 from bench.check.conformance.subject import Subject
-from tests.bench.check import faulty, faulty_problems
+from tests.bench.check import faulty, faulty_problems, unrepeatable
 from tests.bench.check.conformance.examine import ALL, failures
 
 HURRIED = {faulty.Hanging: 8.0, faulty.Stuck: 2.0}  # seconds, where the check would take all its time
@@ -31,19 +31,20 @@ def test_the_readme_s_optimizer_passes_with_a_readable_report():
 
 
 def test_a_failed_report_says_how_to_mend_it_and_what_could_not_be_checked():
-    checkup = check_optimizer(faulty.Clocked, bias=False)
+    checkup = check_optimizer(unrepeatable.Clocked, bias=False)
     assert not checkup
     assert not checkup.passed
     assert checkup.label == "Clocked"
     assert checkup.unchecked == (
-        "processes", "no state", "pickling", "global states", "anonymity", "invariances", "idle parameters",
+        "processes", "no state", "pickling", "global states", "clock", "leader", "anonymity", "invariances",
+        "idle parameters",
     )  # fmt: skip
     text = str(checkup)
     assert "  FAILED  repetition" in text
     assert "remedy: draw from rng alone" in text
     assert text.endswith(
         "Clocked fails the contract in: repetition; not checked until that is fixed: "
-        "processes, no state, pickling, global states, anonymity, invariances, idle parameters"
+        "processes, no state, pickling, global states, clock, leader, anonymity, invariances, idle parameters"
     )
 
 
@@ -78,7 +79,7 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases():
     ("optimizer", "check", "finding", "remedy"),
     [
         (
-            faulty.Cached,
+            unrepeatable.Cached,
             "processes",
             "another run in another process, after other runs",
             "or the class from run to run",

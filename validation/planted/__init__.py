@@ -1,0 +1,1 @@
+"""Sound methods and problems, and the same with a defect."""
