@@ -1,7 +1,6 @@
 """How many defects, planted in sound methods, ``bench check`` finds, and how often it raises a false alarm.
 
     python validation/defects.py [rules | biases] [METHOD ...]        # default: rules, all methods
-    python validation/defects.py problems                             # those of tests/bench/check/faulty_problems.py
 
 Each method runs behind an objective that plants one defect. A defect counts as found where the check of its kind fails
 or finds what it did not find of the method alone; a false alarm is any failed rule of the method alone.
@@ -11,9 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib import import_module
 from math import sqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,8 +18,7 @@ import numpy as np
 from bench import Optimizer, load_optimizer
 from bench.check.bias import diagnose
 from bench.check.checker import Checker
-from bench.check.conformance.problem_subject import ProblemSubject
-from bench.check.conformance.rules import RULES, find_rule, judge
+from bench.check.conformance.rules import RULES
 from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
 
@@ -39,13 +35,6 @@ RULE_OF = {
     "points outside the box": ("box",),
 }
 """The planted defects that rules shall find, and the rules that shall find each."""
-
-NEW_RULES = ("batches", "calls", "resolution", "variables", "optimum")
-PROBLEMS = (
-    "Coarse", "CoarsePoints", "CoarseInside", "RoundedPoints", "Idle", "Chunked", "Wide", "Padded", "Tiring",
-    "Drifting", "Local", "Unsearched",
-)  # fmt: skip
-"""The planted problems."""
 
 BIAS_OF = {"a pull to the centre": "centre bias", "points near a bound put onto it": "boundary clamping"}
 
@@ -128,35 +117,9 @@ def rate(found: list[bool]) -> str:
     return f"{sum(found):3} of {len(found):3}, {sum(found) / len(found):4.0%} ± {sqrt(share * (1 - share) / n):.0%}"
 
 
-def problem_rule(name: str) -> Any:
-    return find_rule(name, "problem")
-
-
-def kept(rule: Any, subject: Any) -> bool:
-    verdict = judge(rule, subject)
-    return verdict is None or verdict.passed
-
-
-def by_problems() -> Iterator[str]:
-    """Yield which rule finds each planted problem, and the share found."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "bench" / "check"))
-    plants = import_module("faulty_problems")
-    marks = []
-    for name in PROBLEMS:
-        subject = ProblemSubject.of(getattr(plants, name), {}, 0)
-        found = [rule.name for rule in map(problem_rule, NEW_RULES) if not kept(rule, subject)]
-        marks.append(bool(found))
-        yield f"{name:16} {', '.join(found) or 'missed'}"
-    yield rate(marks)
-
-
 def main() -> None:
     what, methods = (sys.argv[1] if len(sys.argv) > 1 else "rules"), sys.argv[2:] or METHODS
-    if what == "problems":
-        lines = by_problems()
-    else:
-        lines = by_rules(methods) if what == "rules" else by_biases(methods)
-    for line in lines:
+    for line in by_rules(methods) if what == "rules" else by_biases(methods):
         print(line, flush=True)
 
 
