@@ -248,7 +248,7 @@ def found_gaps(draws):
             yield gap_line("default", Joint(), gaps, noise, draws, Settings())
     for beside in (0.3, 0.8):
         yield gap_line(f"default, tone of {beside} rps", Joint(), (0.5, 1.5), 0.2, draws, Settings(), beside)
-    for change in ({"gear_ratio": 55.0}, {"gear_ratio": 26.0}, {"omega_ref": 2 * pi * 70}, {"load_inertia": 0.65}):
+    for change in ({"gear_ratio": 55.0}, {"gear_ratio": 30.0}, {"omega_ref": 2 * pi * 70}, {"load_inertia": 0.65}):
         joint = Joint(**change)
         settings = Settings(gear_ratio=joint.gear_ratio, calibration=calibrated(joint))
         name = f"{next(iter(change))} {next(iter(change.values())):.4g}, own calibration"
