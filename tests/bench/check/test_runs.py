@@ -40,7 +40,9 @@ def test_a_run_is_the_same_among_fewer_others():
 
 
 def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
-    found = failures(biased.Exiting(), Chains(), biased.Raising(), faulty.Endless(), unrepeatable.Locked(), Chains(agents=5))
+    found = failures(
+        biased.Exiting(), Chains(), biased.Raising(), faulty.Endless(), unrepeatable.Locked(), Chains(agents=5)
+    )
     assert [each is None for each in found] == [False, True, False, False, False, True]
     assert found[0] == "the optimizer ended its process (exit code 1)"
     assert found[2] == "the optimizer failed on sphere: ZeroDivisionError: boom"
