@@ -28,6 +28,7 @@ NEAR = 1e-10  # relative: far above rounding, far below any meaningful differenc
 BEATEN = 1e-9  # relative: an optimum that was computed, to a tolerance, is beaten by more than this or not at all
 CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
 HIDDEN_THREADS = 1.1  # CPU / wall above this: it used more than one
+CELL = ["problem", "optimizer"]
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 TIMES = (
     "optimizer", "trials", "evaluations_median", "per_call_median", "wall_mean", "wall_median", "wall_q1", "wall_q3",
@@ -189,11 +190,11 @@ def coverage(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) 
 
     ``planned`` is one number for all cells, or a number by problem and optimizer, 0 where no plan is known.
     """
-    rows = []
-    for cell, values in cells(frame).items():
-        wanted = planned if isinstance(planned, int) else planned[cell]
-        rows.append((*cell, len(values), int(np.isinf(values).sum()), max(wanted - len(values), 0)))
-    return pd.DataFrame(rows, columns=["problem", "optimizer", "stored", "failed", "missing"])
+    every = pd.MultiIndex.from_product([labels(frame, name) for name in CELL], names=CELL)
+    lost = pd.Series(np.isinf(scores(frame)), frame.index).groupby([frame[name].astype(object) for name in CELL])
+    counts = pd.DataFrame({"stored": lost.size(), "failed": lost.sum()}).reindex(every, fill_value=0).astype(int)
+    wanted = planned if isinstance(planned, int) else np.array([planned[cell] for cell in every], dtype=int)
+    return counts.assign(missing=np.maximum(wanted - counts["stored"].to_numpy(), 0)).reset_index()
 
 
 def summarise(frame: pd.DataFrame) -> pd.DataFrame:

@@ -12,6 +12,7 @@ import pandas as pd
 
 from bench.analysis.cells import (
     BEATEN,
+    CELL,
     CONTENTION,
     HIDDEN_THREADS,
     Budgets,
@@ -35,7 +36,6 @@ CLAMPING = "boundary clamping"  # of final points here, and of an optimizer in t
 
 Verdict = Literal["pass", "warning", "error", "not checked"]
 Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
-CELL = ["problem", "optimizer"]
 NUMBERS = ["fun", "nfev"]
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from itertools import islice
 from typing import Any
 
 from bench.helpers.text import listed, printable
-from bench.storage.cells import binding_of, read, records_of
+from bench.storage.cells import Cells, binding_of, read, records_of
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
 from bench.storage.traces import Key
@@ -74,7 +74,6 @@ class Reader:
     """The rows of an open store at one moment, and which of them fit their digests.
 
     Attributes:
-        cells: the cells, and which of them are selected under which labels.
         names: the names of variables and of metrics, by their number.
 
     Args:
@@ -85,11 +84,20 @@ class Reader:
     def __init__(self, connection: sqlite3.Connection, noted: Committed) -> None:
         self._connection, self._noted = connection, noted
         connection.text_factory = bytes  # damage may leave texts that are no UTF-8
-        connection.execute("BEGIN")  # cells, names and rows of one moment, while a run adds to all
-        self.cells = read(connection)
-        names = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
-        self._bound = lru_cache(maxsize=FETCHED)(partial(bound, self.cells.all, names))  # rows come cell by cell
-        self.names: dict[Any, tuple[str, str]] = {number: (decoded(a), decoded(b)) for number, (a, b) in names.items()}
+        connection.execute("BEGIN")  # names, cells and rows of one moment, while a run adds to all
+        self._texts = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
+        self.names: dict[Any, tuple[str, str]] = {
+            n: (decoded(one), decoded(two)) for n, (one, two) in self._texts.items()
+        }
+
+    @cached_property
+    def cells(self) -> Cells:
+        """The cells, and which of them are selected under which labels."""
+        return read(self._connection)
+
+    @cached_property
+    def _bound(self) -> Callable[[Any, object], bytes | None]:
+        return lru_cache(maxsize=FETCHED)(partial(bound, self.cells.all, self._texts))  # rows come cell by cell
 
     @property
     def rows(self) -> int:
