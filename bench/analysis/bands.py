@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -148,9 +148,9 @@ def _curves(
     for part in [hits] if isinstance(hits, pd.DataFrame) else hits:
         if dimensions is not None:
             part = part.assign(evaluations=part["evaluations"] / part["problem"].astype(object).map(dimensions))
-        for optimizer in labels(part, "optimizer"):
-            if cells := _run_shares(part[part["optimizer"] == optimizer], grid):
-                curves[optimizer] = curve_of(cells, rng)
+        groups: dict[Any, Any] = part.groupby("optimizer", observed=True).indices
+        for optimizer in (label for label in labels(part, "optimizer") if label in groups):
+            curves[optimizer] = curve_of(_run_shares(part.iloc[groups[optimizer]], grid), rng)
     return curves
 
 

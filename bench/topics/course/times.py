@@ -33,6 +33,7 @@ def times_figure(findings: Findings) -> Figure | None:
     shown, places = findings.display.shown, panels(trials)
     hits = anytime.hits(shown)
     times = analysis.expected_running_time(hits[hits["problem"].isin(places)])
+    times = times[times["optimizer"].isin(shown)]
     pens = {label: findings.display.pens[label] for label in shown}
     above = style.legend_height([str(entry.get_label()) for entry in style.handles(pens)])
     figure, axes = style.grid(
