@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
+from threading import Lock
 
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
@@ -157,10 +158,13 @@ def _state(place: str, content: str) -> str:
 _syntax: dict[str, str] = {}  # hashes of the syntax by those of the content
 
 
+_parsing = Lock()  # as some versions of Python count the depth of syntax trees for all threads together
+
+
 def syntax(content: bytes) -> str:
     """Return the hash of a Python file's syntax, without comments and docstrings; of its bytes where it has none."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # as of an escape that is none
+        with _parsing, warnings.catch_warnings(action="ignore"):  # as of an escape that is none
             tree = ast.parse(content)
         for node in ast.walk(tree):
             for name, value in [*ast.iter_fields(node)]:

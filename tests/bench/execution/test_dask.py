@@ -158,8 +158,8 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     meeting = tmp_path / "meeting"  # neither worker makes many trials before the other one has begun
     meeting.mkdir()
     workers = [
-        machines.worker("one", threads=2, environment={"MEETING": str(meeting / "one")}),
-        machines.worker("two", cores={core}, environment={"MEETING": str(meeting / "two")}),
+        machines.worker("one", threads=2, environment={"MEETING": str(meeting)}),
+        machines.worker("two", cores={core}, environment={"MEETING": str(meeting)}),
     ]
     machines.registered(2)
     cores, made = {}, []

@@ -66,13 +66,14 @@ class Early(Optimizer):
 
 
 def pause():
-    """Wait until the file $GATE exists, until the folder of the file $MEETING holds two, and $SLOW seconds."""
+    """Wait until the file $GATE exists, until workers with one core and with more have met in $MEETING, and $SLOW s."""
     gate, meeting = os.environ.get("GATE"), os.environ.get("MEETING")
     while gate and not Path(gate).exists():
         sleep(0.01)
     if meeting:
-        Path(meeting).touch()
-        while len(list(Path(meeting).parent.iterdir())) < 2:
+        one, more = Path(meeting, "one"), Path(meeting, "more")  # no listing, which would be an input
+        (one if len(os.sched_getaffinity(0)) == 1 else more).touch()
+        while not (one.exists() and more.exists()):
             sleep(0.01)
     sleep(float(os.environ.get("SLOW", "0.01")))
 
