@@ -20,7 +20,7 @@ class BenchError(ValueError):
 
 
 class ProblemError(RuntimeError):
-    """The problem's own code raised, which is no fault of the optimizer.
+    """The problem's own code raised, which is not the optimizer's fault.
 
     Args:
         raised: what it raised, which the message describes.
@@ -51,7 +51,7 @@ class PointError(RuntimeError):
 class BudgetExhausted(BaseException):
     """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not.
 
-    It is no subclass of Exception, so that an optimizer's own ``except Exception`` does not catch it.
+    It is not a subclass of Exception, so that an optimizer's own ``except Exception`` does not catch it.
     """
 
 

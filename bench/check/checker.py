@@ -53,7 +53,7 @@ def check_optimizer(
         options: parameters, for a name or a class; give an instance for a parameter named like an argument above.
 
     Raises:
-        BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
+        BenchError: for an unknown name or parameter, a value out of its range, or an argument that is not an optimizer.
     """
     subject, apart = _prepared(Subject, optimizer, options, seed, untrusted)
     return _checkup(subject, _verdicts(subject, bias, n_jobs, apart), on_check)

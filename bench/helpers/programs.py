@@ -36,7 +36,7 @@ class ProgramCommand(NamedTuple):
         """Return the command of a plug-in's name, such as ``"command:Rscript mine.R"``, with words as in a shell.
 
         Raises:
-            BenchError: where its first word is no program that can be run.
+            BenchError: where its first word is not a program that can be run.
         """
         said = name.partition(":")[2]
         try:
@@ -111,7 +111,7 @@ class Talk(AbstractContextManager["Talk"]):
             os.set_blocking(self._stdout.fileno(), True)
 
     def say(self, **message: Any) -> None:
-        """Send one line, with 1e999 for +inf; a program that does not read any more is no error here."""
+        """Send one line, with 1e999 for +inf; a program that does not read any more is not an error here."""
         text = json.dumps(message).replace("Infinity", "1e999")  # JSON has no infinity, but any reader makes one of it
         with suppress(BrokenPipeError):
             self._stdin.write(text.encode() + b"\n")

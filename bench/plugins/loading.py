@@ -226,7 +226,7 @@ def as_problem(
     """Return a problem: of a name, the object itself, an instance of the class, or the function with its bounds.
 
     Raises:
-        BenchError: for anything else, for bounds that are no box, and for options that a class does not take.
+        BenchError: for anything else, for bounds that are not a box, and for options that a class does not take.
     """
     thing = load_problem(thing) if isinstance(thing, str) else thing
     if isinstance(thing, Problem):

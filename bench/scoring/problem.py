@@ -205,9 +205,9 @@ def scored(problem: Problem, handling: str, on_error: str = "fail") -> Problem:
         on_error: one of :data:`ON_ERROR`; with "worst", any problem is scored.
 
     Raises:
-        BenchError: for another ``on_error``, for bounds that are no box, for ``repair`` of a problem whose repair does
-            not satisfy its constraints, for a problem whose violations cannot be computed, and for integer variables
-            that cannot be.
+        BenchError: for another ``on_error``, for bounds that are not a box, for ``repair`` of a problem whose repair
+            does not satisfy its constraints, for a problem whose violations cannot be computed, and for integer
+            variables that cannot be.
     """
     require_on_error(on_error)
     if isinstance(problem, Scored):
