@@ -283,7 +283,7 @@ def named_by(entry: Entry) -> set[str]:
     words = [name.partition(":")[2], name.rpartition(":")[0], *map(str, entry.options.values()), *entry.files]
     with suppress(OSError, ValueError):  # of a word that is no name of a file
         files = [Path(word).absolute() for word in words if word and Path(word).is_file()]
-        return {*named({"files": {str(file): ["", []] for file in files}})}
+        return {*named({"": {"files": {str(file): ["", []] for file in files}}})}
     return set()
 
 

@@ -31,18 +31,17 @@ comments and docstrings; of another file, of its content; of a package, its vers
 def named(observed: Observed, labels: Collection[str] = ()) -> Inputs:
     """Return what a process read as inputs, without what others than those of these labels use alone."""
     found: Inputs = {}
-    owners = observed.get("owners", {})
-    others = {name for name, own in owners.items() if labels and not {*own} & {*labels}}
-    for place, (content, now) in observed.get("files", {}).items():
-        if place not in others:
+    for owner, read in observed.items():
+        if owner and labels and owner not in labels:
+            continue
+        for place, (content, now) in read.get("files", {}).items():
             found[f"file:{_name(place)}"] = _state(place, content), now
-    packages = observed.get("packages", {})
-    counted = {_distribution(top) for top in packages if _counts(top, packages)}
-    for name in sorted({*observed.get("libraries", {})} | counted):
-        found[f"package:{name}"] = _installed(name), []
-    for kind in ("folder", "pattern", "variable", "object"):
-        for name, state in observed.get(f"{kind}s", {}).items():
-            if name not in others:
+        packages = read.get("packages", {})
+        counted = {_distribution(top) for top in packages if _counts(top, packages)}
+        for name in sorted({*read.get("libraries", {})} | counted):
+            found[f"package:{name}"] = _installed(name), []
+        for kind in ("folder", "pattern", "variable", "object"):
+            for name, state in read.get(f"{kind}s", {}).items():
                 found[f"{kind}:{_name(name) if kind in ('folder', 'pattern') else name}"] = state, []
     return found
 

@@ -33,12 +33,11 @@ from bench.helpers.text import short_hash
 Signature = list[int]
 """Size, both times and number of a file, by which it is known not to have changed; empty of one just written."""
 
-Observed = dict[str, dict[str, Any]]
-"""What was read, by kind and name.
+Observed = dict[str, dict[str, dict[str, Any]]]
+"""What was read, by owner, kind and name; the owner is a label, or "" where whoever is loaded beside it may use it too.
 
 ``files`` have a hash and a signature; ``packages``, by the name of the module, the one that read them first;
 ``variables``, ``folders``, ``patterns`` and ``objects`` a hash; ``libraries`` are packages that a plug-in names.
-``owners`` has the labels of those that alone use a file.
 """
 
 PARTS = "problem", "optimizer"
@@ -70,10 +69,9 @@ class _Notes:
     """The notes of this process and of those that it was forked from."""
 
     def __init__(self) -> None:
-        self.parts: dict[str, Observed] = {}
+        self.read: dict[str, Observed] = {}  # by whose inputs they are
         self.part = ""  # whose code is being loaded or run; "" for nobody's
         self.label = self.problem = ""  # of the problem or the optimizer, and of the last problem
-        self.owners: dict[str, set[str]] = {}  # labels by file; "" where whoever is loaded beside it may use it
         self.excluded: tuple[str, ...] = ()
         self.known: dict[str, tuple[str, Signature]] = {}  # hashes of large files with signatures, from earlier runs
         self.written: set[str] = set()  # by this process: no input, whoever reads it
@@ -87,16 +85,18 @@ class _Notes:
         callers = (frame.f_code.co_filename for frame, _ in walk_stack(sys._getframe()))
         if part == "optimizer" and _OBJECTIVE in callers:
             part, owner = "problem", owner and self.problem
-        noted = self.parts.setdefault(part, {}).setdefault(kind, {})
-        owners = self.owners.setdefault(name, set())
-        if noted.get(name) != value or owner not in owners:
+        noted = self.read.setdefault(part, {}).setdefault(owner, {}).setdefault(kind, {})
+        if noted.get(name) != value:
             noted[name] = value
-            owners.add(owner)
             self.digest = ""
 
+    def every(self, kind: str) -> list[dict[str, Any]]:
+        """Return what is noted of that kind: of the problem and of the optimizer, and of each owner."""
+        return [noted[kind] for read in self.read.values() for noted in read.values() if kind in noted]
+
     def of(self, kind: str, name: str) -> list[Any]:
-        """Return what is noted by that name of the problem and of the optimizer, as far as there is any."""
-        return [noted[kind][name] for noted in self.parts.values() if name in noted.get(kind, {})]
+        """Return what is noted by that name."""
+        return [noted[name] for noted in self.every(kind) if name in noted]
 
 
 _notes, _state = _Notes(), _State()
@@ -132,8 +132,7 @@ def reading(part: str, label: str = "") -> Iterator[None]:
 
 def observed() -> dict[str, Observed]:
     """Return what was noted so far, by whose inputs they are."""
-    owners = {name: sorted(labels) for name, labels in _notes.owners.items() if "" not in labels}
-    return {part: _notes.parts[part] | {"owners": owners} for part in PARTS if part in _notes.parts}
+    return {part: _notes.read[part] for part in PARTS if part in _notes.read}
 
 
 def modules() -> dict[str, str]:
@@ -419,6 +418,6 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
         if len(names) <= _BULK:
             _notes.add("variables", key, variable(value))
         else:
-            for noted in _notes.parts.values():
-                for name in names & noted.get("variables", {}).keys():
-                    del noted["variables"][name]
+            for noted in _notes.every("variables"):
+                for each in names & noted.keys():
+                    del noted[each]

@@ -9,7 +9,7 @@ from bench.plugins.observing import hash_of, listing, matching, names_of, signat
 
 
 def read(*paths):
-    return {"files": {str(path): [hash_of(str(path)), signature(str(path))] for path in paths}}
+    return {"": {"files": {str(path): [hash_of(str(path)), signature(str(path))] for path in paths}}}
 
 
 @pytest.mark.parametrize(
@@ -59,12 +59,12 @@ def test_a_file_is_read_again_only_where_its_signature_differs(tmp_path, monkeyp
 
 def test_packages_that_the_harness_requires_and_what_they_drag_in_are_no_inputs():
     packages = {"numpy": "", "scipy": "numpy", "yaml": "numba", "pytest": "", "iniconfig": "pytest"}
-    assert [*named({"packages": packages})] == ["package:iniconfig", "package:pytest"]
-    assert "package:cma" in named({"packages": packages, "libraries": {"cma": "named"}})
+    assert [*named({"": {"packages": packages}})] == ["package:iniconfig", "package:pytest"]
+    assert "package:cma" in named({"": {"packages": packages, "libraries": {"cma": "named"}}})
 
 
 def test_the_files_of_others_are_left_out():
-    observed = {"files": {"/a": ["1", []], "/b": ["2", []]}, "owners": {"/b": ["q"]}}
+    observed = {"": {"files": {"/a": ["1", []]}}, "q": {"files": {"/b": ["2", []]}}}
     assert [*named(observed, ("p", "o"))] == ["file:/a"]
     assert [*named(observed, ("q", "o"))] == ["file:/a", "file:/b"]
 
@@ -89,12 +89,11 @@ def test_variables_folders_and_patterns_have_states(tmp_path, monkeypatch):
     monkeypatch.setenv("BENCH_TEST", "1")
     (tmp_path / "a.csv").write_text("1")
     pattern = f"{tmp_path}/*.csv"
-    recorded = named(
-        {
-            "variables": {"BENCH_TEST": variable("1")}, "folders": {str(tmp_path): listing(str(tmp_path))},
-            "patterns": {pattern: names_of(matching(pattern))},
-        }
-    )  # fmt: skip
+    read = {
+        "variables": {"BENCH_TEST": variable("1")}, "folders": {str(tmp_path): listing(str(tmp_path))},
+        "patterns": {pattern: names_of(matching(pattern))},
+    }  # fmt: skip
+    recorded = named({"": read})
     assert Present().changed(recorded) == []
     monkeypatch.delenv("BENCH_TEST")
     (tmp_path / "b.csv").write_text("1")
