@@ -35,7 +35,7 @@ def targets_reached(findings: Findings) -> dict[str, Any] | None:
         return None
     chosen = findings.anytime.target_set
     problems = {"all problems": EVERY} | {label: i for i, label in enumerate(findings.trials.problems)}
-    targets = {"all targets": EVERY} | {_at(findings, tau): i for i, tau in enumerate(chosen.tabled)}
+    targets = {"all targets": EVERY} | {chosen.at(tau): i for i, tau in enumerate(chosen.tabled)}
     shown = {"condition": {"param": "curve", "value": 1}, "value": 0.1}
     x_axis = {"title": AXES[found.unit], "format": "~g", "labelOverlap": True, "tickCount": 6, "grid": False}
     x_scale = {"type": "log", "nice": False, "domain": span(findings.of(curves), found.unit)}
@@ -101,11 +101,6 @@ def _pens(pens: style.Pens) -> dict[str, Any]:
         }
         for channel, values in ranges.items()
     }
-
-
-def _at(findings: Findings, tau: float) -> str:
-    chosen = findings.anytime.target_set
-    return chosen.at(1 / tau if chosen.rising else tau)
 
 
 def _counts(findings: Findings, found: Compared) -> pd.DataFrame:

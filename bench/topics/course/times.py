@@ -111,12 +111,12 @@ def ratios(findings: Findings) -> Table:
     texts[name] = [_short(value) for value in divisor]
     return Table(
         "running-times",
-        f"Expected running times to {chosen.at(1 / level if chosen.rising else level)}, a row a problem.",
+        f"Expected running times to {chosen.at(level)}, a row a problem.",
         frame.rename_axis(index="problem", columns=None),
         texts=pd.DataFrame(texts, index=frame.index, columns=frame.columns, dtype=object),
         bold=times[shown].eq(lowest, axis=0),
         marks=pd.DataFrame(marks, index=frame.index),
-        note=words.times_note(what, chosen.at(1 / level if chosen.rising else level), bool(stars)),
+        note=words.times_note(what, chosen.at(level), bool(stars)),
         data=chosen.in_unit(anytime.running_times, chosen.unit),
         latex=True,
     )

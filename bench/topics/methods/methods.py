@@ -23,6 +23,7 @@ from bench.study.study import UNKNOWN_BUDGET
 from bench.topics.answer.changes import extended
 from bench.topics.answer.facts import facts
 from bench.topics.answer.section import nothing_to_compare
+from bench.topics.course import curves as course
 from bench.topics.findings import Findings, Trials
 from bench.topics.findings.replication import each_problem
 
@@ -48,12 +49,11 @@ class Methods:
 
 def methods(findings: Findings) -> Methods:
     """Return the methods of a run; every sentence holds for that run."""
-    study, trials, anytime = findings.study, findings.trials, findings.anytime
+    study, trials = findings.study, findings.trials
     works, works_of, warnings = bibliography(study, findings.descriptions)
     pieces = [*compared(study, trials, works_of), findings.selection, parameters(study), *runs(trials)]
     pieces += [scored(study, trials), *tested(findings)]
-    if len(anytime.targets):
-        pieces += ["We report expected running times", ("hansen2021",), f" (targets: {anytime.target_set.short})."]
+    pieces += reached(findings)
     pieces += machine(findings.results.environments)
     title = json.dumps(_markdown(f"Methods: {study.title or study.name}"), ensure_ascii=False)
     keys = sorted({key for piece in pieces if isinstance(piece, tuple) for key in piece})
@@ -149,6 +149,17 @@ def tested(findings: Findings) -> list[Piece]:
     pairs = "these pairs" if findings.final.subject else "all pairs"
     pieces += [f", {each}.", f"On each problem we test {pairs} likewise, by Holm's method", ("holm1979",)]
     return [*pieces, f" within the problem at {ALPHA:g}."]
+
+
+def reached(findings: Findings) -> list[Piece]:
+    """Return the sentence on the targets reached over the budget; none where no run left a trace."""
+    if not findings.trials.traces or findings.of(course.compared).hits.empty:
+        return []
+    suite = len(findings.trials.suite_functions) == len(findings.trials.problems)
+    bands = " with bands that hold at all budgets together (95%)" * findings.of(course.compared).banded
+    times: list[Piece] = [" and expected running times", ("hansen2021",)] if suite else []
+    targets = f" (targets: {findings.anytime.target_set.short})."
+    return [f"We report the share of targets reached over the budget{bands}", *times, targets]
 
 
 def machine(environments: Sequence[Mapping[str, Any]]) -> list[Piece]:

@@ -13,7 +13,7 @@ from bench.topics.runs.figure import runs_figure
 from bench.topics.runs.tables import comparison, files
 
 TITLE = "Every run"
-ROWS, MOST = 20, 10  # problems of the table of best points on the page, and coordinates of a point
+ROWS, MOST = 20, 10  # problems whose best points the page shows, and coordinates of a point
 
 
 def section(findings: Findings) -> Section | None:
@@ -26,9 +26,10 @@ def section(findings: Findings) -> Section | None:
     tested, shown = (each["problem"].nunique() for each in (tests, tests[tests["lower"] != ""]))
     text = (words.differences(tested, shown),) if tested else ()
     table = best_points(findings)
-    suite = len(findings.trials.suite_functions) == len(findings.trials.problems)  # whose best points are known
-    further = (File(f"tables/{table.name}.csv", table.caption, table.data),) if suite and table.data is not None else ()
-    return Section(TITLE, text, (figure,) if suite else (figure, table), files=(*files(findings), *further))
+    if 0 < len(table.frame) <= ROWS:
+        return Section(TITLE, text, (figure, table), files=files(findings))
+    every = (File(f"tables/{table.name}.csv", table.caption, table.data),) if table.data is not None else ()
+    return Section(TITLE, text, (figure,), files=(*files(findings), *every))
 
 
 def best_points(findings: Findings) -> Table:
@@ -38,4 +39,4 @@ def best_points(findings: Findings) -> Table:
     rows = pd.DataFrame([each[:4] for each in found], columns=["problem", "value", "optimizer", "trial"])
     points = pd.DataFrame([{f"x_{name}": value for name, value in each.point.items()} for each in found])
     shown = rows.assign(point=[listed(each, MOST) for each in named])
-    return Table("best-points", words.BEST, shown, data=rows.join(points), most_rows=ROWS)
+    return Table("best-points", words.BEST, shown, data=rows.join(points))

@@ -60,7 +60,8 @@ def test_every_citation_has_its_work_and_every_work_is_complete(found):
     in_latex = {key for each in re.findall(r"\\cite\{([^}]*)\}", found.latex) for key in each.split(",")}
     assert keys == sorted(in_latex)
     assert set(re.findall(r"[\[ ]@([a-z0-9]+)(?=[\];])", found.markdown)) == set(keys)
-    assert read(Path(module.__file__).with_name(module.BIBLIOGRAPHY)).keys() <= set(keys)
+    suites = {"hansen2021"}  # whose running times are reported
+    assert read(Path(module.__file__).with_name(module.BIBLIOGRAPHY)).keys() <= set(keys) | suites
 
 
 @settings(max_examples=30)
