@@ -81,10 +81,6 @@ def clock(optimizers):
     return pd.DataFrame({"optimizer": optimizers, "trials": 3, "wall_mean": 2.0, "objective_mean": 0.5})
 
 
-def ranks_of(optimizers):
-    return pd.Series(np.arange(1.0, len(optimizers) + 1), index=optimizers)
-
-
 def axes():
     return Figure().subplots()
 

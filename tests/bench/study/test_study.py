@@ -7,6 +7,7 @@ import pytest
 from bench import BenchError, Study, run
 from bench.seeds import trial_seed
 from bench.study import Entry
+from bench.study.descriptions import repairing
 
 MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
 
@@ -136,3 +137,10 @@ NAMED = {
 @pytest.mark.parametrize(("name", "identity"), NAMED.items())
 def test_the_identity_of_a_named_study_stays_as_it_was(name, identity):
     assert Study.load(name).identity() == identity
+
+
+def test_each_label_has_the_files_that_its_entry_names_and_repairs_unless_its_handling_is_the_box():
+    optimizers = [{"name": "gwo", "files": ["a.csv"]}, {"name": "gwo", "label": "box", "handling": "box"}]
+    named = Study.from_dict({"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": optimizers})
+    assert (named.files("gwo"), named.files("box")) == (("a.csv",), ())
+    assert repairing(named) == {"gwo": True, "box": False}

@@ -1,4 +1,4 @@
-"""What a run notes of itself and its machine: today, with newer packages, and in older folders."""
+"""What a run notes of itself and its machine."""
 
 RECORD = {
     "packages": {"numpy": "2.4.6", "scipy": "1.17.1"}, "python": "3.11.7",
@@ -8,7 +8,3 @@ RECORD = {
     "started": "2026-01-02T03:04:05+00:00", "ended": "2026-01-02T04:00:00+00:00", "command": "bench run s", "jobs": 2,
     "backend": "local", "study": "abc", "data": {}, "code": {}, "timeout": None, "shard": None,
 }  # fmt: skip
-NEWER = RECORD | {"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}, "started": "2026-02-02T03:04:05+00:00"}
-OLD = {
-    key: RECORD[key] for key in ("started", "jobs", "packages", "python", "system", "processor", "cores", "command")
-} | {"git": {"commit": RECORD["git"]["commit"], "dirty": True}}
