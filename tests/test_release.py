@@ -67,3 +67,28 @@ def test_a_release_needs_a_dated_entry(release, tmp_path, text, dated):
     (tmp_path / "CHANGELOG.md").write_text(text)
     found = [sentence.split(";")[0] for sentence in release.changelog_problems(tmp_path, "1.2.0")]
     assert found == [] if dated else ["CHANGELOG.md has no line '## 1.2.0 - YYYY-MM-DD'"]
+
+
+@pytest.mark.parametrize(
+    ("text", "plain", "extra"),
+    [
+        ("MIT", "", ""),
+        ("BSD-3-Clause AND 0BSD AND MIT AND Zlib AND CC0-1.0", "", ""),
+        ("Mozilla Public License 2.0 (MPL 2.0)", "", ""),
+        ("LGPL-2.1-or-later", "", ""),
+        ("GNU Lesser General Public License v3 (LGPLv3)", "", ""),
+        ("GNU General Public License v3 (GPLv3)", "an extra only", ""),
+        ("GPL-2.0-or-later", "an extra only", ""),
+        ("GPL-2.0-only", "cannot be combined", "cannot be combined"),
+        ("GPL-2.0-only OR MIT", "", ""),
+        ("MIT AND GPL-2.0-only", "cannot be combined", "cannot be combined"),
+        ("AGPL-3.0-only", "cannot be combined", "cannot be combined"),
+        ("UNKNOWN", "which is unknown", "which is unknown"),
+        ("Source available", "which is unknown", "which is unknown"),
+    ],
+)
+def test_a_licence_that_is_unknown_or_cannot_be_combined_is_refused(release, text, plain, extra):
+    for only_in_extra, said in ((False, plain), (True, extra)):
+        sentence = release.licence_problem("thing", text, only_in_extra)
+        assert bool(sentence) == bool(said)
+        assert said in sentence

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from bench import BenchError, Study, load_results, run
+from bench.storage.merge import merge
 
 LABELS = [
     "../../escaped", "/etc/escaped", "..", "<script>alert(1)</script>", "\\input{/etc/passwd}", "$(touch escaped)",
@@ -86,3 +87,18 @@ def test_labels_that_would_deceive_a_terminal_are_refused(kind, label):
     data[kind][0]["label"] = label
     with pytest.raises(BenchError, match=r"control character|all of them texts"):
         Study.from_dict(data)
+
+
+def test_status_rm_and_merge_take_them_for_names(bench_here, place, tmp_path):
+    out = place / "a" / "b" / "out"
+    done = bench_here("status", out)
+    assert "DROP TABLE" in done.stdout
+    done = bench_here("rm", out, "--optimizer", LABELS[6], "--problem", LABELS[0], "--dry-run")
+    assert "2 trials would be removed" in done.stdout
+    assert merge([out], tmp_path / "united").rows == 2 * 8 * len(LABELS)
+
+
+@pytest.mark.parametrize("name", ["../x", "a/b", "/etc", "..", "a b", "a\x00", "<b>", "x" * 101, ".hidden"])
+def test_a_study_s_name_names_a_folder_and_no_other_place(name):
+    with pytest.raises(BenchError, match="as it names a folder"):
+        Study.from_dict({"name": name, "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]})

@@ -106,3 +106,9 @@ def test_a_run_names_the_optimizers_that_stop_without_a_declared_reason(bench_he
     assert (again.returncode, again.stderr) == (1, done.stderr)
     assert line in bench_here("status", tmp_path / "out").stdout.splitlines()
     assert "declared" not in bench_here("run", tiny, "--output", tmp_path / "all", *options[2:]).stderr
+
+
+def test_python_m_bench_imports_nothing_of_the_working_folder(bench, shadows):
+    (shadows / "bench.py").unlink()  # which Python itself would run in its place
+    assert bench("--version", cwd=shadows).stdout.startswith("backlash-bench ")
+    assert not [*shadows.glob("*.imported")]

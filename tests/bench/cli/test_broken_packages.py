@@ -58,3 +58,10 @@ def test_the_broken_command_itself_ends_with_2_and_a_sentence(kind, said, tmp_pa
     done = called(tmp_path, kind, "mine")
     assert done.returncode == 2
     assert said in " ".join(done.stderr.split())
+
+
+def test_a_command_that_a_plug_in_ends_in_its_midst_is_no_success(tmp_path):
+    PLUGINS["midst"] = ("[bench.commands]\nmine = mine:command\n", "import sys\ndef command():\n    sys.exit(0)\n")
+    done = called(tmp_path, "midst", "mine")
+    assert done.returncode == 2
+    assert "a plug-in called sys.exit, so the command ended before it was done" in done.stderr

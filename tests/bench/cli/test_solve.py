@@ -76,3 +76,10 @@ def test_a_best_point_that_cannot_be_described_is_printed_with_a_warning(solve):
     assert done.returncode == 0
     assert "best value" in done.stdout
     assert "[/a]" in done.stdout
+
+
+def test_a_return_before_the_budget_without_a_reason_is_no_success(solve):
+    done = solve("sphere-2", "Early")
+    assert done.returncode == 1
+    assert "10 (stopped by: undeclared)" in done.stdout  # what it found is not lost
+    assert "returned before the budget was spent and declared no reason" in " ".join(done.stderr.split())

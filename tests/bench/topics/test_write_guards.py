@@ -32,3 +32,10 @@ def test_steps_are_told_before_their_work_and_end_at_their_number(folder, tmp_pa
     assert (titles[0], titles[-1]) == ("Answer", "The page")
     assert done == tuple(range(len(steps)))
     assert set(totals) == {len(steps)}
+
+
+@pytest.mark.parametrize("output", [None, "own"])
+def test_a_selection_replaces_no_report_of_the_whole_folder(folder, output):
+    with pytest.raises(BenchError, match="give it a folder of its own by --output"):
+        write_report(folder, optimizers="early", output=folder if output else None)
+    assert not (folder / "report.html").exists()

@@ -215,3 +215,11 @@ def test_jitter_is_resampled_with_a_note(tmp_path):
     recording = read(write(tmp_path, HEADING + rows(stamps, 100 + 0.5 * np.sin(40 * stamps))))
     assert recording.assumed == "the time steps are unequal; the recording was resampled to equal steps"
     np.testing.assert_allclose(recording.speed, 100 + 0.5 * np.sin(40 * recording.time), atol=2e-3)
+
+
+@pytest.mark.parametrize("lost", [range(100, 112), range(0, 1000, 50), range(300, 306)])
+def test_many_missing_samples_or_a_long_gap_are_refused_with_the_line(tmp_path, lost):
+    lost = [i for i in lost if i]
+    path = write(tmp_path, HEADING + rows(np.delete(LONG, lost), np.delete(SMOOTH, lost)))
+    with pytest.raises(BenchError, match=f"line {lost[0] + 2}: time is not uniform in column 'time_s': steps of"):
+        read(path)
