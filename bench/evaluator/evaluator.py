@@ -37,7 +37,7 @@ from bench.trial import Trial
 BASELINES = ("cma-es", "random-search")
 LABEL = "candidate"
 LONGEST = 1_000_000  # characters of a source
-PARSED = 100_000  # those of a source that is worth parsing here, before any process is started for it
+PARSED = 50_000  # those of a source that is worth parsing here, before any process is started for it
 _NAME = f"{OBJECT}{LABEL}"
 _KEY = f"optimizers {_NAME}"
 _COLUMNS = [
