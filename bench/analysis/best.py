@@ -25,14 +25,11 @@ def best(frame: pd.DataFrame) -> list[Best]:
     values = pd.to_numeric(frame["fun"], errors="coerce").astype(float)
     found = frame.assign(fun=values)[(frame["status"] == "ok") & np.isfinite(values)].reset_index(drop=True)
     rows = found.loc[found.groupby(found["problem"].astype(object), sort=False)["fun"].idxmin()]
-    columns = variables(frame)
-    names = [name.removeprefix("x_") for name in columns]
-    points = (
-        {name: float(value) for name, value in zip(names, point, strict=True) if pd.notna(value)}
-        for point in rows[columns].itertuples(index=False, name=None)
-    )
-    keys = rows[["problem", "fun", "optimizer", "trial"]].itertuples(index=False, name=None)
+    names = {column: column.removeprefix("x_") for column in variables(frame)}
     return [
-        Best(str(problem), float(value), str(optimizer), int(trial), point)
-        for (problem, value, optimizer, trial), point in zip(keys, points, strict=True)
-    ]
+        Best(
+            str(row["problem"]), float(row["fun"]), str(row["optimizer"]), int(row["trial"]),
+            {name: float(row[column]) for column, name in names.items() if pd.notna(row[column])},
+        )
+        for row in rows.to_dict("records")
+    ]  # fmt: skip

@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 
 from bench.report.documentation import Documentation, site
 from bench.report.library import as_json, digest, library
-from bench.report.parts import Figure, Part, Section, Table, TableCell
+from bench.report.parts import MOST_ROWS, Figure, Part, Section, Table, TableCell
 
 UPRIGHT, WIDE = 12, 50  # columns of a shaded table, and letters of their titles, above which these stand upright
 SIGN = 2  # characters that the sign of sorting takes beside a title
@@ -117,7 +117,7 @@ def _anchors(views: list[View]) -> dict[str, str]:
 
 def grid(table: Table) -> PageTable:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
-    shown = table.arranged(lambda frame: frame.head(table.most_rows)) if len(table.frame) > table.most_rows else table
+    shown = table.arranged(lambda frame: frame.head(MOST_ROWS)) if len(table.frame) > MOST_ROWS else table
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]

@@ -53,7 +53,6 @@ class Table:
         data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
         shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
         tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too; likewise.
-        most_rows: rows that the page shows, the first ones; the files have all.
         totals: rows at the end that sum up the others; LaTeX has a rule above them.
         latex: whether it is written as LaTeX, too.
     """
@@ -71,7 +70,6 @@ class Table:
     data: pd.DataFrame | None = None
     shades: pd.DataFrame | None = None
     tones: pd.DataFrame | None = None
-    most_rows: int = MOST_ROWS
     totals: int = 0
     latex: bool = False
 

@@ -149,10 +149,6 @@ class Targets(Value, ABC):
         """Return a target as text: ``"tau = 0.01"``, ``"precision = 1e-08"``, ``"5% of the optimum"``."""
         return f"{self.unit} = {level:g}"
 
-    def at_length(self, level: float) -> str:
-        """Return the same with an explanation."""
-        return self.at(level)
-
     def require_metric(self, there: bool) -> None:
         """Raise BenchError where targets need a problem with an expected metric and none is ``there``."""
         if self.by_metric and not there:
@@ -176,9 +172,6 @@ class _Relative(Targets):
         distance = found.first - found.reference
         tau = fractions(found.known) if distance > 0 else np.zeros(1)
         return tau, found.reference + tau * max(distance, 0.0)
-
-    def at_length(self, level: float) -> str:
-        return f"{self.at(level)} ({100 * level:g}% of the first distance)"
 
     def meaning(self, known: Sequence[bool]) -> str:
         deep, short = (f"{fractions(deeper)[-1]:g}" for deeper in (True, False))

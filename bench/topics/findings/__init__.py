@@ -121,11 +121,6 @@ class Findings:
         usual = (self.asked, self.beside_best, self.asked_subject, self.results.partial) == (None, False, None, False)
         return self.results.state if usual else ""
 
-    @property
-    def budget_words(self) -> str:
-        """The budget at which values are compared, in words."""
-        return "their largest common budget" if self.trials.common else self.study.budget_words
-
     @cached_property
     def selection(self) -> str:
         """Sentences on the optimizers, problems and versions that a selection leaves out; "" for a whole study."""

@@ -12,7 +12,6 @@ from bench import analysis
 from bench.analysis.cells import labels as labels_of
 from bench.analysis.cells import reference_values, scores
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
-from bench.analysis.strata import rows
 from bench.results.compared import Compared
 from bench.results.results import ProblemFacts, StoredResults
 from bench.study.descriptions import repairing
@@ -29,11 +28,6 @@ class Trials(Compared):
     def precisions(self) -> list[str]:
         """The problems with pooled instances, whose values are precisions; those of all others are objective values."""
         return self.pooled.functions
-
-    @cached_property
-    def stratified(self) -> list[str]:
-        """The problems whose trials are compared within each of their instances."""
-        return [label for label, strata in rows(self.frame).items() if len(strata) > 1]
 
     @cached_property
     def replications(self) -> list[Replication]:

@@ -35,7 +35,7 @@ def test_status_prints_counts_reasons_and_provenance(bench_here, made):
     assert done.returncode == 0
     lines = done.stdout.splitlines()
     assert lines[0].startswith("study mixed")
-    assert [line.split()[:4] for line in lines if line.startswith(("faulty", "scatter"))] == [
+    assert [line.split()[:4] for line in lines[:5] if line.startswith(("faulty", "scatter"))] == [
         ["faulty", "3", "3", "6"], ["scatter", "6", "0", "6"]
     ]  # fmt: skip
     assert "failed: faulty on sphere-2, trial 0 and 2 more: RuntimeError: cannot do planes" in done.stdout

@@ -61,7 +61,7 @@ def section_lines(section, level="##"):
 
 def table_lines(table):
     """Return a table's caption, head, rows and note: ``*bold*``, ``/italic/``, ``!lost``, ``^mark``."""
-    rows = [" | ".join(map(cell_text, row)) for row in table.rows[: table.most_rows]]
+    rows = [" | ".join(map(cell_text, row)) for row in table.rows]
     head = " | ".join(title for title, _ in table.header)
     return ["", f"Table {table.name}: {table.caption}", head, *rows, *([f"({table.note})"] if table.note else [])]
 
