@@ -69,7 +69,7 @@ def title(thing: Any) -> str:
 # optimizers
 
 
-def load_optimizer(name: str, /, **options: Any) -> Optimizer:
+def load_optimizer(name: str, /, **options: object) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
 
     Args:
@@ -189,7 +189,7 @@ def is_built_in(optimizer: str) -> bool:
 # problems
 
 
-def load_problem(name: str, /, **options: Any) -> Problem:
+def load_problem(name: str, /, **options: object) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 
     A name may also be that of a file's problem, or of its class or function that makes one: ``"my/file.py:Mine"``.
