@@ -19,6 +19,7 @@ import typer
 from bench.errors import BenchError, nearest
 from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
+from bench.helpers.shipped import shipped
 from bench.plugins import registry
 
 GENERATED = {"__pycache__", "dist", "results", ".pytest_cache"}
@@ -127,9 +128,7 @@ def _refuse_taken(name: str, template: Template, files: dict[str, str]) -> None:
 
 def _texts(template: Template) -> dict[str, str]:
     """Return the texts of an example by the paths of the files to write, without what tests and builds leave there."""
-    package = Path(__file__).resolve().parents[1]
-    home = package / "examples"  # of an installed package; that of a checkout is beside it
-    home = home if home.is_dir() else package.parent / "examples"
+    home = shipped("examples", "examples")
     texts = {}
     for target, source in template.files.items():
         place = home / source

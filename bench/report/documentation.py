@@ -1,11 +1,20 @@
-"""Link the words of a page to the documentation, where the metadata of this package name its address."""
+"""Write the documentation's pages of warnings and words beside a report, and link the page's words to them."""
 
 from __future__ import annotations
 
 import re
-from importlib.metadata import metadata
+from importlib import resources
+from itertools import pairwise
 
+from jinja2 import Environment, PackageLoader
+from markdown_it import MarkdownIt
 from markupsafe import Markup, escape
+
+from bench.helpers.shipped import shipped
+from bench.helpers.text import slug
+
+GUIDES = {"warnings": "Every warning, and what to do.", "glossary": "The words of the page."}
+"""The pages that stand beside a report, by the names of their sources, and what they are."""
 
 TERMS = {
     "chance to end lower": "chance-to-end-lower", "≈": "approx", "A12": "a12", "ERT": "ert", "AOCC": "aocc",
@@ -14,29 +23,47 @@ TERMS = {
 """The words that the page links where they stand first, and their places in the glossary."""
 
 WORD = re.compile("|".join(rf"(?<!\w){re.escape(term)}(?!\w)" for term in TERMS))
+ANCHOR = re.compile(r"^\(([\w-]+)\)=$", re.MULTILINE)
+LINK = re.compile(r"\[([^\]]+)\]\(([^)#]*)(#[^)]*)?\)")
 
 
-def site() -> str:
-    """Return the address of the documentation that the package declares, "" without one."""
-    declared = (each.partition(", ") for each in metadata("backlash-bench").get_all("Project-URL") or [])
-    return next((url.rstrip("/") for name, _, url in declared if name == "Documentation"), "")
+def guide(name: str) -> str:
+    """Return a page of ``GUIDES`` as HTML: each title has an id, and links to pages that are not here are text."""
+    source = (shipped("guides", "docs/reference") / f"{name}.md").read_text(encoding="utf-8")
+    text = LINK.sub(_link, ANCHOR.sub(r'<a id="\1"></a>\n', source))
+    parser = MarkdownIt("commonmark").enable("table")
+    tokens = parser.parse(text)
+    for token, inline in pairwise(tokens):
+        if token.type == "heading_open":
+            token.attrSet("id", slug(inline.content))
+    page = Environment(loader=PackageLoader("bench.report", ""), autoescape=True).get_template("guide.html.j2")
+    style = resources.files("bench.report").joinpath("page.css").read_text(encoding="utf-8")
+    title = source.partition("\n")[0].lstrip("# ")
+    return page.render(title=title, style=style, body=Markup(parser.renderer.render(tokens, parser.options, {})))
+
+
+def _link(found: re.Match[str]) -> str:
+    label, page, place = found[1], found[2].removesuffix(".md"), found[3] or ""
+    if page and page not in GUIDES:
+        return label
+    return f"[{label}]({page and f'{page}.html'}{place})"
 
 
 class Documentation:
-    """The links of one page to the reference of the documentation.
+    """The links of one page to the guides beside it.
 
     Attributes:
-        site: its address; "" for none, and then nothing is linked.
+        beside: whether they are beside it; else nothing is linked.
     """
 
-    def __init__(self, site: str) -> None:
-        self.site = site
+    def __init__(self, beside: bool) -> None:
+        self.beside = beside
         self._linked = set[str]()
 
     def address(self, place: str) -> str:
-        """Return the address of a place such as ``"warnings#ties"``; "" where there is no site or no place."""
+        """Return the address of a place such as ``"warnings#ties"``; "" where there is no guide or no place."""
         page, _, anchor = place.partition("#")
-        return f"{self.site}/reference/{page}.html#{anchor}" if self.site and anchor else ""
+        return f"{page}.html#{anchor}" if self.beside and anchor else ""
 
     def terms(self, text: str) -> Markup:
         """Return a text whose terms link to the glossary where the page has them first."""
@@ -44,7 +71,7 @@ class Documentation:
 
     def _term(self, found: re.Match[str]) -> str:
         term = found[0]
-        if term in self._linked or not self.site:
+        if term in self._linked or not self.beside:
             return term
         self._linked.add(term)
         return f'<a href="{escape(self.address(f"glossary#{TERMS[term]}"))}">{term}</a>'

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from bench.report.documentation import Documentation, site
+from bench.report.documentation import Documentation
 from bench.report.library import as_json, digest, library
 from bench.report.parts import MOST_ROWS, Figure, Part, Section, Table, TableCell
 
@@ -87,8 +87,17 @@ def render(
     title: str,
     lead: str,
     views: list[View],
+    *,
+    guides: bool = False,
 ) -> str:
-    """Return the page as HTML; the template escapes all text."""
+    """Return the page as HTML; the template escapes all text.
+
+    Args:
+        title: of the page.
+        lead: the line below it.
+        views: the sections.
+        guides: whether those of :mod:`bench.report.documentation` are beside the page, which then links to them.
+    """
     environment = Environment(
         loader=PackageLoader("bench.report", ""),
         autoescape=True,
@@ -97,7 +106,7 @@ def render(
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    anchors, guide = _anchors(views), Documentation(site())
+    anchors, guide = _anchors(views), Documentation(guides)
     environment.filters |= {"as_json": as_json, "terms": guide.terms}
     environment.filters["address"] = lambda part: f"#{anchors[part]}" if part in anchors else guide.address(part)
     figures = [item.part for item in _items(views) if isinstance(item.part, Figure)]

@@ -8,19 +8,16 @@ import bench
 from bench.analysis.finished_trials import CHECKS
 from bench.analysis.integrity import TRAITS
 from bench.helpers.text import slug
-from bench.report.documentation import TERMS, Documentation
+from bench.report.documentation import GUIDES, TERMS, guide
 from bench.report.page import render
 from bench.report.parts import Line, Section, warning
 
 ROOT = Path(bench.__file__).parents[1]
-SITE = "https://docs.example"
 
 
-def places(page):
-    """Return the anchors of a page of the reference: its titles, and the targets that it names."""
-    text = (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
-    titles = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
-    return {slug(title) for title in titles} | set(re.findall(r"^\(([\w-]+)\)=$", text, re.MULTILINE))
+def places(name):
+    """Return the ids of a guide."""
+    return set(re.findall(r'id="([^"]+)"', guide(name)))
 
 
 def labels():
@@ -42,10 +39,18 @@ def test_every_term_has_its_entry():
     assert set(TERMS.values()) <= places("glossary")
 
 
-def test_a_line_links_to_its_section_or_to_the_documentation(view):
-    lines = (Line("where", "On p.", "Curves"), Line("passed", "All."))
-    page = render("t", "", [view("one", Section("Trust", lines=lines)), view("two", Section("Curves"))])
+def test_a_guide_links_to_places_that_are_beside_the_report():
+    for name in GUIDES:
+        for page, place in re.findall(r'href="([^"#]*)#?([^"]*)"', guide(name)):
+            assert page in ("", "report.html", *(f"{other}.html" for other in GUIDES))
+            assert not place or place in places(page.removesuffix(".html") or name)
+
+
+def test_a_line_links_to_its_section_or_to_the_guide_beside_the_page(view):
+    lines = (Line("where", "On p.", "Curves"), warning("below the optimum", "One."), Line("passed", "All."))
+    views = [view("one", Section("Trust", lines=lines)), view("two", Section("Curves"))]
+    page = render("t", "", views, guides=True)
     assert '<dt><a href="#two">where</a></dt>' in page
+    assert '<dt><a href="warnings.html#below-the-optimum">below the optimum</a></dt>' in page
     assert "<dt>passed</dt>" in page
-    place = warning("below the optimum", "One.").part
-    assert Documentation(SITE).address(place) == f"{SITE}/reference/warnings.html#below-the-optimum"
+    assert "warnings.html" not in render("t", "", views)
