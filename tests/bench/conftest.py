@@ -154,7 +154,7 @@ def matplotlib_with(methods):
         yield
 
 
-@pytest.fixture(scope="package", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def undrawn():
     """Have matplotlib write this picture for every figure, whose drawing takes half of the time of a report."""
     with matplotlib_with(UNDRAWN):

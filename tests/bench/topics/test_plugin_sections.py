@@ -79,7 +79,8 @@ def test_they_come_after_the_harness_own_and_one_of_its_titles_adds_to_it(make, 
     assert page.texts("h2") == numbered([*PARTS[:4], "In your units", *PARTS[4:], "Mine", "Part"])
     assert all(text in page.text for text in ("Mine made", "Mine is cheap.", "One.", "Two."))
     assert (folder / "tables" / "mine.csv").exists()
-    page.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references.", "answer.json", "CONTENTS.md"))
+    beside = ("tables/", "figures/", "methods.", "references.", "answer.json", "CONTENTS.md", "glossary.", "warnings.")
+    page.check_that_it_stands_alone(beside)
 
 
 @pytest.mark.usefixtures("draws")
