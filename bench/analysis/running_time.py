@@ -129,12 +129,17 @@ def _ert(evaluations: Floats, spent: Floats) -> float:
 
 
 def _largest_p(best: Floats, rivals: list[Floats]) -> float:
-    """Return the largest p of the tests against rivals, 1 where one is not the slower one more often than not."""
+    """Return the largest p of the tests against rivals, 1 where one is not the slower one more often than not.
+
+    Quantiles are those of Student's t, as Holm's levels are far in the tail: with normal ones a table of 12 problems,
+    on which most times are tied, had a star in 6.4% of studies of equals.
+    """
     largest = 0.0
     for size in {len(times) for times in rivals}:
         same = np.array([times for times in rivals if len(times) == size])
         found = effects(np.tile(best, (len(same), 1)), same)
-        largest = max(largest, float(np.where(found.a12 > 0.5, inference(found, ALPHA)[2], 1.0).max()))
+        freedom = len(best) + size - 2
+        largest = max(largest, float(np.where(found.a12 > 0.5, inference(found, ALPHA, freedom)[2], 1.0).max()))
     return largest
 
 
