@@ -62,7 +62,7 @@ def programs(wheels, tmp_path_factory):
 
 @pytest.mark.slow
 def test_the_wheel_holds_the_marks_of_typed_packages(wheels):
-    assert list(wheels) == ["backlash_bench", "hill_climber", "water_filling"]
+    assert list(wheels) == ["backlash_bench", "hill_climber", "water_filling", "worst_runs"]
     held = zipfile.ZipFile(wheels["backlash_bench"]).namelist()
     for package in ("bench", "optimizers", "problems"):
         assert f"{package}/py.typed" in held
@@ -79,7 +79,7 @@ def test_the_sdist_holds_what_a_build_needs_and_no_more(wheels):
         held = {name.split("/")[1] for name in archive.getnames() if "/" in name}
     assert held == {
         "bench", "optimizers", "problems", "examples", "pyproject.toml", "PKG-INFO", "README.md", "LICENSE",
-        "CHANGELOG.md", "CITATION.cff", ".gitignore",
+        "CHANGELOG.md", "CITATION.cff", "docs", ".gitignore",
     }  # fmt: skip
 
 
@@ -100,7 +100,7 @@ def test_the_optimizer_is_listed_with_its_package(programs, tmp_path):
 def test_bench_run_takes_the_problems(programs, tmp_path):
     assert "water-filling-2 … water-filling-8" in succeed(programs / "bench", "list", "problems", cwd=tmp_path)
     succeed(programs / "bench", "run", PROBLEM / "study.toml", "--output", "out", "--no-report", cwd=tmp_path)
-    assert re.search(r"cma-es +10 +0 +10", succeed(programs / "bench", "status", "out", cwd=tmp_path))
+    assert re.search(r"cma-es +30 +0 +30", succeed(programs / "bench", "status", "out", cwd=tmp_path))
     frame = load_results(tmp_path / "out")
     assert (frame["capacity_bits"] == -frame["fun"]).all()
 
@@ -201,7 +201,7 @@ def test_the_study_gives_the_same_numbers_from_python_and_from_the_command_line(
     succeed(programs / "bench", "run", STUDY / "smallest.toml", "--output", "other", "--no-report", cwd=tmp_path)
     frames = [load_results(tmp_path / each).drop(columns=TIMES) for each in ("results/runs/smallest", "other")]
     assert frames[0].equals(frames[1])
-    assert len(frames[0]) == 20
+    assert len(frames[0]) == 60
 
 
 # The tuning

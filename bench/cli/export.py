@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.answer import OLD, is_old
 from bench.cli.console import StudyFolder
 from bench.errors import BenchError
 from bench.formats import EXPORTABLE, described
@@ -35,6 +34,7 @@ def command(
         if not evaluations:
             raise BenchError("give a --format, or --evaluations")
         return
+    from bench.cli.answer import OLD, is_old
     from bench.formats.exporting import export
     from bench.results.results import StoredResults
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.answer import OLD, is_old
 from bench.cli.check import check_folder
 from bench.cli.console import (
     MACHINES,
@@ -153,6 +152,8 @@ def command(
             print_error(f"no trial could be made again: {error}")
             unsound = True
     if no_report or shard is not None:  # a part of a study supports no claim yet
+        from bench.cli.answer import OLD, is_old
+
         print_line(f"results in {outcome.folder}", console=console)
         if is_old(outcome.folder):
             print_line(OLD.format(outcome.folder), "yellow", console)

@@ -99,7 +99,10 @@ def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_fix_it(author):
 @pytest.mark.slow
 def test_a_rule_that_needs_a_broken_one_is_skipped(author):
     outcomes, printed = author("@parametrize_with_checks([Clocked])")
-    needing = ("processes", "no-state", "pickling", "global-states", "anonymity", "invariances", "idle-parameters")
+    needing = (
+        "processes", "clock", "leader", "no-state", "pickling", "global-states", "anonymity", "invariances",
+        "idle-parameters",
+    )  # fmt: skip
     assert outcomes == all_but("Clocked", repetition="FAILED", **dict.fromkeys(needing, "SKIPPED"))
     assert "not checked, because Clocked breaks the rule 'repetition'" in printed
 

@@ -17,7 +17,10 @@ REQUIRED = (notes.STUDY, TRIALS, notes.ENVIRONMENT)
 NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED)
 """Notes that belong in an archive. Those on one moment of one machine do not: who is writing, and the lock."""
 
-REPORT = (PAGE, MANIFEST, "CONTENTS.md", "methods.md", "methods.tex", "references.bib", "answer.json")
+REPORT = (
+    PAGE, MANIFEST, "CONTENTS.md", "methods.md", "methods.tex", "references.bib", "answer.json", "warnings.html",
+    "glossary.html",
+)  # fmt: skip
 """The files of a report but its tables and figures."""
 
 _IN_FOLDER = re.compile(r"(?:tables|figures)/[A-Za-z0-9_][A-Za-z0-9_.-]*")

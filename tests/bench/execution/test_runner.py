@@ -126,8 +126,8 @@ def test_a_store_whose_table_was_never_made_is_refused_where_trials_were_committ
     for file in (tmp_path / "out").glob("trials.sqlite*"):
         file.unlink()
     (tmp_path / "out" / "trials.sqlite").touch()
-    with pytest.warns(UserWarning, match="6 of 6 committed trials are missing"):
-        assert load_results(tmp_path / "out").empty
+    with pytest.raises(BenchError, match="6 of 6 committed trials are missing; restore"):
+        load_results(tmp_path / "out")
     with pytest.raises(BenchError, match="6 of 6 committed trials are missing; restore"):
         run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     (tmp_path / "out" / "committed.json").unlink()
