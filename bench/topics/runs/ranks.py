@@ -36,6 +36,7 @@ def rank_map(findings: Findings) -> Table:
         shades=(ranks - 1) / max(every - 1, 1),
         note=" ".join(notes),
         data=findings.final.chances,
+        latex=True,
     )
     heads, rows = style.names(shown, HEAD), style.names(ranks.index, CLASS)
     if by_class and len(ranks) <= COLUMNS:
