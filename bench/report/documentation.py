@@ -1,12 +1,10 @@
-"""Write the documentation's pages of warnings and words beside a report, and link the page's words to them."""
+"""Read the documentation's pages of warnings and words, which stand beside a report, and link its words to them."""
 
 from __future__ import annotations
 
 import re
-from importlib import resources
 from itertools import pairwise
 
-from jinja2 import Environment, PackageLoader
 from markdown_it import MarkdownIt
 from markupsafe import Markup, escape
 
@@ -27,8 +25,8 @@ ANCHOR = re.compile(r"^\(([\w-]+)\)=$", re.MULTILINE)
 LINK = re.compile(r"\[([^\]]+)\]\(([^)#]*)(#[^)]*)?\)")
 
 
-def guide(name: str) -> str:
-    """Return a page of ``GUIDES`` as HTML: each title has an id, and links to pages that are not here are text."""
+def guide(name: str) -> tuple[str, Markup]:
+    """Return title and HTML of a page of ``GUIDES``: each title in it has an id, and links to other pages are text."""
     source = (shipped("guides", "docs/reference") / f"{name}.md").read_text(encoding="utf-8")
     text = LINK.sub(_link, ANCHOR.sub(r'<a id="\1"></a>\n', source))
     parser = MarkdownIt("commonmark").enable("table")
@@ -36,10 +34,8 @@ def guide(name: str) -> str:
     for token, inline in pairwise(tokens):
         if token.type == "heading_open":
             token.attrSet("id", slug(inline.content))
-    page = Environment(loader=PackageLoader("bench.report", ""), autoescape=True).get_template("guide.html.j2")
-    style = resources.files("bench.report").joinpath("page.css").read_text(encoding="utf-8")
     title = source.partition("\n")[0].lstrip("# ")
-    return page.render(title=title, style=style, body=Markup(parser.renderer.render(tokens, parser.options, {})))
+    return title, Markup(parser.renderer.render(tokens, parser.options, {}))
 
 
 def _link(found: re.Match[str]) -> str:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from bench.report.documentation import Documentation
+from bench.report.documentation import Documentation, guide
 from bench.report.library import as_json, digest, library
 from bench.report.parts import MOST_ROWS, Figure, Part, Section, Table, TableCell
 
@@ -98,17 +98,9 @@ def render(
         views: the sections.
         guides: whether those of :mod:`bench.report.documentation` are beside the page, which then links to them.
     """
-    environment = Environment(
-        loader=PackageLoader("bench.report", ""),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    anchors, guide = _anchors(views), Documentation(guides)
-    environment.filters |= {"as_json": as_json, "terms": guide.terms}
-    environment.filters["address"] = lambda part: f"#{anchors[part]}" if part in anchors else guide.address(part)
+    anchors, beside, environment = _anchors(views), Documentation(guides), _environment()
+    environment.filters |= {"as_json": as_json, "terms": beside.terms}
+    environment.filters["address"] = lambda part: f"#{anchors[part]}" if part in anchors else beside.address(part)
     figures = [item.part for item in _items(views) if isinstance(item.part, Figure)]
     scripts = [library()] if any(figure.live for figure in figures) else []
     scripts.append(_asset("page.js"))
@@ -116,6 +108,23 @@ def render(
         title=title, lead=lead, views=views, style=_asset("page.css"), scripts=scripts,
         hashes=[digest(script) for script in scripts], widest=_widest(views),
     )  # fmt: skip
+
+
+def render_guide(name: str) -> str:
+    """Return a page of :data:`bench.report.documentation.GUIDES` as HTML, in the style of the report."""
+    title, body = guide(name)
+    return _environment().get_template("guide.html.j2").render(title=title, body=body, style=_asset("page.css"))
+
+
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("bench.report", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
 
 
 def _anchors(views: list[View]) -> dict[str, str]:

@@ -14,10 +14,10 @@ from bench.helpers.console import OnStep
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.plots import style
-from bench.report.documentation import GUIDES, guide
+from bench.report.documentation import GUIDES
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.latex import ONE_COLUMN, Layout, to_latex
-from bench.report.page import Item, View, file_rows, inline, render
+from bench.report.page import Item, View, file_rows, inline, render, render_guide
 from bench.report.parts import Figure, File, Part, Section, Table, warning
 
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
@@ -90,7 +90,7 @@ class Draft:
         file = short(self.views[0].section)
         self.save(file.path, file.content, file.about)
         for name, about in GUIDES.items():
-            self.save(f"{name}.html", guide(name), about)
+            self.save(f"{name}.html", render_guide(name), about)
         self.save(CONTENTS, contents(title, self.files), "These files.")
         listed = file_rows(self.files)
         self.views = [replace(view, files=listed) if view.section.lists_files else view for view in self.views]

@@ -8,8 +8,8 @@ import bench
 from bench.analysis.finished_trials import CHECKS
 from bench.analysis.integrity import TRAITS
 from bench.helpers.text import slug
-from bench.report.documentation import GUIDES, TERMS, guide
-from bench.report.page import render
+from bench.report.documentation import GUIDES, TERMS
+from bench.report.page import render, render_guide
 from bench.report.parts import Line, Section, warning
 
 ROOT = Path(bench.__file__).parents[1]
@@ -17,7 +17,7 @@ ROOT = Path(bench.__file__).parents[1]
 
 def places(name):
     """Return the ids of a guide."""
-    return set(re.findall(r'id="([^"]+)"', guide(name)))
+    return set(re.findall(r'id="([^"]+)"', render_guide(name)))
 
 
 def labels():
@@ -41,7 +41,8 @@ def test_every_term_has_its_entry():
 
 def test_a_guide_links_to_places_that_are_beside_the_report():
     for name in GUIDES:
-        for page, place in re.findall(r'href="([^"#]*)#?([^"]*)"', guide(name)):
+        assert "nav > details" in render_guide(name)  # the style of the report, as it is
+        for page, place in re.findall(r'href="([^"#]*)#?([^"]*)"', render_guide(name)):
             assert page in ("", "report.html", *(f"{other}.html" for other in GUIDES))
             assert not place or place in places(page.removesuffix(".html") or name)
 
