@@ -80,7 +80,7 @@ def _claims(findings: Findings) -> Iterator[Line]:
         yield warning("shared seeds", words.shared(same))
     if findings.trials.frame["seed"].isna().any():
         yield warning("no seeds", words.without_seeds())
-    yield warning("enough runs", smallest(findings.study))
+    yield warning("enough runs", smallest(findings.results.study))  # whose instances are not pooled yet
     yield warning("which problems", words.scope(len(known.problems)))
     yield warning("other measures", words.measures(_measures(findings), len(known.problems)))
 
