@@ -17,23 +17,23 @@ if TYPE_CHECKING:
     __version__: str
 
     from bench.check import Checkup, Verdict, check_optimizer, check_problem
-    from bench.comparison import compare
-    from bench.errors import BenchError, BudgetExhausted, StopRun
+    from bench.comparison.compare import compare
+    from bench.comparison.notebook import Results
+    from bench.contract.families import Grid
+    from bench.contract.objective import Objective, Trace
+    from bench.contract.optimizer import Optimizer, parameter
+    from bench.contract.problem import FunctionProblem, Problem
     from bench.evaluator import Evaluator
     from bench.execution.runner import Outcome, run
     from bench.execution.solve import solve
     from bench.execution.supervisor import WorkerDiedError
-    from bench.families import Grid
-    from bench.notebook import Results
-    from bench.objective import Objective, Trace
-    from bench.optimizer import Optimizer, parameter
+    from bench.helpers.errors import BenchError, BudgetExhausted, StopRun
     from bench.plugins.loading import list_optimizers, load_optimizer, load_problem
     from bench.plugins.selection import list_problems
-    from bench.problem import FunctionProblem, Problem
     from bench.results.results import load_results
     from bench.study import Study
     from bench.topics import write_report
-    from bench.trial import Result
+    from bench.trial.trial import Result
 
 __all__ = [
     "AskTell",
@@ -70,16 +70,29 @@ __all__ = [
 
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
-    "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "errors", "Checkup": "check",
-    "Evaluator": "evaluator", "FunctionProblem": "problem", "Grid": "families", "Objective": "objective",
-    "Optimizer": "optimizer", "Outcome": "execution.runner", "Problem": "problem", "Result": "trial",
-    "Results": "notebook", "StopRun": "errors", "Study": "study", "Trace": "objective", "Verdict": "check",
-    "WorkerDiedError": "execution.supervisor", "check_optimizer": "check", "check_problem": "check",
-    "compare": "comparison", "list_optimizers": "plugins.loading",
-    "list_problems": "plugins.selection", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
-    "load_results": "results.results", "parameter": "optimizer", "run": "execution.runner", "solve": "execution.solve",
-    "write_report": "topics",
-}  # fmt: skip
+    name: home
+    for home, names in {
+        "check": "Checkup Verdict check_optimizer check_problem",
+        "comparison.compare": "compare",
+        "comparison.notebook": "Results",
+        "contract.families": "Grid",
+        "contract.objective": "Objective Trace",
+        "contract.optimizer": "AskTell Optimizer parameter",
+        "contract.problem": "FunctionProblem Problem",
+        "evaluator": "Evaluator",
+        "execution.runner": "Outcome run",
+        "execution.solve": "solve",
+        "execution.supervisor": "WorkerDiedError",
+        "helpers.errors": "BenchError BudgetExhausted StopRun",
+        "plugins.loading": "list_optimizers load_optimizer load_problem",
+        "plugins.selection": "list_problems",
+        "results.results": "load_results",
+        "study": "Study",
+        "topics": "write_report",
+        "trial.trial": "Result",
+    }.items()
+    for name in names.split()
+}
 _PACKAGES = ("analysis", "plots")
 
 

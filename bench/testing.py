@@ -16,9 +16,9 @@ from bench.check.checker import Checker
 from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.rules import TABLES, Rule
 from bench.check.conformance.subject import AnySubject, Subject
-from bench.errors import BenchError, nearest
-from bench.optimizer import Optimizer, is_frozen
-from bench.problem import Problem
+from bench.contract.optimizer import Optimizer, is_frozen
+from bench.contract.problem import Problem
+from bench.helpers.errors import BenchError, nearest
 
 __all__ = ["RuleCheck", "parametrize_with_checks", "parametrize_with_problem_checks"]
 

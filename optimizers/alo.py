@@ -8,9 +8,9 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.objective import Objective
-from bench.optimizer import parameter
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import parameter
+from bench.contract.typing import Floats
 from optimizers.common.base import Population, compiled, works
 
 Bytes = NDArray[np.uint8]

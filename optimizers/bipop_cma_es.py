@@ -10,9 +10,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from bench.objective import Objective
-from bench.optimizer import parameter
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import parameter
+from bench.contract.typing import Floats
 from optimizers.cma_es import BoxedCMA, BoxMap
 from optimizers.cma_es_fast import Rates, Strategy, rates
 from optimizers.common.base import works

@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, parameter
+from bench.contract.typing import Floats
 from optimizers.common.base import compiled, works
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}

@@ -9,9 +9,9 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from bench.objective import Objective
-from bench.optimizer import parameter
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import parameter
+from bench.contract.typing import Floats
 from optimizers.cma_es import BoxedCMA, BoxMap
 from optimizers.common.base import compiled, works
 

@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.errors import BenchError, BudgetExhausted
-from bench.families import derive
+from bench.contract.families import derive
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, build, settings
+from bench.contract.typing import Floats
 from bench.helpers import ProgramCommand, Talk, short
-from bench.objective import Objective
-from bench.optimizer import Optimizer, build, settings
-from bench.typing import Floats
+from bench.helpers.errors import BenchError, BudgetExhausted
 
 PROTOCOL = 1
 REQUEST = 'a line of JSON such as {"x": [[0.5, 0.5]]}, {"repair": [[…]]}, {"initial": 1} or {"stop": "converged"}'

@@ -12,10 +12,10 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, parameter
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from optimizers.common.family import Constructed, Family, global_random_state, table
 
 LEAST_EPOCHS = 2

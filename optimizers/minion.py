@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.objective import Objective
-from bench.optimizer import Optimizer
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer
+from bench.contract.typing import Floats
 from optimizers.common.family import Adapter, Family, declared, table
 
 TABLE = table("minion")

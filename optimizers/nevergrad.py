@@ -14,9 +14,9 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, parameter
+from bench.helpers.errors import BenchError
 from optimizers.common.family import Adapter, Family, global_random_state, table
 
 TABLE = table("nevergrad")

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer
 from bench.helpers import quiet
-from bench.objective import Objective
-from bench.optimizer import Optimizer
 from optimizers.common.family import Adapter, Family, declared, table
 
 TABLE = table("optuna")

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from bench.objective import Objective
+from bench.contract.objective import Objective
 from optimizers.common.base import Population, works
 
 

@@ -13,9 +13,9 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter, settings
-from bench.typing import Floats
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, parameter, settings
+from bench.contract.typing import Floats
 from optimizers.common.base import works
 from optimizers.common.family import CEILING, Adapter, Family
 

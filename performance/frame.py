@@ -17,9 +17,9 @@ from _rows import Rows, apart, main, short
 from scale import OPTIMIZERS, PROBLEMS, STUDY
 
 from bench import Study, Trace
-from bench.columns import packed
 from bench.storage.folder import Folder
-from bench.trial import Trial
+from bench.trial.columns import packed
+from bench.trial.trial import Trial
 
 TRIALS = 250_000
 CELLS = PROBLEMS * OPTIMIZERS

@@ -12,7 +12,7 @@ from _rows import Rows, main, short, times
 from threadpoolctl import threadpool_limits
 
 from bench import BudgetExhausted, FunctionProblem, Optimizer, load_optimizer
-from bench.objective import Objective
+from bench.contract.objective import Objective
 
 AGENTS, DIMENSION = 300, 7
 GENERATIONS = 200

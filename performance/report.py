@@ -15,10 +15,10 @@ from _rows import Cost, Rows, apart, main, short, times
 from joblib import cpu_count
 
 from bench import Study, Trace
-from bench.columns import Row, packed
-from bench.problem import Problem
+from bench.contract.problem import Problem
 from bench.storage.folder import Folder
-from bench.trial import Trial
+from bench.trial.columns import Row, packed
+from bench.trial.trial import Trial
 
 STUDY = {
     "name": "suite",

@@ -26,9 +26,9 @@ from pathlib import Path
 import numpy as np
 
 from bench import Problem
-from bench.errors import require
-from bench.families import Grid, Member
-from bench.typing import Floats
+from bench.contract.families import Grid, Member
+from bench.contract.typing import Floats
+from bench.helpers.errors import require
 from problems.common import Suite, SuiteProblem, features_of
 
 LEFT_OUT = {"cec2011": (4, 21, 22), "cec2017": (2,)}

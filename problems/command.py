@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from bench import BenchError, FunctionProblem, Problem
-from bench.errors import PointError, nearest
+from bench.contract.numbers import require_whole
+from bench.contract.typing import Floats
 from bench.helpers import ProgramCommand, Talk, count, short
-from bench.numbers import require_whole
-from bench.typing import Floats
+from bench.helpers.errors import PointError, nearest
 
 PROTOCOL = 1
 OPTIONS = ("lower", "upper", "variables", "integer", "optimum", "violations", "retries", "folder")

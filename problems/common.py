@@ -8,8 +8,8 @@ from functools import partial
 from typing import Any
 
 from bench import FunctionProblem, Problem, load_problem
-from bench.errors import BenchError, nearest
-from bench.families import Grid, Member
+from bench.contract.families import Grid, Member
+from bench.helpers.errors import BenchError, nearest
 
 
 class SuiteProblem(FunctionProblem):

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from bench import Problem
-from bench.errors import require
-from bench.families import Grid, Member
-from bench.typing import Floats
+from bench.contract.families import Grid, Member
+from bench.contract.typing import Floats
+from bench.helpers.errors import require
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
 DIMENSION = 30

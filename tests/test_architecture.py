@@ -10,8 +10,8 @@ import pytest
 
 from bench import Study, run, write_report
 from bench.check.verdict import Verdict
-from bench.columns import COLUMNS
 from bench.execution.verify import verify
+from bench.trial.columns import COLUMNS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")

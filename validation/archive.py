@@ -25,7 +25,7 @@ import numpy as np
 from scipy.stats import ks_2samp
 
 from bench import Optimizer, Problem, load_optimizer, load_problem, solve
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 PRECISION = 1e-8
 INSTANCES = [1, 2, 3, 4, 5] * 3

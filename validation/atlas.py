@@ -31,11 +31,11 @@ from bench.check.bias import FLOOR, LIMIT, mean_log_error
 from bench.check.idle import alternatives
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
+from bench.contract.seeds import trial_seed
 from bench.execution.safe_runs import safe_run
 from bench.helpers.markdown import table
 from bench.plugins.loading import default_label, load_optimizer, package
 from bench.report.wording import cell_text
-from bench.seeds import trial_seed
 
 TABLE = Path(__file__).resolve().parents[1] / "results" / "atlas" / "methods.toml"
 DIMENSION = 5

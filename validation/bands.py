@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.bands import curve_bands, leads
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 TARGETS = 8
 GRID = np.geomspace(1, 1000, 40)

@@ -30,7 +30,7 @@ from bench.analysis.direction import ALPHA, Effects, effects, inference
 from bench.analysis.ert_ratio import ert_ratios
 from bench.analysis.pairwise import holm
 from bench.analysis.running_time import separably_fastest
-from bench.typing import Flags, Floats
+from bench.contract.typing import Flags, Floats
 
 Draw = Callable[[np.random.Generator, int, int, int], Floats]  # optimizer, studies, runs -> values
 MEDIAN = 1.6783469900166608  # of the sum of two exponential values

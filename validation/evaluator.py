@@ -38,7 +38,7 @@ HOSTILE = {
     """,
     "gc": """
         import gc
-        from bench.problem import Problem
+        from bench.contract.problem import Problem
         for thing in gc.get_objects():
             if isinstance(thing, Problem):
                 thing.evaluate = lambda x: x[:, 0] * 0 - 1e9

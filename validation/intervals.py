@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import norm
 
 from bench.analysis.direction import effects, intervals
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 KINDS = ("normal", "three times the spread", "two basins", "ties at the optimum")
 TRIALS = (5, 10, 30)

@@ -16,7 +16,7 @@ from types import ModuleType
 from planted import optimizers, problems
 
 from bench.check.checker import Checkup, check_optimizer, check_problem
-from bench.optimizer import Optimizer
+from bench.contract.optimizer import Optimizer
 
 KNOWN = {
     "faulty_problems": (

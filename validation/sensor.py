@@ -33,7 +33,7 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash import EARLY_RAD
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording

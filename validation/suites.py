@@ -23,7 +23,7 @@ from joblib import Parallel, delayed
 from scipy.stats import spearmanr
 
 from bench import FunctionProblem, Problem, load_problem
-from bench.families import Member
+from bench.contract.families import Member
 from bench.helpers.markdown import table
 from bench.helpers.text import joined
 from bench.plugins import registry

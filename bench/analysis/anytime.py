@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from bench.analysis.cells import Budgets, Traces, labels, spent, traces_of
-from bench.objective import Trace
-from bench.typing import Floats
+from bench.contract.objective import Trace
+from bench.contract.typing import Floats
 
 Counts = Floats | NDArray[np.int64]  # of evaluations
 

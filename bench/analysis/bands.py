@@ -24,7 +24,7 @@ from scipy.stats import norm, t
 
 from bench.analysis.anytime import Counts
 from bench.analysis.cells import labels
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 UNSEEN = 1.5  # runs that reach everything at once, and as many that reach nothing, beside those of a cell
 MULTIPLIERS = 1000

@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import quantile_test
 
+from bench.contract.objective import Trace
+from bench.contract.typing import Floats
 from bench.helpers.frames import labels as labels
-from bench.objective import Trace
 from bench.study import Study
-from bench.typing import Floats
 
 Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, budgets, traces_of
-from bench.errors import PROBLEM_FAILED
+from bench.helpers.errors import PROBLEM_FAILED
 
 NEARLY = 1.01  # times the common budget that a trial without a trace may have spent, as generations overshoot
 

@@ -44,7 +44,7 @@ from bench.analysis.direction import (
 )
 from bench.analysis.standings import a12_matrix, mean_chance, ranks
 from bench.analysis.strata import Places, Samples, rows, strata
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 OUTCOMES = ("better", "worse", "open")
 """What a test says of the chosen optimizer: it ends lower than the rival, higher, or neither is shown."""

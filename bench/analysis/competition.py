@@ -19,7 +19,7 @@ import pandas as pd
 from bench.analysis.cells import Budgets, Traces, budgets, cells, labels, merge_near_ties, quantiles, traces_of
 from bench.analysis.direction import ALPHA, effects, inference
 from bench.analysis.instances import SOLVED
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 EARLY = (0.01, 0.02, 0.03, 0.05, *(step / 10 for step in range(1, 11)))  # CEC 2014 and 2017
 STATISTICS = ("mean", "sd", "median", "best", "worst")

@@ -15,7 +15,7 @@ from bench.analysis.cells import cells, labels, summarise
 from bench.analysis.direction import ALPHA
 from bench.analysis.matrix import medians
 from bench.analysis.pairwise import holm
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 COLUMNS = ("optimizer", "problems", "mean_rank", "p", "p_holm", "better", "alike", "worse", "note")
 

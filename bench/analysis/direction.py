@@ -32,8 +32,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm, t
 
+from bench.contract.typing import Floats
 from bench.helpers.compiled import compiled
-from bench.typing import Floats
 
 ALPHA = 0.05  # thesis section 7.2
 TWO_SIDED = 1.959963984540054  # the normal quantile of 0.975

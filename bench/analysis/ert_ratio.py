@@ -17,7 +17,7 @@ import pandas as pd
 from scipy.stats import t
 
 from bench.analysis.direction import ALPHA
-from bench.typing import Flags, Floats
+from bench.contract.typing import Flags, Floats
 
 COLUMNS = ("rival", "problems", "bounded", "ratio", "low", "high")
 

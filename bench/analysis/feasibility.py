@@ -13,8 +13,8 @@ from bench.analysis.cells import Traces, cells, traces_of
 def feasibility(frame: pd.DataFrame, traces: Traces, problems: Collection[str]) -> pd.DataFrame:
     """Return how many trials of each cell found a feasible point, and after how many evaluations.
 
-    A trial on a constrained problem records feasible points only (:mod:`bench.scoring.constraints`): it found one where
-    its value is finite, first at the first evaluation of its trace. A failed trial counts as one without.
+    A trial on a constrained problem records feasible points only (:mod:`bench.trial.scoring.constraints`): it found one
+    where its value is finite, first at the first evaluation of its trace. A failed trial counts as one without.
 
     Args:
         frame: the tidy frame.

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 
 KINDS: dict[str, tuple[type, str]] = {
     "pd.DataFrame": (pd.DataFrame, "a frame, such as results.frame"),

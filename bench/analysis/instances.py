@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import BEATEN, Traces
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 SOLVED = 1e-8
 """The last target of COCO, below which the CEC competitions take an error as 0 too; a better precision is rounding."""

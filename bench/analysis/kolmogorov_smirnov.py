@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import ks_2samp
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 TIED = 0.10  # above this share of tied values the exact test is markedly conservative
 

@@ -32,8 +32,8 @@ from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA, Effects, effects, intervals, stratified
 from bench.analysis.pairwise import holm
 from bench.analysis.strata import Samples, strata
-from bench.errors import BenchError
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 
 Outcome = Literal["better", "not worse", "worse", "undecided"]
 

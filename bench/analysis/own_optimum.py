@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from bench.analysis.cells import BEATEN, Traces, scores
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 Shifts = Mapping[tuple[str, str], float]
 """By problem and optimizer, how much the best value that the optimizer can reach is above the problem's optimum."""

@@ -15,7 +15,7 @@ from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.strata import Samples, strata
-from bench.typing import Flags, Floats
+from bench.contract.typing import Flags, Floats
 
 CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2000, Table 1
 AT_ONCE = 2_000  # pairs of samples in memory

@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from bench.analysis.comparison import over_problems
 from bench.analysis.direction import Effects, effects, inference, least_p
-from bench.typing import Flags
+from bench.contract.typing import Flags
 
 DRAWS, FEW = 20_000, 1_000  # of a simulated power, and those that find about where it is reached
 VALUES = 8_000_000  # of them in memory

@@ -25,7 +25,7 @@ from scipy.special import betaincinv, stdtrit
 from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA, effects, inference, least_p
 from bench.analysis.pairwise import holm
-from bench.typing import Flags, Floats
+from bench.contract.typing import Flags, Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
 SEED = 1

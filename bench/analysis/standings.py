@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
+from bench.contract.typing import Floats
 from bench.helpers.compiled import compiled
-from bench.typing import Floats
 
 
 def mean_chance(chances: Floats) -> Floats:

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis.cells import labels, scores
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 Samples = Sequence[Floats]  # of k optimizers, empty where one has no trial
 Places = Sequence[NDArray[np.intp]]  # of the rows of each of them in a frame

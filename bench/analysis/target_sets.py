@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores, spent, traces_of
-from bench.objective import Trace
+from bench.contract.objective import Trace
 from bench.study.targets import MULTIPLES, Found, Targets
 
 LOWEST, HIGHEST = 1e-8, 1e2

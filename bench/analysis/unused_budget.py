@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.analysis.cells import Budgets, budgets, labels
-from bench.objective import ON_TARGET
+from bench.contract.objective import ON_TARGET
 
 
 def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:

@@ -16,9 +16,9 @@ from bench.check.conformance.subject import Subject
 from bench.check.problems import SHIFT
 from bench.check.runs import Runs, make_runs, on_bound
 from bench.check.verdict import Verdict
-from bench.errors import BenchError
-from bench.optimizer import Optimizer
-from bench.typing import Floats
+from bench.contract.optimizer import Optimizer
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
 FLOOR = 1e-8  # errors below this count as equal

@@ -11,12 +11,12 @@ from bench.check.conformance.recording import LOST, explain_lost_process
 from bench.check.conformance.rules import APART, ROTATION, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
-from bench.errors import BenchError
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import Problem
 from bench.execution.job import MEMORY, sandbox, sandbox_of_optimizers
 from bench.execution.safe_runs import PRINTED
+from bench.helpers.errors import BenchError
 from bench.helpers.text import printable
-from bench.optimizer import Optimizer
-from bench.problem import Problem
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process, RemoteError

@@ -12,10 +12,10 @@ from typing import Any
 from bench.check import bias
 from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
-from bench.errors import BenchError
+from bench.contract.optimizer import Optimizer
 from bench.execution.job import sandbox_of_optimizers
+from bench.helpers.errors import BenchError
 from bench.helpers.text import short_hash
-from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.plugins.inputs import Inputs, Present
 from bench.storage import provenance

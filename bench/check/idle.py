@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from bench.optimizer import CONDITIONS, Optimizer
+from bench.contract.optimizer import CONDITIONS, Optimizer
 
 
 def alternatives(optimizer: Optimizer) -> dict[str, list[Any]]:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.problem import FunctionProblem
-from bench.typing import Floats
+from bench.contract.problem import FunctionProblem
+from bench.contract.typing import Floats
 
 # The ordinary box, uneven and without the origin, and the place of the optimum as a share of its widths; they are
 # repeated up to the number of variables.

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from bench.check.conformance.subject import Subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
-from bench.errors import BenchError
+from bench.contract.objective import scanner
+from bench.contract.optimizer import Optimizer
+from bench.contract.seeds import trial_seed
+from bench.contract.typing import Floats
 from bench.execution.job import MEMORY, TIMEOUT
 from bench.execution.safe_runs import found, safe_call, safe_run
-from bench.objective import scanner
-from bench.optimizer import Optimizer
+from bench.helpers.errors import BenchError
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.callers import Call, Callers
 from bench.sandbox.messages import describe_error
-from bench.seeds import trial_seed
-from bench.typing import Floats
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
 FUNCTION_BUDGET = 10_000  # evaluations of a function, at least

@@ -12,8 +12,8 @@ from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
 from bench.cli.console import table
-from bench.errors import BenchError
 from bench.helpers.console import print_line
+from bench.helpers.errors import BenchError
 from bench.helpers.parsing import parse_json, read_text
 from bench.storage.folder import ANSWER, Folder
 
@@ -40,7 +40,7 @@ def show(folder: Path, console: Console) -> None:
     try:
         content, old = read(folder), is_old(folder)
         if old or not content.get("state"):
-            from bench.notebook import Results
+            from bench.comparison.notebook import Results
 
             content = Results(folder).answer
     except BenchError as error:

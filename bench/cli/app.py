@@ -33,8 +33,8 @@ from bench.cli import (
 from bench.cli import list as listing
 from bench.cli.console import usage
 from bench.cli.versions import versions
-from bench.errors import BenchError
 from bench.helpers.console import print_error
+from bench.helpers.errors import BenchError
 from bench.plugins import registry
 
 

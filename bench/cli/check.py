@@ -11,8 +11,8 @@ import typer
 from rich.console import Console
 
 from bench.cli.console import Jobs, Parameters, Untrusted
-from bench.errors import BenchError
 from bench.helpers.console import pairs, print_error, print_line
+from bench.helpers.errors import BenchError
 from bench.helpers.parallel import side_by_side
 from bench.helpers.text import count
 from bench.plugins import registry, selection

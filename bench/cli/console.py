@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench.contract.numbers import require_jobs, span
 from bench.helpers.console import print_error
 from bench.helpers.text import listed
-from bench.numbers import require_jobs, span
 from bench.study import Study
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from bench.cli.console import StudyFolder
-from bench.errors import BenchError
 from bench.formats import EXPORTABLE, described
 from bench.helpers.console import print_line
+from bench.helpers.errors import BenchError
 
 
 def command(

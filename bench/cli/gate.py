@@ -66,7 +66,7 @@ def command(
     it is shown to stay below on average (with --every-problem on each problem), "better" where it is then also shown to
     be below 50%, and else "undecided". The folder of the new version notes it, for later looks at more trials.
     """
-    from bench.gate import HEADS, gate
+    from bench.comparison.gate import HEADS, gate
 
     verdict = gate(old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common, every=every)
     outcome, console = verdict.found.outcome, Console()

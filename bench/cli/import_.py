@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from bench.errors import BenchError
 from bench.formats import IMPORTABLE, described
 from bench.helpers.console import print_line
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count
 
 COCO = "coco:"

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.text import Text
 
 from bench.cli.console import table
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from bench.plugins import catalogue, registry
 from bench.study import Study
 

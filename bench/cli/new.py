@@ -16,9 +16,9 @@ from typing import Annotated
 
 import typer
 
-from bench.errors import BenchError, nearest
 from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.shipped import shipped
 from bench.plugins import registry
 

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.errors import BenchError
+from bench.contract.numbers import is_finite
 from bench.helpers.console import print_line
-from bench.numbers import is_finite
+from bench.helpers.errors import BenchError
 
 
 def command(

@@ -13,11 +13,11 @@ from rich.console import Console
 
 from bench.cli.console import Jobs, Untrusted, run_shown
 from bench.cli.console import table as rich_table
-from bench.errors import BenchError
+from bench.contract.numbers import require_seed, require_whole
 from bench.helpers.atomic import replacing
 from bench.helpers.console import print_line
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count
-from bench.numbers import require_seed, require_whole
 
 if TYPE_CHECKING:
     from bench.reproduce.table import PaperTable

@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from bench.cli.console import StudyFolder
-from bench.errors import BenchError, nearest
 from bench.helpers.console import print_line
+from bench.helpers.errors import BenchError, nearest
 
 
 def command(

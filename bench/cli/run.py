@@ -28,11 +28,11 @@ from bench.cli.console import (
 )  # fmt: skip
 from bench.cli.report import report_on
 from bench.cli.verify import verify_folder
-from bench.errors import BenchError
 from bench.helpers.console import duration, print_error, print_line
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
 from bench.study import Study
-from bench.trial import UNASKED
+from bench.trial.trial import UNASKED
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan

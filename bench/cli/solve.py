@@ -9,15 +9,15 @@ import typer
 from rich.console import Console
 
 from bench.cli.console import Parameters, Untrusted, table
-from bench.columns import Row, named
-from bench.errors import BenchError, ProblemError
 from bench.helpers.console import pairs, print_error, print_line
+from bench.helpers.errors import BenchError, ProblemError
 from bench.helpers.text import said
 from bench.plugins import loading
 from bench.sandbox.messages import describe_error
-from bench.scoring.constraints import DEFAULT
 from bench.study.budget import Budget
-from bench.trial import as_row
+from bench.trial.columns import Row, named
+from bench.trial.scoring.constraints import DEFAULT
+from bench.trial.trial import as_row
 
 Named = tuple[str, dict[str, Any]]  # a plug-in's name and its options
 

@@ -17,22 +17,22 @@ import pandas as pd
 
 from bench.analysis.comparison import compare
 from bench.analysis.target_sets import area_over_curve
-from bench.columns import Row
-from bench.errors import BenchError, explained
+from bench.contract.numbers import require_positive, require_whole, seconds
+from bench.contract.objective import Trace
+from bench.contract.seeds import trial_seed
 from bench.evaluator import found as words
 from bench.evaluator.found import LEAST, Final, Found
 from bench.evaluator.workers import WARMING, Candidate, Workers
 from bench.execution.job import Task
 from bench.execution.warming import warm_problem
+from bench.helpers.errors import BenchError, explained
 from bench.helpers.text import listing
-from bench.numbers import require_positive, require_whole, seconds
-from bench.objective import Trace
 from bench.plugins import objects
 from bench.plugins.from_file import SOURCE, located
 from bench.plugins.loading import OBJECT, OptimizerLike, ProblemLike, is_plugin
-from bench.seeds import trial_seed
 from bench.study import Study
-from bench.trial import Trial
+from bench.trial.columns import Row
+from bench.trial.trial import Trial
 
 BASELINES = ("cma-es", "random-search")
 LABEL = "candidate"

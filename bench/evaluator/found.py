@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from bench.helpers.text import count, listing
-from bench.trial import ROUNDING
+from bench.trial.trial import ROUNDING
 
 LONGEST = 60  # words of a feedback
 LEAST = 1e-9

@@ -19,17 +19,17 @@ from typing import Any
 
 from joblib import effective_n_jobs
 
-from bench.columns import Row
-from bench.errors import BenchError
 from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.execution.job import LOADING, PRINTED, Task, make_apart, sandbox_of
 from bench.execution.supervisor import ATTEMPTS, failed, is_killed, row_of
+from bench.helpers.errors import BenchError
 from bench.plugins.packing import Objects
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, LostError, Process
-from bench.trial import Trial
+from bench.trial.columns import Row
+from bench.trial.trial import Trial
 
 LIBRARIES = ("scipy.linalg", "scipy.optimize", "scipy.spatial.distance", "scipy.special", "scipy.stats")
 """What candidates often import; each would take a part of their time."""

@@ -7,18 +7,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from bench.columns import Row, named
+from bench.contract.objective import OUT_OF_TIME
 from bench.execution.journal import place
 from bench.execution.local import Answer, Missing
 from bench.execution.plan import EXPENSIVE, Plan
-from bench.objective import OUT_OF_TIME
 from bench.plugins.inputs import conflicts
 from bench.storage.cells import split
 from bench.storage.folder import Folder, difference_line
 from bench.storage.rows import disagreement
 from bench.study import Study
 from bench.study.cell import Labels
-from bench.trial import Trial
+from bench.trial.columns import Row, named
+from bench.trial.trial import Trial
 
 Make = Callable[[Missing], Iterator[Answer]]
 """Makes trials: the answers of a pool."""

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from bench.columns import MEASURED, Column, Row
+from bench.contract.objective import IMPROVEMENT, LOGGED, Logs, Trace
+from bench.contract.typing import Flags, Floats
 from bench.helpers.text import printable
-from bench.objective import IMPROVEMENT, LOGGED, Logs, Trace
-from bench.trial import finished
-from bench.typing import Flags, Floats
+from bench.trial.columns import MEASURED, Column, Row
+from bench.trial.trial import finished
 
 _NOUNS = {int: "whole number", float: "number", str: "text"}
 
@@ -120,7 +120,7 @@ def _check(column: Column, values: Mapping[str, Any]) -> None:
 
 
 def _log(answer: Mapping[str, Any], nfev: int) -> Logs:
-    """Return the log of an optimizer; refuse one that :class:`bench.objective.Log` would not keep."""
+    """Return the log of an optimizer; refuse one that :class:`bench.contract.objective.Log` would not keep."""
     log = answer.get("log")
     if not isinstance(log, dict) or len(log) > LOGGED // 10:
         raise RefusedError("its log cannot be read")

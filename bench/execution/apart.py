@@ -1,9 +1,10 @@
 """Trials whose problem, budget and trace are in another process than the optimizer; only points and values cross.
 
-There, :func:`serve` holds the :class:`bench.objective.Objective` that counts. The optimizer's process has an objective
-of a :class:`RemoteProblem`, but no problem in its memory, and :func:`hide_problems` refuses to import one. Whatever the
-optimizer does there, each evaluation is counted and recorded. A message begins with what is asked or answered, one
-byte; numbers follow, or a text. The first request starts the clock, and the end of the connection stops it.
+There, :func:`serve` holds the :class:`bench.contract.objective.Objective` that counts. The optimizer's process has an
+objective of a :class:`RemoteProblem`, but no problem in its memory, and :func:`hide_problems` refuses to import one.
+Whatever the optimizer does there, each evaluation is counted and recorded. A message begins with what is asked or
+answered, one byte; numbers follow, or a text. The first request starts the clock, and the end of the connection
+stops it.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.errors import BudgetExhausted
-from bench.objective import Objective
+from bench.contract.objective import Objective
+from bench.contract.problem import Problem
+from bench.contract.typing import Floats
+from bench.helpers.errors import BudgetExhausted
 from bench.plugins import registry
-from bench.problem import Problem
 from bench.sandbox.messages import describe_error
-from bench.typing import Floats
 
 _EVALUATE, _REPAIR = (bytes([number]) for number in range(2))
 _DONE, _EXHAUSTED, _RAISED = (bytes([number]) for number in range(3))

@@ -19,13 +19,13 @@ from time import monotonic
 from typing import Any
 from uuid import uuid4
 
-from bench.errors import BenchError, require
 from bench.execution.dask_worker import LOOK, work
 from bench.execution.job import Task
 from bench.execution.local import Answer, Missing, OnBegin
 from bench.execution.supervisor import KilledError, WorkerDiedError
+from bench.helpers.errors import BenchError, require
 from bench.storage import provenance
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 CONNECT = 10.0  # seconds for a scheduler to answer
 ARRIVE = 20.0  # seconds for the first worker to arrive

@@ -9,12 +9,12 @@ from functools import cache
 from threading import Lock, Thread
 from time import monotonic, sleep
 
-from bench.columns import Row
-from bench.errors import BenchError
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor, check
+from bench.helpers.errors import BenchError
 from bench.storage import provenance
-from bench.trial import Trial
+from bench.trial.columns import Row
+from bench.trial.trial import Trial
 
 LOOK = 1.0  # seconds between looks at the state of trials
 IDLE = 10.0  # seconds after which idle trial processes end

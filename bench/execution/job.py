@@ -27,11 +27,11 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from bench.errors import PROBLEM_FAILED
+from bench.contract.objective import ON_TARGET, OUT_OF_TIME
 from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
+from bench.helpers.errors import PROBLEM_FAILED
 from bench.helpers.text import printable
-from bench.objective import ON_TARGET, OUT_OF_TIME
 from bench.plugins import from_file, loading, objects, registry
 from bench.plugins.inputs import named
 from bench.plugins.observing import PARTS, Observed, Signature
@@ -41,7 +41,7 @@ from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import FAILURES, Process
 from bench.storage import provenance
 from bench.study import Entry, Study
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 LOADING = 300.0  # seconds for loading plug-ins, for a warm-up, and for evaluating a point
 WARMING = 20.0  # least seconds of a warm-up, in which code may be compiled, where a trial may take fewer

@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
+from bench.contract.typing import Floats
 from bench.helpers.atomic import replacing
 from bench.helpers.console import duration
 from bench.helpers.text import short_hash
 from bench.plugins.inputs import Inputs, Present
 from bench.storage.under_way import left
-from bench.trial import Trial
-from bench.typing import Floats
+from bench.trial.trial import Trial
 
 FOLDER = "journal"
 SLOW = 0.1  # seconds of an evaluation from which on it is worth a line and its way to the disk

@@ -9,13 +9,13 @@ from threading import Lock
 
 from joblib import effective_n_jobs
 
-from bench.columns import Row
-from bench.errors import BenchError
 from bench.execution.job import KEPT, Task
 from bench.execution.supervisor import Supervisor
+from bench.helpers.errors import BenchError
 from bench.helpers.parallel import side_by_side
 from bench.storage import provenance
-from bench.trial import Trial
+from bench.trial.columns import Row
+from bench.trial.trial import Trial
 
 OnBegin = Callable[[int, Trial], None]
 Missing = Callable[[], Iterable[Trial]]

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.storage.store import CellCounts
 from bench.storage.traces import Key
 from bench.study import Study
 from bench.study.cell import Labels
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 EXPENSIVE = 1.0
 """Seconds of an evaluation from which on none is made that nobody asked for, but for one at the best point of a run."""

@@ -13,12 +13,12 @@ from rich.console import Console
 from rich.progress import ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from bench.contract.families import function_of
 from bench.execution.journal import best, under_way
 from bench.execution.plan import EXPENSIVE, Plan
-from bench.families import function_of
 from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 SHOWN = 20  # failures of an optimizer that are printed as they happen
 PAUSE = 15.0  # seconds between lines where there is no terminal

@@ -14,7 +14,7 @@ from typing import Any
 
 from joblib import cpu_count
 
-from bench.errors import BenchError, nearest
+from bench.contract.numbers import require_jobs, require_positive
 from bench.execution.again import Repetition, doubtful
 from bench.execution.dask import Cluster, cluster
 from bench.execution.job import Task
@@ -22,8 +22,8 @@ from bench.execution.local import Answer, Local
 from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.text import count
-from bench.numbers import require_jobs, require_positive
 from bench.plugins import loading
 from bench.plugins.inputs import large, shown
 from bench.sandbox.signals import Interrupts, interrupts_deferred
@@ -32,7 +32,7 @@ from bench.storage.folder import DESCRIPTIONS, Folder, default_path, difference_
 from bench.storage.merge import Reusable, reusable, take
 from bench.storage.selection import Selection
 from bench.study import Study
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 BACKENDS = ("dask", "local")
 

@@ -8,15 +8,15 @@ from typing import Any, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, ProblemError
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import Problem
+from bench.helpers.errors import BenchError, ProblemError
 from bench.helpers.text import printable
-from bench.optimizer import Optimizer
-from bench.problem import Problem
 from bench.sandbox.callers import Call
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, PrintedTooMuchError
 from bench.sandbox.server import STILL_ASKING, end_if_stuck
-from bench.trial import Result, search
+from bench.trial.trial import Result, search
 
 PRINTED = 100_000_000
 """Bytes that a process may print in one call: the file that takes them must not fill the disk."""

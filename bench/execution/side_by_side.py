@@ -18,16 +18,16 @@ import cloudpickle
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, PointError, StopRun
+from bench.contract.objective import as_values
+from bench.contract.problem import Problem
+from bench.contract.typing import Floats
 from bench.execution.journal import Journal
-from bench.objective import as_values
-from bench.problem import Problem
+from bench.helpers.errors import BenchError, PointError, StopRun
 from bench.sandbox import tree
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError
 from bench.sandbox.server import FORKS
-from bench.scoring import Scored
-from bench.typing import Floats
+from bench.trial.scoring import Scored
 
 Done = Callable[..., None]
 """Is called for each point evaluated: its row, its value, why it failed ("" where it did not), the seconds, and its
@@ -50,7 +50,7 @@ def evaluated(
 
     With ``parallel`` above 1 or a limit of ``seconds``, the points of a call are evaluated by that many processes of
     the problem, each point alone. The values, their order and the reason of a failure are those of a call without. A
-    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.errors.PointError`).
+    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.helpers.errors.PointError`).
 
     Args:
         problem: as a study scores it.

@@ -15,29 +15,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from bench.columns import Row
-from bench.errors import BenchError
+from bench.contract.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
+from bench.contract.objective import OnEvaluation
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import Problem
 from bench.execution.job import Task
 from bench.execution.journal import Journal
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
 from bench.execution.warming import warm_optimizer, warm_problem
-from bench.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
-from bench.objective import OnEvaluation
-from bench.optimizer import Optimizer
+from bench.helpers.errors import BenchError
 from bench.plugins import loading
 from bench.plugins.loading import OptimizerLike, title
 from bench.plugins.observing import hash_of
 from bench.plugins.packing import pack
-from bench.problem import Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
-from bench.scoring import constraints as handlings
-from bench.scoring import goal, read_final_target, read_stop_at, scored
 from bench.study import Study
 from bench.study.budget import Budget
 from bench.study.initial import known_points, with_initial
-from bench.trial import UNASKED, Result, Trial, numbers, search
+from bench.trial.columns import Row
+from bench.trial.scoring import constraints as handlings
+from bench.trial.scoring import goal, read_final_target, read_stop_at, scored
+from bench.trial.trial import UNASKED, Result, Trial, numbers, search
 
 
 def solve(
@@ -74,7 +74,8 @@ def solve(
             generation.
         bounds: of a function, a pair (lower, upper) for each variable.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
-        constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.scoring.constraints`).
+        constraints: what the optimizer sees of infeasible points, as in a study
+            (:mod:`bench.trial.scoring.constraints`).
         on_error: "fail", or "worst" to go on with +inf as the value of a point whose evaluation fails.
         evaluation_timeout: wall seconds that the evaluation of a point may take, or a text such as "10 min".
         time: wall seconds after which the run ends before its budget, likewise.

@@ -10,11 +10,10 @@ from contextlib import closing, suppress
 from dataclasses import dataclass
 from typing import Any
 
-from bench.columns import Row
-from bench.errors import PROBLEM_FAILED, BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
 from bench.execution.job import LOADING, PRINTED, Job, Task, root
+from bench.helpers.errors import PROBLEM_FAILED, BenchError
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
 from bench.sandbox.forks import ForkServer
@@ -30,7 +29,8 @@ from bench.sandbox.process import (
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
 from bench.study.descriptions import Description, Descriptions, describe, read
-from bench.trial import Trial
+from bench.trial.columns import Row
+from bench.trial.trial import Trial
 
 DESCRIBING = 60.0  # seconds for what the optimizers of one package print of themselves
 CHECKS = 4  # attempts at it, where its process is killed from outside
@@ -199,7 +199,7 @@ class Supervisor:
 
         The row's ``beside`` is what no column holds: ``after`` is that of
         :meth:`bench.execution.again.Repetition.consider`, ``inputs`` are what it was made from, as JSON, ``unasked`` is
-        that of :class:`bench.trial.Result`, and of its journal the evaluations ``replayed`` and ``dropped``.
+        that of :class:`bench.trial.trial.Result`, and of its journal the evaluations ``replayed`` and ``dropped``.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)

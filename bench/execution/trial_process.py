@@ -18,28 +18,28 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from bench import scoring
-from bench.errors import PROBLEM_FAILED, BenchError, ProblemError
+from bench.contract.objective import integer_flags, scanner
+from bench.contract.problem import Problem
+from bench.contract.seeds import streams
 from bench.execution import apart
 from bench.execution.answers import Box
 from bench.execution.journal import Journal
 from bench.execution.side_by_side import evaluated, require_possible
 from bench.execution.warming import warm_optimizer, warm_problem
+from bench.helpers.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.helpers.text import printable
-from bench.objective import integer_flags, scanner
 from bench.plugins import observing, packing
 from bench.plugins.from_file import located
 from bench.plugins.inputs import Inputs, named
 from bench.plugins.loading import defining
 from bench.plugins.observing import Signature, reading
 from bench.plugins.packing import Objects
-from bench.problem import Problem
 from bench.sandbox.server import end_if_stuck
 from bench.sandbox.side_effects import SideEffects, reset_random
-from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
-from bench.trial import Result, Trial, doubt, measured, numbers, result, search
+from bench.trial import scoring
+from bench.trial.trial import Result, Trial, doubt, measured, numbers, result, search
 
 
 def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, Signature]]) -> None:

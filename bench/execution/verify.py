@@ -10,17 +10,17 @@ from os import PathLike
 
 from joblib import cpu_count
 
-from bench.errors import BenchError
+from bench.contract.numbers import require_whole
 from bench.execution.again import by_the_clock, made_again
 from bench.execution.local import Answer, Local, Missing
 from bench.execution.runner import resolved
 from bench.helpers.console import OnStep
-from bench.numbers import require_whole
+from bench.helpers.errors import BenchError
 from bench.sandbox.server import FORKS
 from bench.storage import provenance
 from bench.storage.folder import AT_ENDS, VERIFICATION, Folder, difference_line
 from bench.study import Study
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
 

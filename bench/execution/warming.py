@@ -6,13 +6,13 @@ import sys
 
 import numpy as np
 
-from bench import scoring
-from bench.objective import scanner
-from bench.optimizer import Optimizer
-from bench.problem import FunctionProblem, Problem
+from bench.contract.objective import scanner
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import FunctionProblem, Problem
+from bench.contract.typing import Flags, Floats
 from bench.sandbox.server import end_if_stuck
-from bench.trial import search
-from bench.typing import Flags, Floats
+from bench.trial import scoring
+from bench.trial.trial import search
 
 
 def warm_problem(problem: Problem, budget: int, *, evaluated: bool = True) -> None:

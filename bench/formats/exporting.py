@@ -5,9 +5,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from bench.errors import BenchError, nearest, reason
 from bench.formats import EXPORTABLE, FORMATS
 from bench.formats.trials import omission_notes
+from bench.helpers.errors import BenchError, nearest, reason
 from bench.results.results import StoredResults
 
 README = "README.txt"

@@ -14,12 +14,11 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench.columns import Row, packed
-from bench.errors import BenchError
 from bench.formats import FORMATS, IMPORTABLE, naming
 from bench.formats.runs import ImportedRun, Reading
 from bench.formats.source import opened
 from bench.helpers.atomic import replacing
+from bench.helpers.errors import BenchError
 from bench.helpers.text import printable
 from bench.plugins.loading import IMPORTED
 from bench.storage import provenance
@@ -27,6 +26,7 @@ from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.study.budget import Budget
 from bench.study.entries import LONGEST_LABEL
+from bench.trial.columns import Row, packed
 
 TABLE = "table"
 """The format of results that are in none of the others."""

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.families import Grid, dimension_in
+from bench.contract.families import Grid, dimension_in
+from bench.helpers.errors import BenchError
 from bench.plugins import loading, registry, selection
 
 

@@ -11,14 +11,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.columns import COLUMNS
-from bench.errors import BenchError
+from bench.contract.numbers import LARGEST_BUDGET
+from bench.contract.objective import Trace
+from bench.contract.typing import Floats
 from bench.formats.source import Source
+from bench.helpers.errors import BenchError
 from bench.helpers.text import is_formula, printable
-from bench.numbers import LARGEST_BUDGET
-from bench.objective import Trace
 from bench.study.entries import LONGEST_LABEL
-from bench.typing import Floats
+from bench.trial.columns import COLUMNS
 
 LARGEST_DIMENSION = 1_000_000
 

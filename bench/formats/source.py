@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from bench.errors import BenchError
 from bench.formats.unpacking import extract, members_of, refuse_excess
+from bench.helpers.errors import BenchError
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from bench.analysis.cells import variables
-from bench.errors import BenchError
+from bench.contract.objective import Trace
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from bench.helpers.text import file_name, unique
-from bench.objective import Trace
 from bench.results.results import StoredResults
-from bench.typing import Floats
 
 OTHERS = "other-problems"
 """The folder of problems of no suite, in a study of several suites."""

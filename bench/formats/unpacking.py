@@ -17,7 +17,7 @@ from contextlib import closing, suppress
 from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import printable
 
 MOST_GB = 4.0

@@ -9,7 +9,7 @@ from functools import cache
 from inspect import cleandoc
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 
 LETTERS = {
     "ß": r"\ss{}", "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ø": r"\o{}", "Ø": r"\O{}",

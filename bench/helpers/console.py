@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.parsing import parse_toml
 from bench.helpers.text import printable
 

@@ -15,7 +15,7 @@ from select import select
 from threading import Thread
 from typing import IO, Any, NamedTuple, cast
 
-from bench.errors import BenchError, explained
+from bench.helpers.errors import BenchError, explained
 
 LONGEST = 2**26  # bytes of a line
 GRACE = 1.0  # seconds in which a program may end by itself

@@ -31,7 +31,7 @@ from matplotlib.textpath import text_to_path
 from matplotlib.ticker import FixedFormatter, FuncFormatter, LogLocator, MaxNLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
 
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.frames import labels
 
 RC = matplotlib.rc_params_from_file(Path(__file__).with_name("report.mplstyle"), use_default_template=False)

@@ -8,9 +8,9 @@ import types
 from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from bench.errors import BenchError
+from bench.contract.optimizer import Optimizer
 from bench.helpers.bibtex import parse
-from bench.optimizer import Optimizer
+from bench.helpers.errors import BenchError
 from bench.plugins import from_file, loading, registry
 
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from bench.errors import BenchError, explained, nearest
+from bench.contract.optimizer import Optimizer
+from bench.helpers.errors import BenchError, explained, nearest
 from bench.helpers.text import listed, short_hash
-from bench.optimizer import Optimizer
 from bench.plugins import observing
 from bench.plugins.functions import shape, taken
 from bench.sandbox.messages import describe_error

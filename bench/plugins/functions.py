@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.families import derive
-from bench.objective import Objective
-from bench.optimizer import Optimizer, ask_and_tell, settings
+from bench.contract.families import derive
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, ask_and_tell, settings
+from bench.helpers.errors import BenchError
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def class_of(plugin: Any, name: str, load: Callable[..., Optimizer]) -> type[Opt
     Args:
         plugin: a class or a function.
         name: the full name that ``load`` takes, for messages, too.
-        load: see :func:`bench.families.derive`.
+        load: see :func:`bench.contract.families.derive`.
 
     Raises:
         BenchError: for anything else, and for arguments that do not begin with the objective and the stream, or that

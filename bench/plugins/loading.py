@@ -9,12 +9,12 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from bench.errors import BenchError, explained, nearest
-from bench.families import derive
-from bench.optimizer import Optimizer, build, is_frozen, settings
+from bench.contract.families import derive
+from bench.contract.optimizer import Optimizer, build, is_frozen, settings
+from bench.contract.problem import FunctionProblem, Problem, with_own_box
+from bench.helpers.errors import BenchError, explained, nearest
 from bench.plugins import from_file, packing, registry
 from bench.plugins.functions import class_of
-from bench.problem import FunctionProblem, Problem, with_own_box
 
 IMPORTED = "imported"
 """The family of names that only imported results have, such as ``imported:DIRECT``: nothing can be loaded for them."""

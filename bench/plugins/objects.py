@@ -10,9 +10,9 @@ import warnings
 from collections.abc import Collection, Iterable
 from typing import Any, NamedTuple
 
+from bench.contract.numbers import is_finite
+from bench.contract.optimizer import Optimizer, defaults, settings
 from bench.helpers.text import free, option, short_hash
-from bench.numbers import is_finite
-from bench.optimizer import Optimizer, defaults, settings
 from bench.plugins import packing, registry
 from bench.plugins.loading import OBJECT, as_optimizer, as_problem, title
 from bench.plugins.packing import Objects, PackedObject, pack

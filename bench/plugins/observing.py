@@ -27,7 +27,7 @@ from traceback import walk_stack
 from types import FrameType
 from typing import Any
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import short_hash
 
 Signature = list[int]

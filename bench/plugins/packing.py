@@ -24,13 +24,13 @@ from typing import Any, NamedTuple, Self, get_type_hints
 import cloudpickle
 from cloudpickle import cloudpickle as internals
 
-from bench.errors import BenchError, explained
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import Problem
+from bench.helpers.errors import BenchError, explained
 from bench.helpers.text import short_hash
-from bench.optimizer import Optimizer
 from bench.plugins import observing
 from bench.plugins.from_file import from_source
 from bench.plugins.registry import is_installed
-from bench.problem import Problem
 
 _MARKERS = {getattr(dataclasses, name): name for name in ("MISSING", "_HAS_DEFAULT_FACTORY")}
 for _marker in _MARKERS:  # which dataclasses know by what they are: a copy would be another one

@@ -24,8 +24,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from bench.errors import BenchError, explained
-from bench.families import Grid
+from bench.contract.families import Grid
+from bench.helpers.errors import BenchError, explained
 
 DISTRIBUTION = "backlash-bench"
 

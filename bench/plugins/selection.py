@@ -9,9 +9,9 @@ from fnmatch import translate
 from itertools import islice
 from typing import Any
 
-from bench.errors import BenchError, nearest
-from bench.families import LARGEST_INSTANCE, Grid, nearest_function
-from bench.numbers import is_whole
+from bench.contract.families import LARGEST_INSTANCE, Grid, nearest_function
+from bench.contract.numbers import is_whole
+from bench.helpers.errors import BenchError, nearest
 from bench.plugins import registry
 
 MOST = 100_000

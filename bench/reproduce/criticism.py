@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import permutations
 from typing import NamedTuple
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count
 from bench.reproduce.names import load_problem
 from bench.reproduce.table import PaperCell, PaperTable, Printed

@@ -8,10 +8,10 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from bench.errors import BenchError, nearest
+from bench.contract.problem import Problem
 from bench.formats import naming
+from bench.helpers.errors import BenchError, nearest
 from bench.plugins import loading, registry
-from bench.problem import Problem
 from bench.reproduce.table import PaperCell, PaperTable, plain
 
 

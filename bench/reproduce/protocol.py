@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from bench.helpers.text import slug
 from bench.plugins import loading
 from bench.reproduce.names import load_problem, optimizer_of, problem_of
 from bench.reproduce.table import PaperCell, PaperTable
 from bench.results.results import StoredResults
 from bench.study import Study
-from bench.typing import Floats
 
 
 @dataclass

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from bench.errors import BenchError
 from bench.helpers.atomic import replacing
+from bench.helpers.errors import BenchError
 from bench.report import Section, Table
 from bench.reproduce.protocol import protocol_of, samples
 from bench.reproduce.table import PaperTable, read

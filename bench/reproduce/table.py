@@ -16,10 +16,10 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bench.errors import BenchError, nearest
+from bench.contract.numbers import is_finite, require_positive
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import printable
-from bench.numbers import is_finite, require_positive
 from bench.study.budget import Budget
 
 WORDS = {

@@ -32,10 +32,10 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from bench.analysis import ALPHA, holm
+from bench.contract.typing import Floats
 from bench.helpers.text import count, listed
 from bench.reproduce.criticism import contradiction
 from bench.reproduce.table import NEAR, PaperCell, PaperTable, Printed
-from bench.typing import Floats
 
 ALIKE, DIFFERS, OPEN, UNJUDGED = "alike", "differs", "open", "not judged"
 HEADS = ("cell", "printed", "ours", "shift", "p", "verdict")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.text import count, listed
 
 SYNONYMS = {

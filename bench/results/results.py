@@ -16,25 +16,25 @@ from typing import Any, Self
 
 import pandas as pd
 
-from bench.columns import FEATURES, FRAME, PRECISION
-from bench.errors import BenchError
-from bench.families import dimension_in
-from bench.numbers import is_whole
-from bench.objective import integer_flags
+from bench.contract.families import dimension_in
+from bench.contract.numbers import is_whole
+from bench.contract.objective import integer_flags
+from bench.contract.problem import Problem
+from bench.helpers.errors import BenchError
 from bench.plugins import selection
 from bench.plugins.inputs import Inputs, is_data, shown
 from bench.plugins.loading import brings_code, is_imported
-from bench.problem import Problem
 from bench.results.compared import Compared
 from bench.results.foreign import Table, recognised
 from bench.results.sources import by_label, sources
 from bench.results.tidy import Tidy
 from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
-from bench.scoring import Scored
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.traces import Traces
 from bench.study.selection import Dimensions, Patterns, selected
+from bench.trial.columns import FEATURES, FRAME, PRECISION
+from bench.trial.scoring import Scored
 
 AnyPath = str | PathLike[str]
 
@@ -351,11 +351,11 @@ class StoredResults:
 def load_results(path: AnyPath | pd.DataFrame, *others: AnyPath) -> pd.DataFrame:
     """Return the tidy frame of a study's folder, one row a trial, in the study's order; or all rows of several folders.
 
-    Its columns are those of :data:`bench.columns.FRAME`, such as ``problem``, ``optimizer``, ``status``, ``fun`` and
-    ``nfev``, one ``x_<variable>`` per variable and one per domain metric. After ``fun`` comes ``precision``, which is
-    ``fun`` less the known optimum, where a problem is of a suite whose optima are known; the features of the problem
-    come last (:data:`bench.columns.FEATURES`), missing where it has none or cannot be loaded; a metric of such a name
-    stays. A failed trial's metrics are missing values, and so is what imported results do not say.
+    Its columns are those of :data:`bench.trial.columns.FRAME`, such as ``problem``, ``optimizer``, ``status``, ``fun``
+    and ``nfev``, one ``x_<variable>`` per variable and one per domain metric. After ``fun`` comes ``precision``, which
+    is ``fun`` less the known optimum, where a problem is of a suite whose optima are known; the features of the problem
+    come last (:data:`bench.trial.columns.FEATURES`), missing where it has none or cannot be loaded; a metric of such a
+    name stays. A failed trial's metrics are missing values, and so is what imported results do not say.
 
     A frame with the results of another tool, in any shape that ``bench import`` knows, gives the same columns, and a
     warning says what was taken for what.

@@ -10,8 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError, nearest
-from bench.families import dimension_in
+from bench.contract.families import dimension_in
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.text import unique
 from bench.results.tidy import Tidy
 from bench.storage.cells import Cells

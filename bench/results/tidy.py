@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.columns import FRAME, STORED, VECTORS
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.storage.reading import READ
 from bench.storage.rows import TEXTS
+from bench.trial.columns import FRAME, STORED, VECTORS
 
 COLUMNS = (*(column.name for column in FRAME), "environment")
 NUMBERS = {

@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 
-from bench.errors import BenchError
-from bench.families import dimension_in, function_of
+from bench.contract.families import dimension_in, function_of
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count, joined
 from bench.plugins import selection
 from bench.study import Entry, Study

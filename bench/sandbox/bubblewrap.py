@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.sandbox import namespaces
 
 HIDDEN = ("/tmp", "/var/tmp", "/run")

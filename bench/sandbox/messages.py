@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from bench.errors import typed
+from bench.helpers.errors import typed
 from bench.helpers.text import printable
 
 _LONGEST = 300  # characters of an exception's line

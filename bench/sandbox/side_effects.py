@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from bench import seeds
+from bench.contract import seeds
 from bench.sandbox.tree import children
 
 _GRACE = 0.1  # seconds for threads and processes to end after their trial

@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from bench.errors import explained
+from bench.helpers.errors import explained
 from bench.helpers.parsing import parse_json
 
 FILE = "committed.json"

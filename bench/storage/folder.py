@@ -15,8 +15,8 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
-from bench.errors import BenchError, explained, reason
 from bench.helpers.atomic import replacing
+from bench.helpers.errors import BenchError, explained, reason
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import Inputs, Present
@@ -26,7 +26,7 @@ from bench.storage.selection import Selection, select
 from bench.storage.store import Store
 from bench.storage.under_way import UnderWay
 from bench.study import Study
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 LOCK = ".lock"  # the file that a run locks
 STUDY = "study.toml"

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 
-from bench.columns import Row
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import Present, shown
 from bench.storage.folder import DESCRIPTIONS, Folder
@@ -17,6 +16,7 @@ from bench.storage.selection import Selection
 from bench.storage.writing import Writer
 from bench.study import Study
 from bench.study.cell import Cell, Labels, differences
+from bench.trial.columns import Row
 
 AnyPath = str | PathLike[str]
 

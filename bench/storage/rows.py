@@ -13,7 +13,7 @@ from hashlib import blake2b
 from marshal import dumps
 from typing import Any
 
-from bench.columns import KEY, STORED, VECTORS
+from bench.trial.columns import KEY, STORED, VECTORS
 
 NAMES = tuple(column.names for column in VECTORS)
 VALUES = tuple(column.name for column in STORED)

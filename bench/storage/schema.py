@@ -6,9 +6,9 @@ import sqlite3
 from contextlib import closing
 from functools import cache
 
-from bench.columns import STORED
 from bench.storage.committed import Committed
 from bench.storage.rows import NAMES, VALUES
+from bench.trial.columns import STORED
 
 VERSION = 7
 """The layout of stores; others are refused."""

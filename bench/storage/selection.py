@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import Present, shown
 from bench.storage.cells import Cells

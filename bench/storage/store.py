@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError
+from bench.contract.objective import IMPROVEMENT, Logs
+from bench.helpers.errors import BenchError
 from bench.helpers.text import printable, short_hash
-from bench.objective import IMPROVEMENT, Logs
 from bench.storage import committed
 from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed

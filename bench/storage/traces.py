@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 Key = tuple[str, str, int]
 """Problem label, optimizer label and number of a trial."""

@@ -10,10 +10,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from bench.errors import explained
+from bench.helpers.errors import explained
 from bench.helpers.parsing import parse_json
 from bench.storage.committed import overwrite
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 FILE = ".under-way"
 _LINE = 1024  # bytes of each line

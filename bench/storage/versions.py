@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.plugins import registry
 from bench.plugins.registry import distributions_of, is_installed
 

@@ -9,15 +9,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from bench.columns import Row
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.plugins.inputs import Inputs, conflicts
 from bench.storage import committed
 from bench.storage.cells import Cells, binding_of, read, record_digest, selection_digest, split
 from bench.storage.committed import Committed
 from bench.storage.rows import NAMES, VALUES, digest, typed
 from bench.study.cell import Cell, Labels
-from bench.trial import Trial
+from bench.trial.columns import Row
+from bench.trial.trial import Trial
 
 _INTO = ("cell", "trial", "digest", "names", *VALUES)
 _INSERT = f"INSERT INTO results ({', '.join(_INTO)}) VALUES ({', '.join('?' * len(_INTO))})"
@@ -43,7 +43,7 @@ class Writer:
         self._note()
 
     def add(self, trial: Trial, row: Row, environment: int | None = None, made_from: str | None = None) -> Cell:
-        """Commit one trial's row, as :func:`bench.trial.finished` returns it; missing columns are stored as NULL.
+        """Commit one trial's row, as :func:`bench.trial.trial.finished` returns it; missing columns are stored as NULL.
 
         It replaces a failed row of the same trial, but never a finished one. Return its cell, which is not the selected
         one where it was made from other inputs than the trials there. ``made_from`` is their record, as JSON.

@@ -6,9 +6,9 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 
-from bench.errors import BenchError
+from bench.contract.numbers import LARGEST_BUDGET, is_whole, require_whole
+from bench.helpers.errors import BenchError
 from bench.helpers.text import joined
-from bench.numbers import LARGEST_BUDGET, is_whole, require_whole
 from bench.study.values import Value
 
 _MULTIPLE = re.compile(r"\s*([0-9][0-9_]*(?:\.[0-9]+)?(?:[eE]\+?[0-9]+)?)\s*\*\s*d\s*", re.ASCII)

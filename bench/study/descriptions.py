@@ -11,8 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+from bench.contract.optimizer import CONDITIONS, defaults, settings
 from bench.helpers.text import option, printable
-from bench.optimizer import CONDITIONS, defaults, settings
 from bench.plugins import loading
 from bench.study.entries import Entry
 from bench.study.study import Study
@@ -59,7 +59,7 @@ def describe(study: Study, labels: list[str]) -> dict[str, Any]:
     """Return BibTeX, parameters and defaults of optimizers by label, without those that cannot be loaded.
 
     ``values`` and ``defaults`` are texts by name of the parameter. A class attribute of the name of a condition that
-    reports compare (:data:`bench.optimizer.CONDITIONS`) counts as a parameter without a choice.
+    reports compare (:data:`bench.contract.optimizer.CONDITIONS`) counts as a parameter without a choice.
     """
     described: dict[str, Any] = {}
     for label in labels:

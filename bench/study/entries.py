@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import is_formula
 from bench.plugins import loading, objects, selection
 from bench.study.initial import known_points

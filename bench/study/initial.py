@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from bench.errors import BenchError, explained
-from bench.numbers import is_finite
-from bench.problem import Problem
+from bench.contract.numbers import is_finite
+from bench.contract.problem import Problem
+from bench.helpers.errors import BenchError, explained
 
 Points = tuple[tuple[float, ...], ...]
 

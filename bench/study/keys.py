@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from bench.errors import nearest
+from bench.helpers.errors import nearest
 
 ELSEWHERE = {
     "blocks": "reports make claims on these problems alone",

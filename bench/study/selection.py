@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 
-from bench.errors import BenchError, nearest
-from bench.families import function_of
+from bench.contract.families import function_of
+from bench.helpers.errors import BenchError, nearest
 from bench.study.entries import Entry
 from bench.study.study import Study
 

@@ -15,16 +15,14 @@ from typing import Any
 
 import tomli_w
 
-from bench.errors import BenchError, nearest
+from bench.contract.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import Problem
+from bench.contract.seeds import trial_seed
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import html_table, listed, short_hash
-from bench.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
-from bench.optimizer import Optimizer
 from bench.plugins import loading, registry
-from bench.problem import Problem
-from bench.scoring import constraints as handlings
-from bench.scoring import goal, read_final_target, read_stop_at, require_on_error, scored
-from bench.seeds import trial_seed
 from bench.study import entries
 from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
@@ -33,7 +31,9 @@ from bench.study.initial import with_initial
 from bench.study.keys import advice
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
-from bench.trial import Trial
+from bench.trial.scoring import constraints as handlings
+from bench.trial.scoring import goal, read_final_target, read_stop_at, require_on_error, scored
+from bench.trial.trial import Trial
 
 LONGEST_NAME, LONGEST_TITLE = 100, 1000
 UNKNOWN_BUDGET = "an unknown budget"
@@ -61,7 +61,7 @@ class Study:
             dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
-        constraints: what optimizers see of infeasible points, one of :data:`bench.scoring.constraints.HANDLINGS`.
+        constraints: what optimizers see of infeasible points, one of :data:`bench.trial.scoring.constraints.HANDLINGS`.
         on_error: what becomes of a point at which a problem raises: "fail", the trial fails and reports do not compare
             the problem; "worst", the point counts, its value is +inf and the trial goes on.
         evaluation_timeout: wall seconds that the evaluation of a point may take, or a text such as ``"10 min"``; it is

@@ -11,7 +11,7 @@ from itertools import product
 from math import prod
 from typing import Any
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.text import option
 
 MOST = 1_000

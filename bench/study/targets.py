@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.contract.numbers import is_finite
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from bench.helpers.text import joined
-from bench.numbers import is_finite
 from bench.study.values import Value
-from bench.typing import Floats
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError, nearest, reason
 from bench.helpers.console import OnStep
+from bench.helpers.errors import BenchError, nearest, reason
 from bench.helpers.text import file_name
 from bench.report.drawing import Drawer
 from bench.report.latex import LAYOUTS

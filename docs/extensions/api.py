@@ -13,24 +13,25 @@ from extensions.pages import code, table, write
 
 PUBLIC = {
     "run": "bench.compare bench.solve bench.run bench.Outcome bench.Study bench.Result",
-    "read results": "bench.load_results bench.Results bench.results.results.StoredResults bench.notebook.Plots "
-    "bench.write_report",
+    "read results": "bench.load_results bench.Results bench.results.results.StoredResults "
+    "bench.comparison.notebook.Plots bench.write_report",
     "load and check plug-ins": "bench.list_optimizers bench.list_problems bench.load_optimizer bench.load_problem "
     "bench.check_optimizer bench.Checkup bench.Verdict bench.testing bench.BenchError bench.WorkerDiedError",
     "judge generated optimizers": "bench.Evaluator bench.evaluator.Found bench.evaluator.Final",
-    "an optimizer": "bench.Optimizer bench.parameter bench.AskTell bench.optimizer.Search bench.Objective bench.Trace "
-    "bench.BudgetExhausted",
-    "a problem": "bench.Problem bench.FunctionProblem bench.Grid bench.families",
+    "an optimizer": "bench.Optimizer bench.parameter bench.AskTell bench.contract.optimizer.Search bench.Objective "
+    "bench.Trace bench.BudgetExhausted",
+    "a problem": "bench.Problem bench.FunctionProblem bench.Grid bench.contract.families",
     "a section of a report": "bench.report bench.topics",
-    "helpers of plug-ins": "bench.typing bench.errors bench.numbers bench.seeds bench.helpers bench.sandbox.callers",
+    "helpers of plug-ins": "bench.contract.typing bench.helpers.errors bench.contract.numbers "
+    "bench.contract.seeds bench.helpers bench.sandbox.callers",
 }
 """The public names, or modules of them, by the title of their page."""
 
 MEMBERS = {  # of modules that define other names, too
-    "bench.families": "\n   :exclude-members: Grid",
-    "bench.errors": "\n   :exclude-members: BenchError",
-    "bench.typing": "\n   :undoc-members:",
-    "bench.seeds": " trial_seed",
+    "bench.contract.families": "\n   :exclude-members: Grid",
+    "bench.helpers.errors": "\n   :exclude-members: BenchError",
+    "bench.contract.typing": "\n   :undoc-members:",
+    "bench.contract.seeds": " trial_seed",
     "bench.sandbox.callers": " Callers, Call",
     "bench.topics": " Findings, repairing",
     "bench.AskTell": " start",

@@ -6,7 +6,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from bench.columns import COLUMNS, FEATURES, PRECISION, Column
+from bench.trial.columns import COLUMNS, FEATURES, PRECISION, Column
 from extensions.pages import code, table, with_code
 
 KINDS = {str: "text", int: "int64", float: "float64", bytes: "float64"}

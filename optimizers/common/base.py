@@ -10,10 +10,10 @@ from typing import Any, ClassVar, Literal, TypeVar, cast
 
 import numpy as np
 
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, parameter
+from bench.contract.typing import Floats
 from bench.helpers import read
-from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
-from bench.typing import Floats
 
 Function = TypeVar("Function", bound=Callable[..., object])
 Handling = Literal["repair", "box"]

@@ -16,11 +16,11 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.errors import BenchError, nearest, require
-from bench.families import derive
-from bench.objective import Objective
-from bench.optimizer import Optimizer, build, parameter
-from bench.typing import Floats
+from bench.contract.families import derive
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer, build, parameter
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError, nearest, require
 from optimizers.common.base import Handling, confine, works
 
 CEILING = 1e100
@@ -120,7 +120,7 @@ class Family(ABC):
 
     @abstractmethod
     def derive(self, member: str) -> type[Optimizer]:
-        """Return the optimizer class of one of ``members()``; see :func:`bench.families.derive`."""
+        """Return the optimizer class of one of ``members()``; see :func:`bench.contract.families.derive`."""
 
     def member_class(
         self,

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.errors import require
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import require
 
 BOX = 5.0  # every continuous variable is searched in [-5, 5]
 INSTANCES = 15  # a COCO experiment has 15 instances of each function and dimension

@@ -1,8 +1,8 @@
 """The family ``bbob-constrained``: nine bbob functions, each under six sets of constraints, by COCO's own C code.
 
 The optimum lies on constraints that are active there; the study decides what optimizers see of infeasible points
-(:mod:`bench.scoring.constraints`). COCO also offers a feasible point to start from; here, an optimizer starts as it
-does.
+(:mod:`bench.trial.scoring.constraints`). COCO also offers a feasible point to start from; here, an optimizer starts as
+it does.
 
 Source: Dufossé and Atamna 2022, "Benchmarking several strategies to update the penalty parameters in AL-CMA-ES on the
 bbob-constrained testbed", GECCO workshop; the platform, Hansen, Auger, Ros, Mersmann, Tusar and Brockhoff 2021.
@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from bench import Problem
-from bench.families import Grid, Member
-from bench.typing import Floats
+from bench.contract.families import Grid, Member
+from bench.contract.typing import Floats
 from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimal_point
 from problems.common import Suite, SuiteProblem, features_of
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from bench import Problem
-from bench.families import Grid, Member
+from bench.contract.families import Grid, Member
 from problems.bbob.coco import INSTANCES, evaluated, function_of, optimum_of
 from problems.bbob.noiseless import FUNCTIONS, GROUPS, TITLES
 from problems.common import Suite, SuiteProblem, features_of, group_of

@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import partial
 
 from bench import Problem
-from bench.families import Grid, Member
+from bench.contract.families import Grid, Member
 from problems.bbob.coco import BOX, INSTANCES, bbob_function, evaluated, function_of, optimum_of
 from problems.common import Suite, SuiteProblem, features_of, group_of
 

@@ -1,7 +1,7 @@
 """The family ``bbob-noisy``: 30 functions of bbob under noise, f101 to f130.
 
 Each is one of eight bbob functions under one of three models of noise, moderate or severe. An optimizer sees values
-with noise, drawn from the trial's own stream; the value without noise is what counts (:mod:`bench.scoring`).
+with noise, drawn from the trial's own stream; the value without noise is what counts (:mod:`bench.trial.scoring`).
 
 Source: Hansen, Finck, Ros and Auger 2009, "Real-Parameter Black-Box Optimization Benchmarking 2009: Noisy Functions
 Definitions", INRIA RR-6869. The functions without noise are computed by COCO's own C code (``coco-experiment``), except
@@ -18,8 +18,8 @@ from functools import partial
 import numpy as np
 
 from bench import Problem
-from bench.families import Grid, Member
-from bench.typing import Floats
+from bench.contract.families import Grid, Member
+from bench.contract.typing import Floats
 from problems.bbob import noiseless
 from problems.bbob.coco import BOX, INSTANCES, bbob_function, optimal_point, optimum_of, rotation
 from problems.common import Suite, SuiteProblem, features_of, group_of

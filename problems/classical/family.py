@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bench import Problem
-from bench.errors import BenchError
-from bench.families import Grid, Member
-from bench.typing import Floats
+from bench.contract.families import Grid, Member
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.common import Suite, SuiteProblem, features_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 30, 40, 50, 100)

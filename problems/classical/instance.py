@@ -5,7 +5,7 @@ import zlib
 import numpy as np
 from numba import njit
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 MARGIN = 0.1  # the optimum keeps this share of the box from each side
 

@@ -7,7 +7,7 @@ order, without fast-math, so that a value depends on its point alone.
 
 import math
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 SCHWEFEL = 20.51752290994169**2
 """Where ``z sin(sqrt(z))`` is largest in [0, 500], 420.9687…: the square of a root of ``tan(u) = -u/2``."""

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 
 def sphere(y: Floats, values: Floats) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench import Problem, load_problem
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 Columns = Sequence[Floats]
 """The d columns of (n, d) points, (n,) each."""

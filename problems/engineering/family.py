@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from problems.engineering.design import DesignProblem
 from problems.engineering.machines import GEAR_TRAIN, PRESSURE_VESSEL, SPEED_REDUCER, SPRING
 from problems.engineering.structures import CANTILEVER_BEAM, I_BEAM, THREE_BAR_TRUSS, TUBULAR_COLUMN, WELDED_BEAM

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.engineering.design import Columns, Design
 
 INCH_16 = 0.0625  # plates come in multiples of a sixteenth of an inch

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.engineering.design import Columns, Design
 
 LOAD, REACH, YOUNG, SHEAR = 6000.0, 14.0, 30e6, 12e6  # lb, in, psi, psi: of the welded beam

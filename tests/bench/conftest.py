@@ -10,8 +10,8 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from bench import objective
 from bench.cli import app
+from bench.contract import objective
 from bench.plugins import registry
 from tests.bench.objectives import LOOPS
 from tests.bench.reports import make as make

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from bench.columns import MEASURED
-from bench.objective import Trace
-from bench.trial import Result
+from bench.contract.objective import Trace
+from bench.trial.columns import MEASURED
+from bench.trial.trial import Result
 
 TRACE = Trace(np.ones(1, dtype=np.int64), np.ones(1))
 

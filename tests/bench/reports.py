@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from bench import Trace
-from bench.columns import packed
 from bench.report.library import library
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
+from bench.trial.columns import packed
 
 VOID = {"meta", "link", "input", "img", "br", "hr"}
 

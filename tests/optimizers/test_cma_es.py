@@ -8,7 +8,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from bench import BudgetExhausted, FunctionProblem, Objective, load_problem, solve
-from bench.seeds import streams
+from bench.contract.seeds import streams
 from optimizers.cma_es import CMAES, BoxMap
 
 

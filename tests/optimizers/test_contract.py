@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from bench import load_optimizer, solve
-from bench.errors import ProblemError
+from bench.contract.seeds import global_states
 from bench.helpers.bibtex import parse
-from bench.seeds import global_states
+from bench.helpers.errors import ProblemError
 from optimizers import minion, optuna, pymoo, scipy
 from tests.optimizers.observed import BEST, LOWER, UPPER, Capped, Recorded, bowl
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Objective, solve
+from bench.contract.seeds import streams
 from bench.helpers.bibtex import parse
-from bench.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.mealpy import TABLE, mealpy
 from tests.optimizers.observed import OPTIMUM, Watched

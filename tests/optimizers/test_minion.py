@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Objective, solve
-from bench.seeds import streams
+from bench.contract.seeds import streams
 from optimizers.minion import TABLE, minion
 from tests.optimizers.observed import OPTIMUM, Watched
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, solve
-from bench.seeds import streams
+from bench.contract.seeds import streams
 from optimizers.nevergrad import nevergrad
 from tests.optimizers.observed import LOWER, UPPER, Recorded, bowl
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench import Objective, solve
-from bench.seeds import streams
+from bench.contract.seeds import streams
 from optimizers.optuna import TABLE, optuna
 from tests.optimizers.observed import OPTIMUM, Watched
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Objective, solve
-from bench.seeds import streams
+from bench.contract.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.pymoo import FOLDER, TABLE, pymoo
 from tests.optimizers.observed import OPTIMUM, Watched

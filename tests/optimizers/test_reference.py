@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from bench.objective import Objective
-from bench.problem import FunctionProblem
+from bench.contract.objective import Objective
+from bench.contract.problem import FunctionProblem
 from optimizers.alo import ALO, random_walks
 from optimizers.da import DA
 from optimizers.goa import EPS, GOA, social_force, social_forces

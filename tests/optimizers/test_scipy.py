@@ -6,7 +6,7 @@ from scipy import optimize
 from threadpoolctl import threadpool_limits
 
 from bench import BenchError, solve
-from bench.seeds import streams
+from bench.contract.seeds import streams
 from optimizers.scipy import MEMBERS, scipy
 from tests.optimizers.observed import BEST, LOWER, UPPER, Recorded
 

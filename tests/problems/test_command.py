@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Study, load_problem, load_results, run
-from bench.errors import PointError
 from bench.execution.side_by_side import evaluated
-from bench.scoring import scored
+from bench.helpers.errors import PointError
+from bench.trial.scoring import scored
 from tests.problems.simulators import BOX, SIMULATORS, X
 
 HEAD = """

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from bench import load_problem, load_results, run, solve
-from bench.errors import PointError
 from bench.execution.side_by_side import evaluated
 from bench.execution.verify import verify
-from bench.scoring import scored
+from bench.helpers.errors import PointError
+from bench.trial.scoring import scored
 from tests.problems.simulators import BOX, SIMULATORS, X
 
 COUNTED = """

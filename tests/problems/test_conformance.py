@@ -5,7 +5,7 @@ from importlib.metadata import entry_points
 import pytest
 
 from bench.check import check_problem
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.plugins import registry
 
 FOUND = {

@@ -23,9 +23,9 @@ from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import Subject, ordinary_budget
 from bench.check.idle import alternatives
 from bench.check.problems import RecordingProblem
-from bench.errors import BenchError
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from bench.helpers.text import joined
-from bench.typing import Floats
 
 INVARIANCES = ("translation", "scale", "monotone", "budget", "order", "rotation")
 EXACT = INVARIANCES[:4]

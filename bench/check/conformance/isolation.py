@@ -25,10 +25,10 @@ import numpy as np
 from bench.check.conformance.recording import LOST, ViolationError, expect_same, explain_lost_process
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.problems import bowl
+from bench.contract.typing import Floats
 from bench.execution.safe_runs import PRINTED
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process
-from bench.typing import Floats
 
 
 def check_repetition(subject: Subject) -> str:

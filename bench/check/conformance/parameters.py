@@ -11,9 +11,9 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import Subject
-from bench.errors import BenchError
+from bench.contract.optimizer import Optimizer, is_frozen
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count
-from bench.optimizer import Optimizer, is_frozen
 from bench.sandbox.messages import describe_error
 
 

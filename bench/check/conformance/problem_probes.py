@@ -8,11 +8,11 @@ import numpy as np
 
 from bench.check.conformance.problem_subject import ProblemSubject, feasible_values, rounded, sample, true_values
 from bench.check.conformance.recording import ViolationError
+from bench.contract.objective import integer_flags, repaired
+from bench.contract.problem import Problem
+from bench.contract.typing import Floats
 from bench.helpers.text import count, listed
-from bench.objective import integer_flags, repaired
-from bench.problem import Problem
-from bench.scoring.problem import violations_of
-from bench.typing import Floats
+from bench.trial.scoring.problem import violations_of
 
 SECONDS = 3.0
 """A slow problem gets fewer calls than :data:`CALLS` and :data:`LARGEST` say."""

@@ -17,18 +17,18 @@ from bench.check.conformance.problem_subject import (
     true_values,
 )
 from bench.check.conformance.recording import ViolationError
-from bench.errors import BenchError
+from bench.contract.numbers import is_finite
+from bench.contract.objective import as_values, integer_flags, repaired
+from bench.contract.problem import Problem
+from bench.contract.typing import Flags, Floats
 from bench.execution.safe_runs import safe_run
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
-from bench.numbers import is_finite
-from bench.objective import as_values, integer_flags, repaired
 from bench.plugins import registry
 from bench.plugins.loading import family, load_optimizer
 from bench.plugins.selection import is_of_suite
-from bench.problem import Problem
-from bench.scoring import constraints, scored
-from bench.scoring.problem import violations_of
-from bench.typing import Flags, Floats
+from bench.trial.scoring import constraints, scored
+from bench.trial.scoring.problem import violations_of
 
 TOLERANCE = 1e-9
 """A value at most this far below an optimum, relatively to it and at least absolutely, counts as rounding."""

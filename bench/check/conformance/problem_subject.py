@@ -10,12 +10,12 @@ from threadpoolctl import threadpool_limits
 
 from bench.check.conformance.recording import RecordedRun, seeded_global_states
 from bench.check.conformance.subject import AnySubject
-from bench.objective import as_values, integer_flags, repaired
+from bench.contract.objective import as_values, integer_flags, repaired
+from bench.contract.problem import Problem, with_own_box
+from bench.contract.typing import Flags, Floats
 from bench.plugins.loading import load_problem
-from bench.problem import Problem, with_own_box
-from bench.scoring.problem import violations_of
-from bench.trial import numbers
-from bench.typing import Flags, Floats
+from bench.trial.scoring.problem import violations_of
+from bench.trial.trial import numbers
 
 POINTS = 24  # of a run
 

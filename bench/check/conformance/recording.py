@@ -14,12 +14,12 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.objective import Objective
-from bench.optimizer import Optimizer
+from bench.contract.objective import Objective
+from bench.contract.optimizer import Optimizer
+from bench.contract.seeds import global_states
+from bench.contract.typing import Floats
 from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, TimeExceededError
 from bench.sandbox.server import STILL_ASKING, note
-from bench.seeds import global_states
-from bench.typing import Floats
 
 OFFERED = {
     "lower", "upper", "integer", "dimension", "budget", "remaining", "nfev", "repair", "initial", "x0", "start_point",

@@ -13,13 +13,13 @@ from threadpoolctl import threadpool_limits
 
 from bench.check.conformance.recording import ObservedOptimizer, Progress, RecordedRun, seeded_global_states
 from bench.check.problems import RecordingProblem, bowl
-from bench.errors import BenchError
-from bench.numbers import require_seed
-from bench.optimizer import Optimizer, build, settings
+from bench.contract.numbers import require_seed
+from bench.contract.optimizer import Optimizer, build, settings
+from bench.helpers.errors import BenchError
 from bench.plugins import packing
 from bench.plugins.loading import load_optimizer, title
 from bench.sandbox.server import end_if_stuck
-from bench.trial import search
+from bench.trial.trial import search
 
 START_SECONDS = 120.0
 """Seconds that a process may take to import the optimizer, to compile it and to make a few first runs."""

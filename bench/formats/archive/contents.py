@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.helpers.parsing import parse_json
 from bench.storage import folder as notes
 from bench.storage.store import FILE as TRIALS

@@ -13,9 +13,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError
 from bench.formats.archive.contents import NOTES, PAGE, SUMS, report_files
 from bench.helpers.atomic import replacing
+from bench.helpers.errors import BenchError
 from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
 from bench.storage.store import Store

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
-from bench.errors import BenchError
 from bench.formats.archive.contents import REQUIRED, SUMS, belongs
 from bench.formats.source import sha256_of
 from bench.formats.unpacking import Member, extract, zip_members
 from bench.helpers.atomic import names_in, replacing
+from bench.helpers.errors import BenchError
 from bench.helpers.text import printable
 from bench.storage.folder import Folder
 

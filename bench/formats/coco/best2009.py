@@ -18,11 +18,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from bench.errors import BenchError
-from bench.families import function_of
+from bench.contract.families import function_of
 from bench.formats import naming
 from bench.formats.coco import reader
 from bench.formats.source import opened
+from bench.helpers.errors import BenchError
 
 NAME = "best2009"
 SUITES = ("bbob", "bbob-noisy")

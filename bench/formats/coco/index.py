@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
-from bench.errors import BenchError
 from bench.formats.runs import inside, label, optimizer_labels, quoted
 from bench.formats.source import Source
+from bench.helpers.errors import BenchError
 
 _PAIR = re.compile(r"""(\w+)\s*=\s*(?:(['"])(.*?)\2(?=\s*(?:,|$))|([^,]*))""")
 _ENTRY = re.compile(r"(\d+)(?::(\d+)(?:\|(.+))?)?")

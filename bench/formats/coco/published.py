@@ -20,9 +20,9 @@ from urllib.parse import quote
 
 from platformdirs import user_data_dir
 
-from bench.errors import BenchError, nearest
 from bench.formats.importing import import_results
 from bench.formats.source import sha256_of
+from bench.helpers.errors import BenchError, nearest
 from bench.storage import provenance
 
 VARIABLE = "BENCH_ARCHIVE"

@@ -23,14 +23,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.contract.typing import Floats
 from bench.formats import naming
 from bench.formats.coco.index import Logged, LoggedRuns, algorithm_labels, by_log, data_sets
 from bench.formats.coco.writer import STAND_IN
 from bench.formats.runs import FormatReader, ImportedRun, Reading, improvements, label, quoted, require_increasing
 from bench.formats.source import Source
+from bench.helpers.errors import BenchError
 from bench.helpers.text import joined
-from bench.typing import Floats
 
 INFINITE = 1e21
 """COCO writes 3e21 for infinity; no finite difference is as large."""

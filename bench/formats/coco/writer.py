@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.analysis.cells import reference_values
-from bench.errors import BenchError
+from bench.contract.typing import Floats
 from bench.formats.trials import (
     OTHERS,
     ExportedTrial,
@@ -36,8 +36,8 @@ from bench.formats.trials import (
     folders_of,
     readme,
 )
+from bench.helpers.errors import BenchError
 from bench.results.results import ProblemFacts, StoredResults
-from bench.typing import Floats
 
 SUITES = {
     "bbob": range(1, 25),

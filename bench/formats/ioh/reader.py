@@ -20,7 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.contract.numbers import is_finite, is_whole
+from bench.contract.objective import Trace
+from bench.contract.typing import Floats
 from bench.formats import naming
 from bench.formats.ioh.writer import BBOB, F_OPT
 from bench.formats.runs import (
@@ -36,10 +38,8 @@ from bench.formats.runs import (
     require_increasing,
 )
 from bench.formats.source import Source
+from bench.helpers.errors import BenchError
 from bench.helpers.parsing import parse_json
-from bench.numbers import is_finite, is_whole
-from bench.objective import Trace
-from bench.typing import Floats
 
 FIRST, VALUE = "evaluations", "raw_y"
 DECIMALS = 1e-9  # to which a log and the JSON file of a run must agree

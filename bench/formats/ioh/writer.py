@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.contract.objective import Trace
 from bench.formats.trials import (
     OTHERS,
     ExportedTrial,
@@ -31,8 +31,8 @@ from bench.formats.trials import (
     folders_of,
     readme,
 )
+from bench.helpers.errors import BenchError
 from bench.helpers.text import file_name
-from bench.objective import Trace
 from bench.results.results import StoredResults
 
 VERSION = "0.3.22"  # of the format

@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import NO_TRACE
-from bench.errors import BenchError
 from bench.formats import naming
 from bench.formats.runs import FormatReader, ImportedRun, Reading, by_run, improvements, label, require_increasing
 from bench.formats.source import Source
+from bench.helpers.errors import BenchError
 from bench.results.foreign import Table, are_problems, recognised
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".parquet", ".jsonl", ".json")

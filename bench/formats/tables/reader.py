@@ -17,12 +17,12 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import NO_TRACE
-from bench.columns import FEATURES, RESERVED, STORED
-from bench.errors import BenchError
+from bench.contract.objective import Trace
 from bench.formats import naming
 from bench.formats.runs import FormatReader, ImportedRun, Reading, by_run, improvements, label, require_increasing
 from bench.formats.source import Source
-from bench.objective import Trace
+from bench.helpers.errors import BenchError
+from bench.trial.columns import FEATURES, RESERVED, STORED
 
 COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"

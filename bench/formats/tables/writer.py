@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import NO_TRACE
-from bench.columns import FRAME
-from bench.errors import require
 from bench.formats.trials import FormatWriter, readme
+from bench.helpers.errors import require
 from bench.results.results import StoredResults
+from bench.trial.columns import FRAME
 
 TEXTS, COUNTS = (tuple(column.name for column in FRAME if column.kind is kind) for kind in (str, int))
 WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {

@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
+from bench.contract.optimizer import CONDITIONS
 from bench.helpers.text import option
-from bench.optimizer import CONDITIONS
 from bench.report.parts import Table
 from bench.report.wording import MISSING, listing
 from bench.study import Study
@@ -22,9 +22,9 @@ MOST_VALUES, MOST_LABELS = 4, 5  # that a sentence names
 def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
     """Return each optimizer's conditions and the options that differ from its defaults, a row an optimizer.
 
-    Columns: :data:`bench.optimizer.CONDITIONS`, missing where the optimizer has no such option, and ``UNKNOWN`` where
-    its description is not known and the study does not give it; and ``changed``, a dict of (value, default) by option,
-    or None where the description is not known.
+    Columns: :data:`bench.contract.optimizer.CONDITIONS`, missing where the optimizer has no such option, and
+    ``UNKNOWN`` where its description is not known and the study does not give it; and ``changed``, a dict of
+    (value, default) by option, or None where the description is not known.
     """
     rows = []
     for entry in study.optimizers:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
-from bench.families import function_of
+from bench.contract.families import function_of
 from bench.results.results import StoredResults
 from bench.study import Study
 from bench.study.descriptions import Descriptions, noted

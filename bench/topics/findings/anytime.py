@@ -17,9 +17,9 @@ from bench.analysis.reference import reference_times, runlength_targets
 from bench.analysis.running_time import in_seconds
 from bench.analysis.running_time import running_times as running_times_of
 from bench.analysis.target_sets import tolerance_times
-from bench.errors import BenchError
-from bench.families import function_of
+from bench.contract.families import function_of
 from bench.formats.coco.best2009 import best2009
+from bench.helpers.errors import BenchError
 from bench.results.results import ProblemFacts
 from bench.study.targets import KINDS, Targets
 from bench.topics.findings.trials import Trials

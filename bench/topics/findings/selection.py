@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from bench.families import function_of
+from bench.contract.families import function_of
 from bench.report.wording import count, listing
 from bench.study import Study
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from bench.analysis import ALPHA
 from bench.analysis.cells import scores, stopped_early
-from bench.errors import BenchError
 from bench.helpers.bibtex import Work, parse, read
+from bench.helpers.errors import BenchError
 from bench.report.latex import prose
 from bench.report.wording import count, listing, options
 from bench.study import Study

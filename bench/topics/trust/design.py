@@ -12,7 +12,7 @@ from math import comb, isnan
 from bench import analysis
 from bench.analysis.direction import ALPHA, least_p
 from bench.analysis.power import POWER, detectable_across, power_at
-from bench.families import function_of
+from bench.contract.families import function_of
 from bench.report.wording import count
 from bench.study import Study
 

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from bench.analysis.comparison import shared_by
-from bench.objective import ON_TARGET, OUT_OF_TIME
+from bench.contract.objective import ON_TARGET, OUT_OF_TIME
 from bench.report.parts import Card, File, Line, Section, Table, warning
 from bench.report.wording import count, listing, unfinished_trials
 from bench.topics.answer.changes import changes

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from bench.errors import BenchError
 from bench.helpers import print_line
+from bench.helpers.errors import BenchError
 from problems.backlash.commands import Force, about_backlash
 
 

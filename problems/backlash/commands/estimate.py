@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from bench.errors import BenchError
 from bench.helpers import print_error, print_line, replacing
+from bench.helpers.errors import BenchError
 from problems.backlash import EARLY_RAD
 from problems.backlash.commands import about_backlash
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench.errors import BenchError
 from bench.helpers import print_line, replacing
+from bench.helpers.errors import BenchError
 from problems.backlash import TRUTH
 from problems.backlash.commands import Force, about_backlash
 

@@ -7,9 +7,9 @@ from math import inf, pi, radians, sin
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError, nearest
+from bench.contract.numbers import is_finite, require_positive
 from bench.helpers import parse_toml, read_text
-from bench.numbers import is_finite, require_positive
+from bench.helpers.errors import BenchError, nearest
 from problems.backlash import LEVELS
 
 GRAVITY = 9.80665  # standard gravity, m/s²

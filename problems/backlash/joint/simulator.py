@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from bench.errors import BenchError
-from bench.numbers import is_finite, require_positive, require_whole
-from bench.typing import Floats
+from bench.contract.numbers import is_finite, require_positive, require_whole
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.joint.parameters import Joint
 
 STEP = 5e-5  # s; the largest step where the caller gives none

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.numbers import is_finite
-from bench.typing import Floats
+from bench.contract.numbers import is_finite
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.joint.parameters import Joint
 from problems.backlash.joint.simulator import simulate, with_noise
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.errors import BenchError, require
+from bench.contract.typing import Floats
 from bench.helpers import replacing
-from bench.typing import Floats
+from bench.helpers.errors import BenchError, require
 
 KINDS = (".csv", ".xlsx", ".parquet")  # of recording files
 EXTRAS = {".xlsx": ("openpyxl", "xlsx"), ".parquet": ("pyarrow", "parquet")}  # what pandas writes them with

@@ -12,7 +12,7 @@ from urllib.parse import quote, urlsplit
 
 from platformdirs import user_data_dir
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 
 REPOSITORY = "ElianaGiovannitti/Backlash-estimation"
 COMMIT = "7c81edefe3e61479d234d5080d4627dbbf584733"

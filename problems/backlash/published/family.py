@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash import LEVELS
 from problems.backlash.signature.families import Family
 

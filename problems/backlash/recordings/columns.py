@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from problems.backlash.recordings.headings import UNITS, parse_heading
 
 Column = str | int

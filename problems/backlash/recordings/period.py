@@ -15,9 +15,9 @@ from math import log, pi
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.numbers import require_positive
-from bench.typing import Floats
+from bench.contract.numbers import require_positive
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.recordings.columns import Column, Columns
 from problems.backlash.recordings.headings import UNITS
 from problems.backlash.recordings.recording import Recording, Window, too_few

@@ -5,8 +5,8 @@ from math import isfinite
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 
 Window = tuple[float | None, float | None]
 

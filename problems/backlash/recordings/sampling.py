@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.recordings.recording import Recording
 
 MOST_REPEATED = 0.01  # the largest share of samples whose time stamp is that of the sample before

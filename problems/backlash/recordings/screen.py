@@ -10,8 +10,8 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.recordings.headings import UNITS
 from problems.backlash.recordings.recording import Recording, spell
 

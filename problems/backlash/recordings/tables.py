@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bench.errors import BenchError, require
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError, require
 from problems.backlash.recordings.headings import is_unit
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError
+from bench.contract.numbers import require_jobs
 from bench.helpers import printable
-from bench.numbers import require_jobs
+from bench.helpers.errors import BenchError
 from problems.backlash.recordings import NoRecordingError, Recording
 from problems.backlash.sensor.estimate import Estimate, Settings, estimate
 

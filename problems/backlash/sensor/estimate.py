@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.numbers import require_positive, require_whole
-from bench.typing import Floats
+from bench.contract.numbers import require_positive, require_whole
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.period import find_period, period_from_gear

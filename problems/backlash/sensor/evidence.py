@@ -10,7 +10,7 @@ import math
 import numpy as np
 from scipy.special import fdtrc, fdtri  # scipy.stats.f takes them too, and 0.5 s longer to import
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.signature.model import T0, T1
 from problems.backlash.signature.problem import SignatureFit
 from problems.backlash.signature.reference import OMEGAS, TAUS

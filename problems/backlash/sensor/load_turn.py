@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.evidence import BENCH, SIGNIFICANT
 from problems.backlash.signature.model import T0, V_T, oscillation

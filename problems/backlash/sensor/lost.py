@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.load_turn import BAND, fold
 

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
 
-from bench.errors import BenchError
 from bench.helpers import file_name, replacing, unique
+from bench.helpers.errors import BenchError
 from bench.plots import style
 from problems.backlash.joint.writing import check_folder
 from problems.backlash.sensor.batch import Estimated

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash import TRUTH
 from problems.backlash.recordings.tables import READERS
 

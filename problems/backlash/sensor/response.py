@@ -21,8 +21,8 @@ from joblib import Parallel, delayed
 from rich.console import Console
 from rich.progress import track
 
-from bench.numbers import require_jobs
-from bench.typing import Floats
+from bench.contract.numbers import require_jobs
+from bench.contract.typing import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, to_fit

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import CONFIDENCE, Estimate, Interval, Settings
 from problems.backlash.sensor.recording_files import Series, series

@@ -21,10 +21,10 @@ import numpy as np
 import tomli_w
 from scipy.interpolate import PchipInterpolator
 
-from bench.errors import BenchError, nearest
+from bench.contract.numbers import is_finite, require_positive
+from bench.contract.typing import Floats
 from bench.helpers import replacing
-from bench.numbers import is_finite, require_positive
-from bench.typing import Floats
+from bench.helpers.errors import BenchError, nearest
 from problems.backlash.joint import Joint
 from problems.backlash.joint.parameters import described, read_toml
 from problems.backlash.signature.datasets import simulated

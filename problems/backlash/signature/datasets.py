@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.numbers import require_whole
+from bench.contract.numbers import require_whole
+from bench.helpers.errors import BenchError
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap, simulate, with_noise
 from problems.backlash.recordings import Recording

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from problems.backlash import LEVELS
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.signature.model import EDGE
 
 LANES = 16  # samples per step of the recurrence: powers of the factor side by side vectorise, one chain does not

@@ -6,7 +6,7 @@ thousand times faster and is tested against this.
 
 import numpy as np
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 
 VARIABLES = ("A", "t0", "tau", "omega", "v_t", "T1", "T2")
 A, T0, TAU, OMEGA, V_T, T1, T2 = range(7)

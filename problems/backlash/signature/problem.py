@@ -7,10 +7,10 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from bench.errors import BenchError
-from bench.numbers import require_positive, require_whole
-from bench.problem import Problem
-from bench.typing import Floats
+from bench.contract.numbers import require_positive, require_whole
+from bench.contract.problem import Problem
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.backlash.signature import kernel

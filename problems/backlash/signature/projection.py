@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T1, T2, TAU, A
 

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, T0
 from problems.backlash.signature.projection import (

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from bench.typing import Floats
+from bench.contract.typing import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T0, T1, TAU
 from problems.backlash.signature.projection import Limits, Sums, profile

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.numbers import require_whole
+from bench.contract.numbers import require_whole
 from problems.backlash.joint import Joint, load_joint, simulate, with_noise
 from problems.backlash.recordings import Recording
 from problems.backlash.signature.datasets import RATE

@@ -18,7 +18,7 @@ from bench.analysis.anytime import (
     success_rates,
 )
 from bench.analysis.target_sets import targets
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 INF = float("inf")
 BUDGET = 100

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.comparable import blames_problem, common_budgets, comparable
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 ALLOWED = {("p", "a"): 400, ("p", "b"): 100_000}
 

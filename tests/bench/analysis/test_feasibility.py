@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis import feasibility
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 INF = np.inf
 

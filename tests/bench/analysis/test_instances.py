@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 
 from bench.analysis import pool_instances
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 PROBLEMS = ["f-d2-i1", "f-d2-i2", "other"]
 FEATURES = {"f-d2-i1": {"instance": 1}, "f-d2-i2": {"instance": 2}, "other": {}}

@@ -9,7 +9,7 @@ import pytest
 
 from bench.analysis.cells import in_study_order
 from bench.analysis.integrity import TRAITS, integrity
-from bench.objective import Trace
+from bench.contract.objective import Trace
 from bench.study import Entry, Study
 
 BUDGET, TRIALS = 1_000, 6

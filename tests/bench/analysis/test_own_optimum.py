@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.own_optimum import ShiftedTraces, shifted, shifts
-from bench.objective import Trace
+from bench.contract.objective import Trace
 
 ROWS = [("p", "box", 1.0), ("p", "repair", 1.5), ("q", "box", 2.0), ("q", "repair", 2.0), ("q", "repair", None)]
 FRAME = pd.DataFrame(ROWS, columns=["problem", "optimizer", "fun"]).assign(

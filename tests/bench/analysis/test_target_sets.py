@@ -10,7 +10,7 @@ from bench.analysis.target_sets import (
     targets,
     tolerance_times,
 )
-from bench.objective import Trace
+from bench.contract.objective import Trace
 from bench.study.targets import COCO_PRECISIONS
 
 INF = float("inf")

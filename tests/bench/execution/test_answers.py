@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem, Optimizer, load_optimizer
-from bench.columns import packed
+from bench.contract.objective import Trace, integer_flags
 from bench.execution import answers
 from bench.execution.answers import Box, RefusedError
 from bench.execution.trial_process import as_answer
-from bench.objective import Trace, integer_flags
-from bench.trial import as_row, search
+from bench.trial.columns import packed
+from bench.trial.trial import as_row, search
 
 BOX = Box(("a", "b"), np.array([-1.0, -1.0]), np.array([1.0, 2.0]), np.zeros(2, bool))
 BUDGET = 60

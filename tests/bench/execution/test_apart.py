@@ -82,7 +82,7 @@ CHEATS = """
         objective.stop("found")
 
     def knows_it(objective, rng):
-        from bench import trial
+        from bench.trial import trial
 
         trial.process_time = lambda: 1e9 * time.process_time()
         objective(np.zeros(objective.dimension))
@@ -179,7 +179,7 @@ BLAME = """
     import numpy as np
 
     from bench import FunctionProblem
-    from bench.errors import ProblemError
+    from bench.helpers.errors import ProblemError
 
     def crash(x):
         raise RuntimeError("no mass")

@@ -14,13 +14,13 @@ from rich.progress import Progress
 
 from bench import FunctionProblem, load_results, run, solve
 from bench.cli import export
-from bench.errors import PointError
 from bench.execution.journal import Journal, best, journals, read, under_way_lines
 from bench.execution.progress import Within
 from bench.execution.side_by_side import evaluated
-from bench.scoring import scored
+from bench.helpers.errors import PointError
 from bench.storage.under_way import noting
-from bench.trial import Trial
+from bench.trial.scoring import scored
+from bench.trial.trial import Trial
 
 TIMES = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
 KEY = {"problem": "p", "optimizer": "o", "trial": 0, "seed": 1, "budget": 9, "variables": ["x"]}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem, Study, load_results, run
-from bench.objective import Objective
+from bench.contract.objective import Objective
 from bench.storage.folder import Folder
 
 CODE = """

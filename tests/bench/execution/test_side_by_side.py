@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Study, run, solve
-from bench.errors import PointError, ProblemError
 from bench.execution import side_by_side
 from bench.execution.side_by_side import evaluated
 from bench.execution.verify import verify
-from bench.scoring import scored
+from bench.helpers.errors import PointError, ProblemError
 from bench.storage.folder import Folder
+from bench.trial.scoring import scored
 
 X = np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 0.0]])
 

@@ -6,7 +6,7 @@ import pytest
 import bench
 from bench import BenchError, FunctionProblem, StopRun, load_results, run, solve
 from bench.execution.verify import verify
-from bench.scoring import goal
+from bench.trial.scoring import goal
 
 
 def sphere(x):

@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 
-from bench.columns import named
+from bench.contract.objective import Trace
 from bench.execution import supervisor as module
 from bench.execution.answers import Box
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor
 from bench.execution.trial_process import as_answer
-from bench.objective import Trace
 from bench.sandbox.process import DiedError, LostError, RemoteError, TimeExceededError
-from bench.trial import Trial
+from bench.trial.columns import named
+from bench.trial.trial import Trial
 from tests.bench.made import result
 
 

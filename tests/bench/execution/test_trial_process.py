@@ -3,10 +3,10 @@
 import pytest
 
 from bench import FunctionProblem
-from bench.errors import PROBLEM_FAILED
 from bench.execution import trial_process
+from bench.helpers.errors import PROBLEM_FAILED
 from bench.sandbox.side_effects import reset_random
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 
 @pytest.fixture

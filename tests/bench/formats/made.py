@@ -12,10 +12,10 @@ import pandas as pd
 import pytest
 
 from bench import Results, Trace
-from bench.columns import packed
 from bench.formats.exporting import export
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
+from bench.trial.columns import packed
 
 HOSTILE = ("gwo", "GWO", "../../x", "<script>", "日本", "database", "base", "dat-abase", "'q', a = \"1\"", "NA")
 BUDGET = 120

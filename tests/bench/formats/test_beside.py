@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 from bench import BenchError, Results, load_problem, load_results
 from bench.analysis.cells import budgets as budgets_of
 from bench.cli.app import app
-from bench.columns import packed
 from bench.execution.verify import verify
 from bench.formats.importing import import_results
 from bench.storage.folder import Folder
@@ -21,7 +20,8 @@ from bench.topics.findings import Findings
 from bench.topics.methods.methods import methods
 from bench.topics.trust import section as trust
 from bench.topics.trust.checks import checks
-from bench.trial import Trial
+from bench.trial.columns import packed
+from bench.trial.trial import Trial
 from tests.bench.formats.made import exported, make, record
 
 ROWS = [

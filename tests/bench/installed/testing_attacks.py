@@ -13,9 +13,9 @@ import psutil
 
 import bench.execution.trial_process
 import bench.study
-import bench.trial
+import bench.trial.trial
 from bench import Optimizer
-from bench.errors import BudgetExhausted
+from bench.helpers.errors import BudgetExhausted
 
 UPWARD = 0x800  # FE_UPWARD (fenv.h, x86)
 
@@ -64,10 +64,10 @@ def replace_kernel(objective):
 def replace_search(objective):
     def search(problem, optimizer, budget, seed, on_refusal=None):
         found = original(problem, optimizer, budget, seed, on_refusal)
-        return found if trial() is None else bench.trial.Result(**(vars(found) | {"fun": 0.0}))
+        return found if trial() is None else bench.trial.trial.Result(**(vars(found) | {"fun": 0.0}))
 
-    original = bench.trial.search
-    bench.trial.search = bench.execution.trial_process.search = search
+    original = bench.trial.trial.search
+    bench.trial.trial.search = bench.execution.trial_process.search = search
 
 
 def replace_study(objective):

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from bench import Optimizer
-from bench.errors import BudgetExhausted
+from bench.helpers.errors import BudgetExhausted
 
 ESCAPES = "\x1b[31m\x1b]0;title\x07\u202ered"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench import AskTell, BenchError, FunctionProblem, compare, load_optimizer, solve
-from bench.optimizer import settings
+from bench.contract.optimizer import settings
 
 
 @pytest.fixture

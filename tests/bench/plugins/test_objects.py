@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Optimizer, Problem, Study, load_optimizer, load_problem
-from bench.optimizer import settings
+from bench.contract.optimizer import settings
 from bench.plugins import loading, packing
 
 

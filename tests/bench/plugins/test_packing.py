@@ -94,7 +94,7 @@ def test_a_copy_works_where_nothing_of_the_original_is(tmp_path):
 from pathlib import Path
 import numpy as np
 from bench.plugins.packing import unpack
-from bench.optimizer import build
+from bench.contract.optimizer import build
 problem, kind = (unpack(Path({str(tmp_path)!r}, name).read_bytes()) for name in "fo")
 print(problem.evaluate(np.ones((1, 2))), build(kind, "Local", {{"kind": "b"}}).kind)
 try:

@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.columns import packed
 from bench.results.tidy import COLUMNS, Tidy
 from bench.storage.reading import READ
 from bench.storage.rows import NAMES
+from bench.trial.columns import packed
 
 PROBLEMS, OPTIMIZERS = ["a", "b", "c"], ["o", "p"]
 

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results
-from bench.columns import packed
-from bench.objective import Trace
+from bench.contract.objective import Trace
 from bench.storage.folder import Folder
-from bench.trial import Trial
+from bench.trial.columns import packed
+from bench.trial.trial import Trial
 
 DATA = Path(__file__).resolve().parents[3] / "CITATION.cff"
 """A file that is there."""

@@ -8,9 +8,9 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_results
-from bench.columns import packed
 from bench.storage.committed import FILE, Committed, read
 from bench.storage.folder import Folder
+from bench.trial.columns import packed
 from tests.bench.storage.filled import RECORD, damage_of, rows, traces
 
 MORE = 67  # trials in the write-ahead log alone

@@ -5,10 +5,10 @@ import os
 import pytest
 
 from bench import BenchError, Study, load_results, run
-from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.study import Entry
-from bench.trial import Trial
+from bench.trial.columns import packed
+from bench.trial.trial import Trial
 
 STUDY = {
     "name": "tiny", "trials": 2, "budget": 20,

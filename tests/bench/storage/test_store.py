@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from bench import BenchError, Study, load_results
-from bench.columns import named, packed
-from bench.objective import Trace
+from bench.contract.objective import Trace
 from bench.storage.folder import Folder
 from bench.storage.rows import COLUMNS, disagreement
 from bench.storage.schema import schema
 from bench.storage.store import Store
 from bench.study.cell import Cell, record
-from bench.trial import Trial
+from bench.trial.columns import named, packed
+from bench.trial.trial import Trial
 from tests.bench.storage.changes import forge
 
 TRACE = Trace(np.array([1, 5, 40]), np.array([3.5, 0.1, -0.0]))
@@ -185,7 +185,7 @@ WRITE = """
 import sys
 from pathlib import Path
 from bench.storage.store import Store
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 with Store(Path(sys.argv[1])).writer() as writer:
     for number in range(int(sys.argv[2])):

@@ -1,7 +1,7 @@
 """The note of a run's trials under way, which ends with the run."""
 
 from bench.storage import under_way
-from bench.trial import Trial
+from bench.trial.trial import Trial
 
 HOLDER = {"pid": 1, "host": "here", "started": "2026-01-01T00:00:00+00:00"}
 TRIAL = Trial("sphere", "gwo", 3, seed=99)

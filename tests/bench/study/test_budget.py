@@ -1,6 +1,6 @@
 import pytest
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from bench.study.budget import Budget
 
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from bench import BenchError, Study, run
-from bench.seeds import trial_seed
+from bench.contract.seeds import trial_seed
 from bench.study import Entry
 from bench.study.descriptions import repairing
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import load_problem
-from bench.scoring import scored
+from bench.trial.scoring import scored
 from tests.problems.bbob.best import function_of, name
 
 CASES = [

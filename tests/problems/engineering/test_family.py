@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from bench import load_problem
-from bench.scoring import scored
+from bench.trial.scoring import scored
 from problems.engineering.family import DESIGNS
 
 PUBLISHED = {  # the objective of the best-known design, as the papers in the docstrings print it

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from bench import Results, Study
-from bench.columns import packed
 from bench.storage.folder import Folder
 from bench.storage.selection import Selection
 from bench.study import Entry
 from bench.study.cell import with_inputs
 from bench.topics.answer.section import headline, lines
 from bench.topics.findings import Findings
+from bench.trial.columns import packed
 from tests.bench.reports import finished
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from bench import Results
 from bench.analysis import success_rates
-from bench.objective import Trace
+from bench.contract.objective import Trace
 from bench.results.results import ProblemFacts
 from bench.topics.findings import Findings
 

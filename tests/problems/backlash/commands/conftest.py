@@ -1,7 +1,7 @@
 import pytest
 import typer
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 
 
 @pytest.fixture

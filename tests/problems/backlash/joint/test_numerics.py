@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.stats import kstest
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash.joint import Joint, half_gap, simulate, with_noise
 from problems.backlash.joint.simulator import derivative, resting_state
 

@@ -5,7 +5,7 @@ from math import pi
 
 import pytest
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash.joint import Joint, half_gap, load_joint
 from problems.backlash.joint.parameters import joint_text
 

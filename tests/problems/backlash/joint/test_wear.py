@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.joint.wear import monthly_recordings, wear
 

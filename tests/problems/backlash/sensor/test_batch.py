@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash.joint.writing import write_recording
 from problems.backlash.recordings import read_joints
 from problems.backlash.sensor.batch import FEW, Failed, estimate_files

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 from problems.backlash.joint import Joint, half_gap
 from problems.backlash.signature.calibration import (
     EQUATION_4_7,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Problem
-from bench.problem import with_own_box
+from bench.contract.problem import with_own_box
 
 
 def plane(lower=(-1, 0), upper=(1, 4), **options):

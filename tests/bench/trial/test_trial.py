@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bench import FunctionProblem, Optimizer
-from bench.errors import ProblemError
-from bench.trial import doubt, search
+from bench.helpers.errors import ProblemError
+from bench.trial.trial import doubt, search
 from tests.bench.made import result
 
 
@@ -66,8 +66,8 @@ def test_a_trial_ends_by_its_budget_a_declared_reason_or_without_one(optimizer, 
 def test_times_are_those_of_the_search(monkeypatch):
     clocks = {"perf_counter": iter([1.0, 8.0]), "process_time": iter([2.0, 5.0])}
     for name, times in clocks.items():
-        monkeypatch.setattr(f"bench.trial.{name}", times.__next__)
-    monkeypatch.setattr("bench.objective.perf_counter", iter([0.0, 2.5]).__next__)
+        monkeypatch.setattr(f"bench.trial.trial.{name}", times.__next__)
+    monkeypatch.setattr("bench.contract.objective.perf_counter", iter([0.0, 2.5]).__next__)
     found = search(SPHERE, Drawing(points=4), 10, seed=0)
     assert (found.wall_s, found.cpu_s, found.objective_s, found.overhead_s, found.time) == (7.0, 3.0, 2.5, 4.5, 7.0)
 

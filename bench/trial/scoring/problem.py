@@ -6,7 +6,7 @@ check are those of any problem: the first entry of a trace is the first feasible
 is the lowest true value among the points evaluated so far, as in COCO's noisy suite (Hansen, Finck, Ros and Auger 2009,
 INRIA RR-6869). What an optimizer sees instead:
 
-- of an infeasible point, what the study's handling of constraints shows (:mod:`bench.scoring.constraints`);
+- of an infeasible point, what the study's handling of constraints shows (:mod:`bench.trial.scoring.constraints`);
 - of a noisy problem, values with noise from a stream of the trial's own;
 - of a point whose evaluation raises, +inf, where the study says ``on_error = "worst"``; it is recorded as such, too;
 - of integer variables, the value of the point whose integer variables are rounded. It need not know of them; one that
@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.errors import BenchError, PointError, explained
-from bench.objective import Objective, OnEvaluation, as_values, floats, minus_infinity, repaired
-from bench.problem import Problem, with_own_box
-from bench.scoring import constraints
-from bench.typing import Flags, Floats
+from bench.contract.objective import Objective, OnEvaluation, as_values, floats, minus_infinity, repaired
+from bench.contract.problem import Problem, with_own_box
+from bench.contract.typing import Flags, Floats
+from bench.helpers.errors import BenchError, PointError, explained
+from bench.trial.scoring import constraints
 
 ON_ERROR = ("fail", "worst")
 """What becomes of a point at which a problem raises: the trial fails, or the point counts and its value is +inf."""
@@ -55,7 +55,7 @@ class Scored(Problem):
 
     Attributes:
         problem: the problem itself.
-        handling: one of :data:`bench.scoring.constraints.HANDLINGS`; "" without constraints.
+        handling: one of :data:`bench.trial.scoring.constraints.HANDLINGS`; "" without constraints.
         on_error: one of :data:`ON_ERROR`.
     """
 

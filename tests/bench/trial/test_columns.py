@@ -3,8 +3,8 @@
 import numpy as np
 
 from bench import FunctionProblem, load_optimizer
-from bench.columns import COLUMNS, MEASURED, STORED, named, packed
-from bench.trial import as_row, search
+from bench.trial.columns import COLUMNS, MEASURED, STORED, named, packed
+from bench.trial.trial import as_row, search
 
 
 def test_names_are_unique_and_meanings_are_phrases():

@@ -27,8 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.errors import BenchError, nearest
-from bench.typing import Floats
+from bench.contract.typing import Floats
+from bench.helpers.errors import BenchError, nearest
 
 HANDLINGS = ("death", "penalty", "lexicographic", "repair")
 DEFAULT = "lexicographic"  # it needs no coefficient, and leads an optimizer from infeasible points, unlike death

@@ -8,7 +8,7 @@ from contextlib import suppress
 from numbers import Integral, Real
 from typing import Any, TypeGuard
 
-from bench.errors import BenchError
+from bench.helpers.errors import BenchError
 
 LARGEST_BUDGET = 10**15
 """Evaluations of a trial, in all or a dimension, which no run reaches."""

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeVar, Uni
 
 import numpy as np
 
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from bench.objective import Objective
-    from bench.typing import Floats
+    from bench.contract.objective import Objective
+    from bench.contract.typing import Floats
 
 
 T = TypeVar("T")

@@ -5,7 +5,7 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Study, load_results, run
 from bench.execution.verify import verify
-from bench.scoring import Scored, objective, scored
+from bench.trial.scoring import Scored, objective, scored
 
 POINTS = np.array([[0.4, 1.0], [2.6, -1.5], [-3.0, 3.0]])
 

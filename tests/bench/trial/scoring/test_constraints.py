@@ -7,8 +7,8 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Study, load_results, run, solve
 from bench.execution.verify import verify
-from bench.scoring import objective, scored
-from bench.scoring.constraints import BARRIER, COEFFICIENT, DEFAULT
+from bench.trial.scoring import objective, scored
+from bench.trial.scoring.constraints import BARRIER, COEFFICIENT, DEFAULT
 
 POINTS = np.array([[1.0, 2.0], [-1.0, 1.0], [-2.0, -1.0], [0.5, 0.0], [9.0, 0.0]])  # the last one outside the box
 

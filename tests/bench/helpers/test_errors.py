@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError
-from bench.errors import explained, nearest
+from bench.helpers.errors import explained, nearest
 
 
 @pytest.mark.parametrize(

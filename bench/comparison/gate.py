@@ -12,7 +12,7 @@ from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.markdown import table
 from bench.helpers.text import short_hash
 from bench.report.wording import count, listing, p_text

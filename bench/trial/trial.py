@@ -16,15 +16,15 @@ else:
 
 import numpy as np
 
-from bench import scoring
-from bench.columns import MEASURED, RESERVED, Measured, Row, packed
-from bench.errors import BudgetExhausted, ProblemError
+from bench.contract.objective import Logs, Objective, OnEvaluation, Trace
+from bench.contract.optimizer import Optimizer
+from bench.contract.problem import Problem
+from bench.contract.seeds import streams
+from bench.contract.typing import Floats
+from bench.helpers.errors import BudgetExhausted, ProblemError
 from bench.helpers.text import html_table, listed
-from bench.objective import Logs, Objective, OnEvaluation, Trace
-from bench.optimizer import Optimizer
-from bench.problem import Problem
-from bench.seeds import streams
-from bench.typing import Floats
+from bench.trial import scoring
+from bench.trial.columns import MEASURED, RESERVED, Measured, Row, packed
 
 ROUNDING = 1e-9
 """By how much a value may differ, relative to itself, when its point is evaluated again."""
@@ -67,13 +67,13 @@ class Result(Measured):
     """The result of a trial: the best point, its value and the resources used.
 
     Beside these attributes it has ``fun``, ``nfev``, ``wall_s`` and all others that the tidy frame has of the search
-    (:class:`bench.columns.Measured`).
+    (:class:`bench.trial.columns.Measured`).
 
     Attributes:
         x: (d,) the best point.
         trace: the best-so-far value over evaluations.
         metrics: the problem's domain metrics of ``x``.
-        log: what the optimizer logged, by name (:meth:`bench.objective.Objective.log`).
+        log: what the optimizer logged, by name (:meth:`bench.contract.objective.Objective.log`).
         seed: the seed that repeats the trial.
         unasked: whether points were known before the search, and the optimizer took none of them.
     """
@@ -130,7 +130,7 @@ def search(
 ) -> Result:
     """Run one optimizer once, as :func:`solve` does, in a process whose BLAS is limited to one thread already.
 
-    See :class:`bench.objective.Objective` for the arguments from ``on_refusal`` on. The result has no metrics:
+    See :class:`bench.contract.objective.Objective` for the arguments from ``on_refusal`` on. The result has no metrics:
     its best point is described by whoever keeps it, within a limit of time.
 
     Raises:

@@ -12,12 +12,12 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike, NDArray
 
-from bench.errors import BudgetExhausted, StopRun
+from bench.contract.numbers import require_whole
+from bench.contract.problem import Problem
+from bench.contract.typing import Flags, Floats
 from bench.helpers.compiled import compiled
+from bench.helpers.errors import BudgetExhausted, StopRun
 from bench.helpers.text import printable, said
-from bench.numbers import require_whole
-from bench.problem import Problem
-from bench.typing import Flags, Floats
 
 _FLOAT64 = np.dtype(np.float64)
 _LONGEST_REASON = 200  # characters

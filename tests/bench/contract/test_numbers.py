@@ -3,7 +3,7 @@ import math
 import pytest
 
 from bench import BenchError
-from bench.numbers import (
+from bench.contract.numbers import (
     is_finite,
     require_positive,
     require_whole,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from bench import analysis, plots
-from bench.errors import BenchError, nearest
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.text import html_table
 from bench.results.results import AnyPath, StoredResults
 from bench.topics.answer.facts import facts
@@ -66,7 +66,7 @@ class Results(StoredResults):
 
     @property
     def plot(self) -> Plots:
-        """Plots of the results, such as ``results.plot.chances()`` (:class:`bench.notebook.Plots`)."""
+        """Plots of the results, such as ``results.plot.chances()`` (:class:`bench.comparison.notebook.Plots`)."""
         return Plots(self)
 
     def report(self, output: AnyPath | None = None, **settings: Any) -> Path:

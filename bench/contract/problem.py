@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.errors import BenchError, StopRun
-from bench.typing import Flags, Floats
+from bench.contract.typing import Flags, Floats
+from bench.helpers.errors import BenchError, StopRun
 
 
 class Problem(ABC):
@@ -102,7 +102,7 @@ class Problem(ABC):
 
         A point is feasible where all are at most 0. They must depend on the point alone, bit by bit, whatever the
         batch: the best point is evaluated again alone, and must then be feasible again. What an optimizer sees of an
-        infeasible point is up to the study (:mod:`bench.scoring.constraints`); :meth:`evaluate` need not know.
+        infeasible point is up to the study (:mod:`bench.trial.scoring.constraints`); :meth:`evaluate` need not know.
         """
         return None
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import inf, nextafter
 from typing import Any
 
-from bench.errors import BenchError
-from bench.numbers import is_finite, require_positive
-from bench.problem import Problem
+from bench.contract.numbers import is_finite, require_positive
+from bench.contract.problem import Problem
+from bench.helpers.errors import BenchError
 
 
 def goal(problem: Problem, final_target: float | None = None, stop_at: float | None = None) -> float:

@@ -6,7 +6,7 @@ from typing import Literal
 import pytest
 
 from bench import BenchError, Optimizer, load_optimizer, parameter
-from bench.optimizer import build, is_frozen
+from bench.contract.optimizer import build, is_frozen
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,16 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError
+from bench.comparison.notebook import Results
 from bench.execution.job import Task
 from bench.execution.runner import Outcome, run
 from bench.execution.supervisor import check
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
-from bench.notebook import Results
 from bench.plugins.loading import OptimizerLike, ProblemLike, is_plugin
 from bench.storage.folder import Folder, default_path
 from bench.study import Study
-from bench.trial import UNASKED
+from bench.trial.trial import UNASKED
 
 NAME = "comparison"
 """The name of the study, unless another one is given."""

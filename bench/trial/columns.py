@@ -1,7 +1,7 @@
 """The columns of a trial: their names, types, units, bounds and meanings, in one table.
 
-From :data:`COLUMNS` follow the fields of a :class:`bench.trial.Result`, what is checked of an answer, the tables of a
-store, the tidy frame, imports, exports and the reference page. A further column is a line here.
+From :data:`COLUMNS` follow the fields of a :class:`bench.trial.trial.Result`, what is checked of an answer, the
+tables of a store, the tidy frame, imports, exports and the reference page. A further column is a line here.
 
 A trial takes five forms: the result in its process, the answer (JSON) that crosses to the parent, the row that the
 parent makes of it once it is checked, the row of the store, and that of the frame.
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, fields
 from math import inf
 from typing import Any
 
-from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
+from bench.contract.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
 
 Row = dict[str, Any]
 """A trial's columns by name as a store keeps them; those that are missing are unknown."""

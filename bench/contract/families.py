@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
-from bench.errors import BenchError, nearest
-from bench.numbers import require_whole
-from bench.optimizer import Optimizer, settings
+from bench.contract.numbers import require_whole
+from bench.contract.optimizer import Optimizer, settings
+from bench.helpers.errors import BenchError, nearest
 
 LARGEST_INSTANCE = 200_000
 """BBOB's generator is seeded with 10,000 times the instance, which must stay below its modulus, 2^31 - 1."""

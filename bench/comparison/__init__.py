@@ -1,0 +1,1 @@
+"""Compare optimizers from Python, and a version with another in a gate."""

@@ -1,0 +1,1 @@
+"""The two contracts, problem and optimizer, and the objective between them."""

@@ -1,0 +1,1 @@
+"""One trial: its scores, its run and the columns of its row."""
