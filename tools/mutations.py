@@ -20,7 +20,7 @@ from time import monotonic
 
 ROOT = Path(__file__).resolve().parents[1]
 SWARMS = [f"optimizers/{name}.py" for name in ("alo", "da", "goa", "gwo")]
-PACKAGES = [*([f"bench/{name}"] for name in ("analysis", "storage", "execution", "scoring", "study")), SWARMS]
+PACKAGES = [*([f"bench/{name}"] for name in ("analysis", "storage", "execution", "trial/scoring", "study")), SWARMS]
 EACH, SEED = 10, 61  # mutations of a package
 LONGEST_S = 1800  # of the tests without a mutation; with one, three times as long is an endless loop
 KINDS = "comparison", "sum", "constant", "not"

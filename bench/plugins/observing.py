@@ -27,6 +27,7 @@ from traceback import walk_stack
 from types import FrameType
 from typing import Any
 
+from bench.contract import objective
 from bench.helpers.errors import BenchError
 from bench.helpers.text import short_hash
 
@@ -44,7 +45,7 @@ PARTS = "problem", "optimizer"
 """Whose inputs they are."""
 
 _HOME = Path(__file__).resolve().parents[2]
-_OBJECTIVE = str(_HOME / "bench" / "objective.py")
+_OBJECTIVE = objective.__file__
 _SITES = "site-packages", "dist-packages"
 _BENCH, _PYTHON = "bench", "python"  # what a file is part of, as _part_of() answers
 _OUTSIDE = (

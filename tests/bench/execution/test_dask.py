@@ -256,7 +256,9 @@ def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("module", "change"), [("seeds.py", "\n"), ("execution/dask_worker.py", "\nwork = None\n")])
+@pytest.mark.parametrize(
+    ("module", "change"), [("contract/seeds.py", "\n"), ("execution/dask_worker.py", "\nwork = None\n")]
+)
 def test_a_worker_with_other_code_is_refused_by_name_first_or_last(module, change, machines, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(Path(cluster.__file__).parents[1], copy / "bench", ignore=shutil.ignore_patterns("__pycache__"))
