@@ -46,12 +46,14 @@ def test_the_conda_recipe_says_what_pyproject_says(recipe):
     assert recipe["about"]["license"] == PROJECT["license"]
 
 
-def test_the_citation_says_what_pyproject_says():
+def test_the_citation_says_what_pyproject_and_the_changelog_say():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["cff-version"] == "1.2.0"
     assert [citation[key] for key in ("version", "title", "license", "keywords", "abstract")] == [
         PROJECT[key] for key in ("version", "name", "license", "keywords", "description")
     ]
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"## {PROJECT['version']} - {citation['date-released']}" in changelog.splitlines()
 
 
 @pytest.mark.parametrize(

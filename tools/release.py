@@ -7,7 +7,8 @@ The steps, in order; the first that fails ends the release with one sentence and
    from the sdist.
 3. ``twine check`` accepts both.
 4. In fresh environments of every supported Python, with the lowest and the newest packages that satisfy
-   pyproject.toml, ``bench run quick`` makes all its trials and writes a report that can be read.
+   pyproject.toml, ``bench run quick`` makes all its trials and writes a report that can be read, and README's first
+   minute ends with an answer.
 5. Every package that is installed with it, extras included, has a licence that Apache-2.0 may be combined with.
 6. A software bill of materials (CycloneDX) lists the packages of a plain installation.
 
@@ -160,14 +161,23 @@ def try_out(place: Path, version: str, artefact: Path, resolution: str) -> str:
     call(python(home).with_name("bench"), "--version", cwd=home)
     call(python(home).with_name("bench"), "run", "quick", "--output", "out", "--jobs", "2", cwd=home)
     trials = int(call(python(home), "-c", READ, cwd=home))
-    return f"passed: {name}: {trials} trials, {', '.join(installed(home, 'numpy', 'numba', 'pandas', 'typer'))}"
+    (home / "minute.py").write_text(first_minute(), encoding="utf-8")
+    answer = call(python(home), "minute.py", cwd=home).partition("\n")[0]
+    used = ", ".join(installed(home, "numpy", "numba", "pandas", "typer"))
+    return f"passed: {name}: {trials} trials, {used}; README's first minute: {answer}"
+
+
+def first_minute() -> str:
+    """Return the first block of Python of README.md."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    return readme.partition("```python\n")[2].partition("```")[0]
 
 
 READ = """
 import bench, pathlib
 frame, page = bench.load_results("out"), pathlib.Path("out/report.html").read_text(encoding="utf-8")
 assert (frame["status"] == "ok").all()
-assert all(part in page for part in ('id="part.verdict"', *set(frame["optimizer"])))
+assert all(part in page for part in ('id="part.answer"', *set(frame["optimizer"])))
 print(len(frame))
 """
 

@@ -22,7 +22,7 @@ from bench.report.parts import Figure, File, Part, Section, Table, warning
 
 PAGE, MANIFEST, CONTENTS = "report.html", ".report.json", "CONTENTS.md"
 TABLES, FIGURES = "tables", "figures"
-ANCHOR = "part"  # of the sections, part.verdict and so on; a figure of this name would have ids like these
+ANCHOR = "part"  # of the sections, part.answer and so on; a figure of this name would have ids like these
 
 
 @dataclass(frozen=True)
