@@ -87,37 +87,36 @@ def check(task: Task) -> Loaded:
 
 
 def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
-    """Load every plug-in in its own fork of a process; return what they found.
+    """Load the problems, then side by side the optimizers of each package in a fork of their process.
 
     Raises:
         BenchError: for the first plug-in that fails.
         Exception: for answers of another form, which plug-in code wrote in place of the harness.
     """
 
-    def ask(server: ForkServer, *call: Any) -> dict[str, Any]:
-        answer = server.call(*call, seconds=LOADING)
+    def sound(answer: Any) -> dict[str, Any]:
         if "error" in answer:
             raise BenchError(printable(str(answer["error"]), 4000))
         return dict(answer)
 
     problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
     study = task.study
-    answer = ask(problems, trial_process.check_problems)
+    answer = sound(problems.call(trial_process.check_problems, seconds=LOADING))
     modules = {entry.label: dict(answer["modules"]) for entry in study.problems}
     dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}
     machine = dict(answer["machine"])
-    packages: dict[str, ForkServer] = {}
-    for package, labels in study.packages().items():
-        packages[package] = problems.branch()
-        answer = ask(packages[package], trial_process.check_optimizers, labels, dimensions)
+    packages = [(labels, problems.process()) for labels in study.packages().values()]
+    for labels, process in packages:
+        process.start(trial_process.check_optimizers, labels, dimensions)
+    for labels, process in packages:
+        answer = sound(process.finish(seconds=LOADING))
         machine = provenance.united(machine, dict(answer["machine"]))
         modules |= {label: dict(answer["modules"]) for label in labels}
 
     described = {entry.label: Description() for entry in study.optimizers}
-    for package, labels in study.packages().items():
+    for labels, process in packages:
         with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
-            answer = packages[package].call(describe, study, labels, seconds=DESCRIBING)
-            described |= read(answer, labels)
+            described |= read(process.call(describe, study, labels, seconds=DESCRIBING), labels)
     return Loaded(dimensions, Present(modules), json.dumps(machine), described)
 
 
