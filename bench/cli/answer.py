@@ -17,8 +17,6 @@ from bench.helpers.errors import BenchError
 from bench.helpers.parsing import parse_json, read_text
 from bench.storage.folder import ANSWER, Folder
 
-OLD = "the report is older than the trials; write it again: bench report {}"
-
 
 def read(folder: Path) -> dict[str, Any]:
     """Return the answer of the report in a folder; empty where there is none that can be read."""
@@ -29,17 +27,11 @@ def read(folder: Path) -> dict[str, Any]:
         return {}
 
 
-def is_old(folder: Path) -> bool:
-    """Return whether the report in a folder is of other trials than the folder holds now."""
-    noted = read(folder)  # one with settings of its own has no state
-    return bool(noted) and noted.get("state") not in ("", Folder(folder).store.state())
-
-
 def show(folder: Path, console: Console) -> None:
     """Print what :class:`bench.Results` says of a folder now, and whether its report is older."""
+    content = noted = read(folder)
     try:
-        content, old = read(folder), is_old(folder)
-        if old or not content.get("state"):
+        if noted.get("state") != Folder(folder).store.state():
             from bench.comparison.notebook import Results
 
             content = Results(folder).answer
@@ -47,8 +39,13 @@ def show(folder: Path, console: Console) -> None:
         print_line(f"nothing can be said of the results: {error}", "yellow", console)
         return
     console.print(as_lines(content))
-    if old:
-        print_line(OLD.format(folder), "yellow", console)
+    warn_if_old(folder, noted, console)
+
+
+def warn_if_old(folder: Path, noted: dict[str, Any], console: Console | None = None) -> None:
+    """Print a line where a report's answer, as noted, is of other trials than the folder holds now."""
+    if noted and noted.get("state") not in ("", Folder(folder).store.state()):  # "" is of one with settings of its own
+        print_line(f"the report is older than the trials; write it again: bench report {folder}", "yellow", console)
 
 
 def as_lines(content: dict[str, Any]) -> Group:

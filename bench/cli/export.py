@@ -34,12 +34,11 @@ def command(
         if not evaluations:
             raise BenchError("give a --format, or --evaluations")
         return
-    from bench.cli.answer import OLD, is_old
+    from bench.cli.answer import read, warn_if_old
     from bench.formats.exporting import export
     from bench.results.results import StoredResults
 
-    if is_old(folder):
-        print_line(f"note: {OLD.format(folder)}", "yellow")
+    warn_if_old(folder, read(folder))
     output, results = output or folder / "export" / kind, StoredResults(folder)
     for note in export(results, kind, output):
         print_line(f"note: {note}", "yellow")

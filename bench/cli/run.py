@@ -151,12 +151,14 @@ def command(
         except BenchError as error:  # as where every trial failed; the report says more
             print_error(f"no trial could be made again: {error}")
             unsound = True
-    if no_report or shard is not None:  # a part of a study supports no claim yet
-        from bench.cli.answer import OLD, is_old
+    if no_report or shard is not None:
+        from bench.cli.answer import read, show, warn_if_old
 
+        if shard is None:
+            show(outcome.folder, console)
+        else:  # a part of a study supports no claim yet
+            warn_if_old(outcome.folder, read(outcome.folder), console)
         print_line(f"results in {outcome.folder}", console=console)
-        if is_old(outcome.folder):
-            print_line(OLD.format(outcome.folder), "yellow", console)
     else:
         report_on([outcome.folder], console, n_jobs=jobs)
     for line in outcome.different:

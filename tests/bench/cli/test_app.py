@@ -1,9 +1,12 @@
 """The command line as a stranger uses it: what it prints, and one sentence and an exit code for wrong input."""
 
+import json
 import subprocess
 import sys
 
 import pytest
+
+from bench import Results
 
 STUDY = """
 name = "tiny"
@@ -37,17 +40,26 @@ def test_run_writes_a_report_and_status_knows_it(bench, bench_here, tiny, tmp_pa
         assert (tmp_path / "out" / name).stat().st_size > 0
     again = bench_here("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
     assert "8 of them already done" in again.stdout
+    answer = json.loads((tmp_path / "out" / "answer.json").read_text())
+    assert answer["sentence"] in again.stdout.replace("\n", " ")
     status = bench_here("status", tmp_path / "out")
     assert status.returncode == 0
     assert "scatter       4     0       4" in status.stdout
 
 
-def test_a_run_without_a_report_imports_nothing_that_only_a_report_needs(tiny, tmp_path):
+def test_a_run_without_a_report_says_what_its_results_say(bench_here, tiny, tmp_path):
+    options = "--output", tmp_path / "out", "--jobs", 1, "--no-report"
+    for trials in (2, 5):
+        done = bench_here("run", tiny, *options, "--trials", trials)
+        assert Results(tmp_path / "out").answer["sentence"] in " ".join(done.stdout.split())
+
+
+def test_a_part_of_a_run_imports_nothing_that_only_a_report_needs(tiny, tmp_path):
     code = "import sys\nfrom bench.cli.app import main\ntry:\n    main()\nfinally:\n"
     code += "    print(*{'pandas', 'scipy.stats', 'matplotlib'} & {*sys.modules}, file=sys.stderr)"
-    command = [sys.executable, "-c", code, "run", tiny, "--output", tmp_path / "out", "--jobs", "1", "--no-report"]
+    command = [sys.executable, "-c", code, "run", tiny, "--output", tmp_path / "out", "--jobs", "1", "--shard", "1/2"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert "8 of 8 runs done" in done.stdout
+    assert "4 of 4 runs done" in done.stdout
     assert done.stderr.split() == []
 
 

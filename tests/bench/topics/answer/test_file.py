@@ -5,7 +5,7 @@ from io import StringIO
 
 from rich.console import Console
 
-from bench.cli.answer import as_lines, is_old, show
+from bench.cli.answer import as_lines, show
 from bench.results.results import StoredResults
 from bench.storage.folder import ANSWER, Folder
 from bench.topics.answer.file import answer
@@ -48,18 +48,20 @@ def test_a_selection_names_what_it_leaves_out(make, tmp_path):
 
 
 def test_an_older_report_is_called_old_and_what_the_results_say_now_is_printed(make, tmp_path):
-    folder, console = make(tmp_path / "s"), Console(width=200, file=StringIO())
-    show(folder, console)
-    assert "a ends lowest on these 2 problems." in console.file.getvalue()
+    folder, old = make(tmp_path / "s"), "the report is older than the trials; write it again: bench report"
+
+    def said():
+        show(folder, console := Console(width=200, file=StringIO()))
+        return console.file.getvalue()
+
+    assert "a ends lowest on these 2 problems." in said()
     file, now = folder / ANSWER, noted(folder)
     file.write_text(json.dumps(now | {"sentence": "As it was noted."}))
-    show(folder, console)
-    assert "As it was noted." in console.file.getvalue()
-    assert not is_old(folder)
+    assert "As it was noted." in said()
     with Folder(folder).store.writer() as writer:
         writer.history({"look": {"outcome": "undecided"}})
-    assert not is_old(folder)  # a look changes no result
+    assert "As it was noted." in said()  # a look changes no result
+    assert old not in said()
     file.write_text(json.dumps(now | {"sentence": "A stale verdict.", "state": "other trials"}))
-    show(folder, console)
-    assert "A stale verdict." not in console.file.getvalue()
-    assert f"the report is older than the trials; write it again: bench report {folder}" in console.file.getvalue()
+    assert "A stale verdict." not in said()
+    assert f"{old} {folder}" in said()
