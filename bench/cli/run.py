@@ -165,12 +165,10 @@ def command(
         print_line(line, "red", console)
     for line in outcome.doubtful:
         print_line(line, "red", console)
-    if outcome.replayed:
-        print_line(f"{count(outcome.replayed, 'evaluation')} of interrupted trials came from the journal")
-    if outcome.dropped:
-        print_error(
-            f"{count(outcome.dropped, 'evaluation')} in the journal were of no use: other points were asked for"
-        )
+    if replayed := outcome.journal["replayed"]:
+        print_line(f"{count(replayed, 'evaluation')} of interrupted trials came from the journal")
+    if dropped := outcome.journal["dropped"]:
+        print_error(f"{count(dropped, 'evaluation')} in the journal were of no use: other points were asked for")
     if outcome.unasked:
         print_error(UNASKED.format(listed(outcome.unasked)))
     if outcome.spared:

@@ -46,7 +46,7 @@ from bench.trial.trial import Trial
 LOADING = 300.0  # seconds for loading plug-ins, for a warm-up, and for evaluating a point
 WARMING = 20.0  # least seconds of a warm-up, in which code may be compiled, where a trial may take fewer
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
-KEPT = 64  # warmed-up optimizers of a job at most; more are warmed up again when their turn comes
+KEPT = 32  # warmed-up optimizers of a job at most; more are warmed up again when their turn comes
 WORTH = 50.0  # times the seconds of its start: a process is replaced once its trials have taken longer
 TIMEOUT, MEMORY = 600.0, 4_000_000_000  # wall seconds and bytes of a trial of code that nobody trusts, unless given
 BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least one point: more than its point takes again
@@ -62,7 +62,6 @@ class Task:
     hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
     apart: bool = False  # whether problem, budget and trace are kept in another process than the optimizer
     untrusted: bool = False  # whether they are, all processes run in a sandbox, and trials have limits by default
-    kept: int = KEPT  # warmed-up optimizers of a job at most
     package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
     output: str = ""  # the folder of results, which are no inputs
     known: dict[str, tuple[str, Signature]] = field(default_factory=dict)  # hashes of large files, with signatures
@@ -140,7 +139,7 @@ class Job:
                 ready.end_process()
                 ready.server = self._with_optimizer(problems, optimizer).branch()
         self._ready[problems, optimizer] = ready
-        while len(self._ready) > self._task.kept:
+        while len(self._ready) > KEPT:
             _, oldest = self._ready.popitem(last=False)
             oldest.end_process()
             oldest.server.close()

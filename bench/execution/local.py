@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, suppress
-from dataclasses import replace
+from contextlib import AbstractContextManager
 from threading import Lock
 
 from joblib import effective_n_jobs
@@ -27,8 +26,7 @@ except ImportError:  # on Windows, which counts no sockets
     resource = None  # type: ignore[assignment]
 
 SHARE = 0.9  # of the machine's memory, for the jobs together
-EACH = 4  # files of a warmed-up optimizer: the channels and the outputs of two processes
-JOB = 40  # all others of a job, while it starts a process: those of the processes from which that is forked
+FILES = 40 + 4 * KEPT  # open files of a job: four of each warmed-up optimizer, and those of a process that starts
 RESERVE = 64  # for all else: the store, figures, modules that are imported
 
 
@@ -46,7 +44,7 @@ class Local(AbstractContextManager["Local"]):
     def __init__(self, n_jobs: int) -> None:
         self.jobs = effective_n_jobs(n_jobs)
         self.share: int | None = int(SHARE * provenance.memory() / self.jobs)
-        self._kept = kept(self.jobs)
+        require_files(self.jobs)
         self._supervisors: list[Supervisor] = []
 
     def __exit__(self, *_: object) -> None:
@@ -67,8 +65,7 @@ class Local(AbstractContextManager["Local"]):
             missing: returns the trials that are not finished at the moment they are reached.
         """
         if not self._supervisors:
-            shared = replace(task, kept=self._kept)
-            self._supervisors = [Supervisor(shared) for _ in range(self.jobs)]
+            self._supervisors = [Supervisor(task) for _ in range(self.jobs)]
         idle, turn = [*enumerate(self._supervisors)], Lock()
 
         def make(trial: Trial) -> Answer:
@@ -84,25 +81,22 @@ class Local(AbstractContextManager["Local"]):
         return side_by_side(make, missing(), self.jobs, in_order=False, end=self._end)
 
 
-def kept(n_jobs: int) -> int:
-    """Return how many warmed-up optimizers each job may keep; the soft limit of open files is raised for that.
+def require_files(n_jobs: int) -> None:
+    """Raise the soft limit of open files to what the jobs need.
 
     Raises:
-        BenchError: where the hard limit is too low for one each.
+        BenchError: where the system's hard limit is lower.
     """
     if resource is None:
-        return KEPT
+        return
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = RESERVE + n_jobs * (JOB + EACH * KEPT)
+    wanted = RESERVE + n_jobs * FILES
     if 0 <= soft < wanted:  # -1 is no limit
-        with suppress(OSError, ValueError):  # some systems have further limits
-            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted if hard < 0 else min(wanted, hard), hard))
-        soft = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    fitting = ((soft if soft >= 0 else wanted) - RESERVE) // n_jobs - JOB
-    if fitting < EACH:
-        fewer = max(1, (soft - RESERVE) // (JOB + EACH))
-        raise BenchError(
-            f"{n_jobs} jobs need {RESERVE + n_jobs * (JOB + EACH):,} open files, and this system allows a process "
-            f"{soft:,}; run {fewer} at a time (--jobs {fewer}), or allow more (ulimit -n {wanted})"
-        )
-    return min(KEPT, fitting // EACH)
+        try:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+        except (OSError, ValueError) as error:
+            fewer = max(1, (hard - RESERVE) // FILES)
+            raise BenchError(
+                f"{n_jobs} jobs need {wanted:,} open files, and this system allows a process {hard:,}; run {fewer} at "
+                f"a time (--jobs {fewer}), or allow more (ulimit -Hn {wanted})"
+            ) from error

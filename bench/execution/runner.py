@@ -55,8 +55,8 @@ class Outcome:
         spared: the optimizers of which trials were not considered for being made again, as their evaluations take long.
         doubtful: a line for each cell that gets no more trials, as a stored one differed when it was made again.
         unasked: the optimizers that took none of the points that are known (``initial``).
-        replayed: evaluations that the journals of interrupted trials answered.
-        dropped: evaluations in journals that were of no use, as other points were asked for.
+        journal: evaluations in the journals of interrupted trials: those ``replayed``, and those ``dropped``, as other
+            points were asked for.
     """
 
     folder: Path
@@ -68,8 +68,7 @@ class Outcome:
     spared: list[str] = field(default_factory=list)
     doubtful: list[str] = field(default_factory=list)
     unasked: list[str] = field(default_factory=list)
-    replayed: int = 0
-    dropped: int = 0
+    journal: Counter[str] = field(default_factory=Counter)
 
     @property
     def remedy(self) -> str:
@@ -335,8 +334,7 @@ def _commit(
                     numbers[machine] = writer.environment(json.loads(machine) | about)
                     folder.write_environments()
                 beside = row.pop("beside", {})
-                outcome.replayed += beside.get("replayed", 0)
-                outcome.dropped += beside.get("dropped", 0)
+                outcome.journal.update(beside.get("journal", {}))
                 if beside.get("unasked") and trial.optimizer not in outcome.unasked:
                     outcome.unasked.append(trial.optimizer)
                 made_from = beside.get("inputs")

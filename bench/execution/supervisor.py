@@ -198,7 +198,7 @@ class Supervisor:
 
         The row's ``beside`` is what no column holds: ``after`` is that of
         :meth:`bench.execution.again.Repetition.consider`, ``inputs`` are what it was made from, as JSON, ``unasked`` is
-        that of :class:`bench.trial.trial.Result`, and of its journal the evaluations ``replayed`` and ``dropped``.
+        that of :class:`bench.trial.trial.Result`, and ``journal`` counts what became of the evaluations in its journal.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
@@ -213,7 +213,7 @@ class Supervisor:
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
         counted = {key: number for key in ("replayed", "dropped") if type(number := answer.get(key)) is int}
         beside = {"after": after, "inputs": answer.get("inputs"), "unasked": answer.get("unasked") is True}
-        return row | {"beside": beside | counted}
+        return row | {"beside": beside | {"journal": counted}}
 
 
 def row_of(error: Exception, doing: str = "", cut: Callable[[str], str] = str) -> Row:

@@ -99,8 +99,8 @@ def test_a_run_that_is_killed_goes_on_where_it_was(night, tmp_path):
     for after in (15, 40):
         killed(study, tmp_path / "out", count, after)
     outcome = run(study, tmp_path / "out", n_jobs=1, verify=False)
-    assert outcome.replayed > 0
-    assert outcome.dropped == 0
+    assert outcome.journal["replayed"] > 0
+    assert outcome.journal["dropped"] == 0
     same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
     twice = len(lines(count)) - 2 * 30 - 2
     assert 0 <= twice <= 2 * (2 + 1)  # what was under way at each kill: parallel = 2, and a best point
@@ -113,7 +113,7 @@ def test_the_story_of_a_simulator_that_crashes_and_hangs(night, tmp_path):
     killed(study, tmp_path / "out", count, 20)
     outcome = run(study, tmp_path / "out", n_jobs=1, verify=False)
     frame = load_results(tmp_path / "out")
-    assert (outcome.failed, outcome.dropped, set(frame["stop"])) == (0, 0, {"budget"})
+    assert (outcome.failed, outcome.journal["dropped"], set(frame["stop"])) == (0, 0, {"budget"})
     assert (frame["failures"] > 0).any()
     assert (frame["violation"] <= 0).all()
     reasons = {each["error"] for _, records in journals(tmp_path / "out") for each in records if "error" in each}
@@ -126,7 +126,7 @@ def test_a_simulator_that_changed_answers_anew(night, tmp_path):
     study, count = night(simulator=SIMULATOR.replace("1.5 < x < 1.7", "False"))
     killed(study, tmp_path / "out", count, 15)
     night(simulator=SIMULATOR.replace("1.5 < x < 1.7", "False").replace("(x - 1) ** 2", "(x - 2) ** 2"))
-    assert run(study, tmp_path / "out", n_jobs=1, verify=False).replayed == 0
+    assert run(study, tmp_path / "out", n_jobs=1, verify=False).journal["replayed"] == 0
 
 
 def counted(calls, by_point=True, broken=lambda x: False):
