@@ -16,7 +16,6 @@ from bench.contract.optimizer import Optimizer
 from bench.execution.job import sandbox_of_optimizers
 from bench.helpers.errors import BenchError
 from bench.helpers.text import short_hash
-from bench.plugins import loading
 from bench.plugins.inputs import Inputs, Present
 from bench.storage import provenance
 from bench.storage.cells import Cells
@@ -65,7 +64,7 @@ def diagnose_folder(
             continue
         try:
             optimizer = study.optimizer(entry.label)
-            code = key(entry, optimizer, made_from(held, entry.label))
+            code = key(entry, made_from(held, entry.label))
         except BenchError as error:  # the other optimizers get their verdicts all the same
             noted.pop(entry.label, None)
             yield Diagnosis(entry.label, [], str(error))
@@ -95,16 +94,16 @@ def made_from(held: Cells, label: str) -> Inputs:
     return {name: known for cell in cells for part in held.made_from(cell) for name, known in part.items()}
 
 
-def key(entry: Entry, optimizer: Optimizer, made: Inputs) -> str:
+def key(entry: Entry, made: Inputs) -> str:
     """Return a hash of all that verdicts on an optimizer depend on: its code, its parameters, and the checks' code.
 
-    The code is what its trials were ``made`` from, with the versions of what it and this package use; "" where that is
-    not known, or is other code now.
+    The code is what its trials were ``made`` from, with the versions of what this package uses; "" where that is not
+    known, or is other code now.
     """
     if not made or Present().changed(made):
         return ""
     about: list[Any] = [
-        provenance.package(), platform.python_version(), package_versions(loading.defining([optimizer])),
+        provenance.package(), platform.python_version(), package_versions(),
         {name: state for name, (state, _) in made.items()}, entry.name, entry.options,
     ]  # fmt: skip
     return short_hash(json.dumps(about, sort_keys=True, default=str))

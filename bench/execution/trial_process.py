@@ -31,7 +31,6 @@ from bench.helpers.text import printable
 from bench.plugins import observing, packing
 from bench.plugins.from_file import located
 from bench.plugins.inputs import Inputs, named
-from bench.plugins.loading import defining
 from bench.plugins.observing import Signature, reading
 from bench.plugins.packing import Objects
 from bench.sandbox.server import end_if_stuck
@@ -81,8 +80,7 @@ def check_problems() -> dict[str, Any]:
             dimensions = _study.dimensions(_problem)
             for label in dimensions:
                 require_possible(_problem(label), *_study.evaluation)
-        about = provenance.machine(defining([_problem(entry.label).unscored for entry in _study.problems]))
-        return {"dimensions": dimensions, "machine": about, "modules": observing.modules()}
+        return {"dimensions": dimensions, "machine": provenance.machine(), "modules": observing.modules()}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 
@@ -92,8 +90,7 @@ def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str,
     try:
         with reading("optimizer"):
             _study.check_optimizers(labels, dimensions)
-        about = provenance.machine(defining([_study.optimizer(label) for label in labels]))
-        return {"machine": about, "modules": observing.modules()}
+        return {"machine": provenance.machine(), "modules": observing.modules()}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 

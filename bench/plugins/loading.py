@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
-import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from typing import Any
@@ -277,19 +276,6 @@ def _problem(loaded: Any, name: str) -> Problem:
 
 
 # both
-
-
-def defining(plugins: Iterable[object]) -> list[str]:
-    """Return the names of the modules that define the plug-ins' classes and the functions they hold."""
-    names: set[str] = set()
-    for plugin in plugins:
-        kind = type(plugin)
-        held = [*vars(kind).values(), *getattr(plugin, "__dict__", {}).values()]
-        owners = [*kind.__mro__, *(value for value in held if callable(value) and not isinstance(value, type))]
-        names |= {name for owner in owners if isinstance(name := getattr(owner, "__module__", None), str)}
-    return sorted(
-        name for name in names if name.partition(".")[0] not in {"bench", "__main__", *sys.stdlib_module_names}
-    )
 
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:

@@ -120,6 +120,13 @@ class StoredResults:
         return {entry.label: made[entry.label] for entry in self.study.problems if made.get(entry.label)}
 
     @cached_property
+    def packages(self) -> dict[str, str]:
+        """The version of each package that trials were made from; those of the environment are in its records."""
+        made = (inputs for source in self._sources for inputs in source.folder.made().values())
+        states = {name: state for inputs in made for name, (state, _) in inputs.items()}
+        return {name[8:]: state.split()[0] for name, state in states.items() if name.startswith("package:") and state}
+
+    @cached_property
     def changed(self) -> dict[str, list[str]]:
         """What trials were made from and is another by now, by the label of the problem or optimizer."""
         return {label: names for source in self._sources for label, names in source.folder.changed().items()}

@@ -12,7 +12,7 @@ import platform
 import shlex
 import socket
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
@@ -35,11 +35,11 @@ CONTAINER_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 """Files with a container's memory limit on Linux: of control groups version 2 and version 1."""
 
 
-def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the record of this process, its machine and the modules that define the plug-ins in use."""
+def machine() -> dict[str, Any]:
+    """Return the record of this process and its machine."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
-        "packages": package_versions(plugins),
+        "packages": package_versions(),
         "python": platform.python_version(),
         "system": platform.platform(),
         "host": host(),
@@ -53,10 +53,9 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def united(record: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a machine's record with those packages and BLAS that only another process's record has."""
+    """Return a machine's record with the BLAS that only another process's record has."""
     blas = [*record["blas"], *(library for library in other.get("blas") or () if library not in record["blas"])]
-    packages = dict(other.get("packages") or {}) | record["packages"]
-    return dict(record) | {"packages": packages, "blas": sorted(blas, key=str)}
+    return dict(record) | {"blas": sorted(blas, key=str)}
 
 
 def run(
@@ -169,7 +168,6 @@ def _processor() -> str:
 
 
 def blas() -> list[dict[str, Any]]:
-    """Return library, version and threads of every BLAS that this process has loaded."""
     """Return library, version and threads of every BLAS that this process has loaded."""
     keys = {"library": "internal_api", "version": "version", "threads": "num_threads"}
     loaded = [library for library in threadpool_info() if library["user_api"] == "blas"]

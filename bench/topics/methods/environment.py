@@ -83,7 +83,8 @@ class Environments:
 
     def table(self) -> Table:
         """Return the table of the environments, a column each; the file has every item and all of them."""
-        every = pd.DataFrame({letter: self._items(group) for letter, group in self.groups.items()})
+        loaded = {f"package {name}": version for name, version in self.results.packages.items()}
+        every = pd.DataFrame({letter: self._items(group) | loaded for letter, group in self.groups.items()})
         shown = every.loc[[item for item in FIRST if item in every.index]].iloc[:, : NAMED + 1]
         shown = shown.set_axis(["value"], axis=1) if every.shape[1] == 1 else shown
         return Table(

@@ -36,10 +36,7 @@ def made(tmp_path):
 def keys(folder):
     """Return the keys of the verdicts on a folder's optimizers."""
     study, held = folder.study(), folder.store.held()
-    return {
-        checked.key(entry, study.optimizer(entry.label), checked.made_from(held, entry.label))
-        for entry in study.optimizers
-    }
+    return {checked.key(entry, checked.made_from(held, entry.label)) for entry in study.optimizers}
 
 
 def test_a_folder_keeps_the_verdicts_on_its_optimizers(made):

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from bench import load_optimizer, load_problem
-from bench.plugins.loading import defining
 from bench.storage import provenance, versions
 from bench.storage.provenance import differences, machine, run
 
@@ -39,16 +37,6 @@ class TestMachine:
         assert first["cores"] >= 1
         assert 0 < first["memory_gb"] < 1e5
         assert all(each.keys() == {"library", "version", "threads"} for each in first["blas"])
-
-    def test_the_distributions_of_the_plugins_in_use_are_recorded_with_the_library_of_a_family(self):
-        pytest.importorskip("mealpy")
-        plain = machine(defining([load_optimizer("gwo")]))["packages"]
-        assert plain.keys() == machine()["packages"].keys()
-        used = [load_optimizer("hill-climber"), load_optimizer("mealpy:OriginalGWO"), load_problem("sphere-2")]
-        assert machine(defining(used))["packages"] == plain | {"testing-plugins": "1.0", "mealpy": version("mealpy")}
-
-    def test_a_module_that_is_not_there_costs_nothing(self):
-        assert machine(["no_such_module", "no_such.module", ""]) == machine()
 
     def test_the_memory_is_what_a_container_may_use(self, tmp_path, monkeypatch):
         whole = provenance.memory()
