@@ -41,6 +41,7 @@ TALLEST = 8.0  # inches that the rows of a figure may take together: a page
 ROW = 0.2  # inches, a row of a figure with a label on its left
 TICK = 0.36  # inches that a number below an axis takes
 LEGEND_ROW = 0.145  # inches, a row of a legend
+RIGHT = 0.2  # inches, the margin right of the panels
 X_LABEL, Y_LABEL = 0.2, 0.15  # inches from an axis to the name below it, and of the name from the figure's left edge
 POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes ("small" is 0.833 of the size)
 
@@ -54,7 +55,6 @@ LINES = ("-", "--", "-.", ":", (0, (5, 1)))
 HATCHES = ("", "///")
 REFERENCE = "#D55E00"  # expected values and limits
 DARK = "#111111"  # of text on colours, which a dark page leaves as it is, unlike black
-BAND = "#EAAE80"  # bands about them: a paler shade, as SVG and PDF render transparent hatches differently
 
 MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the page would not load
 HUGE = 1e100  # above it matplotlib's margins may overflow
@@ -83,9 +83,6 @@ Pens = Mapping[str, Pen]
 COLUMN, PAGE = 252 * POINT, 516 * POINT
 """The widths of figures in inches: of a column, and of the whole text of two columns, as in IEEE's journals."""
 
-BESIDE = Pen("#7F7F7F", "", "-")
-"""The pen of a published reference, which is no optimizer of the study."""
-
 
 @contextmanager
 def context() -> Iterator[None]:
@@ -95,30 +92,26 @@ def context() -> Iterator[None]:
         yield
 
 
-def pens(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bool = True) -> Pens:
+def pens(labels: Iterable[str], best: Collection[str] | None = None) -> Pens:
     """Return a pen for each label, which depends on the labels but not on their order; the first 280 all differ.
 
     An optimizer keeps its colour from report to report as far as colours suffice: hashes of a label and a colour
     (BLAKE2b) are the order in which labels take colours, each the first one that nobody has. So another label seldom
     changes a pen. Labels beyond the ten colours take them again, with other markers and lines.
 
-    With ``best``, only these have a pen of their own; the others are drawn in grey, behind them, or without ``grey``
-    take their colours after them. Pens stay what they are.
+    With ``best``, only these have a pen of their own; the others are drawn in grey, behind them.
     """
-    if isinstance(labels, Mapping):
-        return labels
     every = list(labels)
-    first = every if best is None else [label for label in every if label in best]
+    left = every if best is None else [label for label in every if label in best]
     pen_of: dict[str, Pen] = {}
     turn = 0
-    for left in (first, [] if grey else [label for label in every if label not in first]):
-        while left:
-            colours = _colours(left)
-            for label, colour in colours.items():
-                place = colour + turn
-                pen_of[label] = Pen(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
-            left = [label for label in left if label not in colours]
-            turn += 1
+    while left:
+        colours = _colours(left)
+        for label, colour in colours.items():
+            place = colour + turn
+            pen_of[label] = Pen(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
+        left = [label for label in left if label not in colours]
+        turn += 1
     return {label: pen_of.get(label, Pen(GREY, "", "-", background=True)) for label in every}
 
 
@@ -270,7 +263,7 @@ def own_axes(ax: Axes | None, *, height: float = 2.2) -> Axes:
 
 
 def grid(
-    number: int, *, columns: int = 3, width: float | None = None, height: float, left: float, right: float = 0.2,
+    number: int, *, columns: int = 3, width: float | None = None, height: float, left: float,
     bottom: float = 0.36, top: float = 0.2, across: float = 0.0, down: float = 0.0,
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:  # fmt: skip
     """Return a figure of small multiples and its axes, row by row, laid out by known margins.
@@ -282,7 +275,7 @@ def grid(
     columns = max(min(columns, number), 1)
     rows = max(ceil(number / columns), 1)
     total = rows * height + (rows - 1) * down + top + bottom
-    panel = max((width - left - right - (columns - 1) * across) / columns, 0.1)
+    panel = max((width - left - RIGHT - (columns - 1) * across) / columns, 0.1)
     figure = matplotlib.figure.Figure(figsize=(width, total))
     figure.subplots_adjust(
         left / width, bottom / total, left / width + (columns * panel + (columns - 1) * across) / width,
@@ -336,9 +329,9 @@ def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> No
     figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
-def legend_height(texts: Sequence[str], width: float | None = None) -> float:
-    """Return the height in inches of a :func:`legend_above` with these texts, in a figure of this width or a page's."""
-    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, width or PAGE)) + 0.08
+def legend_height(texts: Sequence[str]) -> float:
+    """Return the height in inches of a :func:`legend_above` with these texts, in a figure as wide as a page's text."""
+    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, PAGE)) + 0.08
 
 
 def _legend_columns(texts: Sequence[str], width: float) -> int:

@@ -1,13 +1,10 @@
 """Small frames of every kind that can be drawn, and what the tests of drawings share."""
 
-import io
-import itertools
 import warnings
 from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from bench.plots import style
@@ -31,7 +28,6 @@ def trials(cells):
         {
             "problem": problem, "optimizer": optimizer, "trial": trial, "seed": trial, "nfev": 9,
             "status": "ok" if np.isfinite(value) else "failed", "fun": value if np.isfinite(value) else np.nan,
-            "speed_rpm": 100 + value if np.isfinite(value) else np.nan,
         }
         for (problem, optimizer), values in cells.items()
         for trial, value in enumerate(values)
@@ -61,35 +57,10 @@ def times(problems, optimizers, unreached=()):
     return pd.DataFrame(rows, columns=["problem", "optimizer", "tau", "target", "trials", "successes", "ert"])
 
 
-def plateau(problems, optimizers):
-    rows = [(p, o, 0.0, 3.0, 3, 3, 1.0) for p in problems for o in optimizers]
-    return pd.DataFrame(rows, columns=["problem", "optimizer", "tau", "target", "trials", "successes", "ert"])
-
-
 def fractions(optimizers, along="evaluations"):
     parts = [pd.DataFrame({"optimizer": o, along: GRID, "fraction": np.linspace(0, 1, len(GRID))}) for o in optimizers]
     return pd.concat(parts, ignore_index=True)
 
 
-def improvements(optimizers):
-    rows = [(a, b, 0.6, 0.45, 0.7, False) for a, b in itertools.combinations(optimizers, 2)]
-    columns = ["first", "second", "a12", "low", "high", "significant"]
-    return pd.DataFrame(rows, columns=columns)
-
-
-def clock(optimizers):
-    return pd.DataFrame({"optimizer": optimizers, "trials": 3, "wall_mean": 2.0, "objective_mean": 0.5})
-
-
 def axes():
     return Figure().subplots()
-
-
-def svg(figure):
-    file = io.BytesIO()
-    FigureCanvasSVG(figure).print_svg(file, metadata={"Date": None})
-    return file.getvalue().decode()
-
-
-def texts(ax):
-    return [text.get_text() for text in ax.texts if text.get_text()]

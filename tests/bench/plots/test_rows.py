@@ -22,12 +22,3 @@ def test_boxes_are_quartiles_and_every_trial_is_a_point():
     *whiskers, median = (line.get_xdata().tolist() for line in ax.lines if line.get_marker() == "")
     assert whiskers == [[-4.0, -4.0], [-2.0, -1.0]]
     assert median == [-3.0, -3.0]
-
-
-def test_truth_is_a_line_with_a_hatched_band():
-    frame = trials({("p", "a"): [1.0, 2.0]})
-    ax = plots.box_plot(frame, "p", column="speed_rpm", expected=101.5, tolerance=0.25, ax=axes())
-    line, band = ax.lines[-1], ax.patches[-1]
-    assert set(line.get_xdata()) == {101.5}
-    assert (band.get_x(), band.get_width(), band.get_hatch()) == (101.25, 0.5, "/////")
-    assert [text.get_text() for text in ax.get_legend().texts] == ["expected 101.5", "± 0.25"]
