@@ -1,9 +1,9 @@
 """Change the code in small ways, one at a time, and print which changes the fast tests find.
 
 ``python tools/mutations.py`` changes a copy of this tree in 60 places of analysis, storage, execution, scoring, study
-and the swarms, and runs the tests of the folder that mirrors the module: first those that are named after it. ``--of
-COMMIT`` takes the places from another commit, so that two suites are held to the same changes, but for lines that are
-gone. ``--only`` takes those of paths that begin so.
+and the swarms, and runs the tests of the folder that mirrors the module: first the files that are named after it or
+after its folder, then the other ones. ``--of COMMIT`` takes the places from another commit, so that two suites are held
+to the same changes, but for lines that are gone. ``--only`` takes those of paths that begin so.
 """
 
 import argparse
@@ -75,17 +75,18 @@ def chosen(commit):
 
 
 def finders(tree, path, limit):
-    """Return which tests of a copy fail: those of the module, else those of its folder, else "" for none."""
-    folder, name = tree / "tests" / Path(path).parent, Path(path).stem
-    own = [file for file in folder.glob("test_*.py") if name in file.read_text(encoding="utf-8") or name in file.stem]
+    """Return which tests of a copy fail: those of the module, else the others of its folder, else "" for none."""
+    folder, name, levels = tree / "tests" / Path(path).parent, Path(path).stem, {"module": [], "folder": []}
+    for file in sorted(folder.rglob("test_*.py")):
+        levels["module" if name in f"{file.stem} {file.parent.name}" else "folder"].append(file)
     environment = os.environ | {"PYTHONPATH": str(tree)}  # before the tree in which the package is installed
-    for level, files in (("module", own), ("folder", [folder])):
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *map(str, files)]
+    for level in filter(levels.get, levels):
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *map(str, levels[level])]
         try:
             done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, timeout=limit, check=False)
         except subprocess.TimeoutExpired:
             return f"{level} (time)"
-        if files and done.returncode not in (0, 5):  # 5: all of them are slow
+        if done.returncode not in (0, 5):  # 5: all of them are slow
             return level
     return ""
 
