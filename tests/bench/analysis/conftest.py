@@ -44,7 +44,8 @@ def one():
 
     def only(table, **where):
         for column, value in where.items():
-            table = table[table[column] == value]
+            same = np.isclose(table[column], value) if isinstance(value, float) else table[column] == value
+            table = table[same]
         assert len(table) == 1
         return table.iloc[0]
 

@@ -1,7 +1,5 @@
 """Best-so-far curves, targets, hitting times and what follows: by hand on tiny traces, and as properties."""
 
-import warnings
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -20,6 +18,7 @@ from bench.analysis.anytime import (
 from bench.analysis.target_sets import targets
 from bench.contract.objective import Trace
 
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 BUDGET = 100
 
@@ -31,21 +30,6 @@ def trace(*steps):
 
 def trials(*rows):
     return pd.DataFrame(rows, columns=["problem", "optimizer", "trial", "status", "nfev"])
-
-
-def one(table, **where):
-    for column, value in where.items():
-        same = np.isclose(table[column], value) if isinstance(value, float) else table[column] == value
-        table = table[same]
-    assert len(table) == 1
-    return table.iloc[0]
-
-
-@pytest.fixture(autouse=True)
-def _quiet():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        yield
 
 
 # f_0 is 10, the lowest value 0: the target of tau is 10 tau. "a" has one success at 0.1 and one failed trial.
@@ -66,7 +50,7 @@ HITS = hitting_times(FRAME, TRACES, targets(TRACES), BUDGET)
 
 
 class TestHittingTimes:
-    def test_by_hand(self):
+    def test_by_hand(self, one):
         assert list(HITS) == ["problem", "optimizer", "trial", "tau", "target", "evaluations", "spent"]
         assert len(HITS) == 5 * 31
         times = HITS[np.isclose(HITS["tau"], 0.1)].set_index(["optimizer", "trial"])["evaluations"]
@@ -84,7 +68,7 @@ class TestHittingTimes:
 
 
 class TestExpectedRunningTime:
-    def test_by_hand(self):
+    def test_by_hand(self, one):
         ert = expected_running_time(HITS)
         assert list(ert) == ["problem", "optimizer", "tau", "target", "trials", "successes", "ert"]
         a = one(ert, optimizer="a", tau=0.1)
@@ -108,7 +92,7 @@ class TestExpectedRunningTime:
 
 
 class TestSuccessRates:
-    def test_by_hand_and_against_statsmodels(self):
+    def test_by_hand_and_against_statsmodels(self, one):
         assert set(success_rates(HITS)["tau"]) == {1e-1, 1e-2, 1e-3}
         rates = success_rates(HITS, taus=(0.1, 0.01))
         assert list(rates) == ["problem", "optimizer", "tau", "successes", "trials", "rate", "low", "high"]

@@ -6,9 +6,8 @@ import pytest
 from scipy.stats import norm, t
 
 from bench.analysis import pairwise_tests
-from bench.analysis.comparison import chances, compare, inflation, order, shared, wins_all
+from bench.analysis.comparison import chances, compare, inflation, order, shared, shared_by, wins_all
 from bench.analysis.direction import a12, least_p
-from bench.analysis.pairwise import holm
 
 
 def drawn(shifts, problems=6, n=15, seed=1):
@@ -108,15 +107,6 @@ class TestSeeds:
         assert factor >= 1
         assert freedom == 9
 
-
-class TestOnProblems:
-    def test_pairs_are_adjusted_within_their_problem(self):
-        frame = drawn({"a": 0.0, "b": 0.6, "c": 1.1, "d": 0.0})
-        found = pairwise_tests(frame)
-        for _, rows in found.groupby("problem"):
-            assert rows["p_holm"].tolist() == pytest.approx(holm(rows["p"].to_numpy()).tolist())
-            assert rows["level"].min() == pytest.approx(0.05 / 6)
-        assert (found["significant"] == (found["p_holm"] <= 0.05)).all()
-        clear = found[found["significant"]]
-        first, second, lower = (clear[name].astype(object) for name in ("first", "second", "lower"))
-        assert (lower == first.where(clear["a12"] > 0.5, second)).all()
+    def test_runs_that_share_seeds_across_problems_are_found(self):
+        rows = [("p", "a", 1), ("q", "a", 1), ("p", "b", 2), ("q", "b", 3), ("p", "c", None), ("q", "c", None)]
+        assert shared_by(pd.DataFrame(rows, columns=["problem", "optimizer", "seed"])) == ["a"]

@@ -30,16 +30,6 @@ def test_a_cycle_is_a_tie(standing_of):
     assert found["rank"].idxmax() == "c"
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_properties(random_frame, seed):
-    found = chances(random_frame(seed))
-    for _, own in found.groupby("problem"):
-        k = len(own)
-        assert own["rank"].sum() == pytest.approx(k * (k + 1) / 2)
-        assert own["chance"].mean() == pytest.approx(0.5)
-        assert own["chance"].round(9).rank(ascending=False).tolist() == own["rank"].tolist()
-
-
 def test_the_lowest_median_of_two_basins_may_lose_by_trials(frame_of):
     """As on signature-12 in one run: the median of ALO was the lowest, but trials of CMA-ES mostly end lower."""
     rng = np.random.default_rng(1)

@@ -10,15 +10,11 @@ from bench.analysis.target_sets import (
     targets,
     tolerance_times,
 )
-from bench.contract.objective import Trace
 from bench.study.targets import COCO_PRECISIONS
+from tests.bench.analysis.test_anytime import TRACES as BEGUN
+from tests.bench.analysis.test_anytime import trace
 
 INF = float("inf")
-
-
-def trace(*steps):
-    evaluations, values = zip(*steps, strict=True) if steps else ((), ())
-    return Trace(np.array(evaluations, dtype=np.int64), np.array(values, dtype=float))
 
 
 TRACES = {("p", "a", 0): trace((1, 14.0), (5, 5.0)), ("p", "a", 1): trace((2, 6.0), (8, 4.1))}
@@ -30,15 +26,6 @@ FRAME = pd.DataFrame(
     ],
     columns=["problem", "optimizer", "trial", "status", "fun", "nfev", "size"],
 )
-
-
-# f_0 is 10, the lowest value 0: the target of tau is 10 tau.
-BEGUN = {
-    ("p", "a", 0): trace((1, 10.0), (5, 1.0), (20, 0.0)),
-    ("p", "a", 1): trace((1, 12.0), (50, 5.0)),
-    ("p", "b", 0): trace((2, 10.0), (40, 0.5)),
-    ("p", "b", 1): trace((1, 9.0), (8, 1.0)),
-}
 
 
 class TestLadder:
