@@ -8,6 +8,7 @@ from tests.bench.cli.test_reproduce import HEAD
 HEADER = f"{HEAD}function,optimizer,mean,sd\n"
 FILES = {
     "bad.toml": "name = ",
+    "deep.toml": "trials = " + "[" * 50_000,
     "odd.toml": 'name = "s"\nproblems = ["sphere-2"]\noptimizers = ["hillclimber"]\n',
     "ring.toml": 'name = "s"\nconstraints = "repair"\nproblems = ["ring-2"]\noptimizers = ["scatter"]\n',
     "own.py": "x = 1\n",
@@ -39,6 +40,8 @@ REFUSED = [
     ("run", "name a study: 'bench run quick' runs a small one"),
     ("run nosuch", "unknown study 'nosuch'"),
     ("run bad.toml", "is not valid TOML"),
+    ("run deep.toml", "is not valid TOML: it is nested more than 100 levels deep"),
+    ("run missing.toml", "cannot be read"),
     ("run odd.toml", "unknown optimizer 'hillclimber'; did you mean 'hill-climber'?"),
     ("run ring.toml -o no", "problem 'ring-2' has no rule that repairs violated constraints"),
     ("run quick --jobs x", "--jobs must be a whole number, not 'x'"),
