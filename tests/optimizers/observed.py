@@ -8,25 +8,20 @@ OPTIMUM = np.array([2.3, 6.1, -3.3])
 LOWER, UPPER, BEST = np.array([1.0, -7.0, 20.0]), np.array([4.0, -2.0, 80.0]), np.array([1.7, -6.1, 33.0])
 
 
-class Watched(FunctionProblem):
-    """A sphere, which keeps the batches it evaluates."""
+def sphere(x):
+    return ((x - OPTIMUM) ** 2).sum(axis=1)
 
-    def __init__(self, fun=lambda x: ((x - OPTIMUM) ** 2).sum(axis=1)):
-        super().__init__(fun, [1.0, 2.0, -7.0], [5.0, 9.0, -1.0], name="watched")
+
+class Watched(FunctionProblem):
+    """A function that keeps the batches it evaluates."""
+
+    def __init__(self, fun=sphere, lower=(1.0, 2.0, -7.0), upper=(5.0, 9.0, -1.0), **options):
+        super().__init__(fun, lower, upper, name="watched", **options)
         self.batches = []
 
     def evaluate(self, x):
         self.batches.append(x.copy())
         return super().evaluate(x)
-
-
-class Ordered(Watched):
-    """Feasible where the first variable is at most 3."""
-
-    def repair(self, x):
-        x = super().repair(x)
-        x[:, 0] = np.minimum(x[:, 0], 3.0)
-        return x
 
 
 def bowl(x):

@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 from bench import BudgetExhausted, FunctionProblem, Objective, load_problem, solve
 from bench.contract.seeds import streams
 from optimizers.cma_es import CMAES, BoxMap
+from tests.optimizers.observed import Watched
 
 
 def boxes(seed):
@@ -34,19 +35,11 @@ def test_a_pre_image_maps_back(seed):
     np.testing.assert_allclose(box(box.inverse(x)[np.newaxis])[0], x, rtol=1e-9, atol=1e-12)
 
 
-class Watched(FunctionProblem):
-    """A problem that keeps the points it evaluates, feasible where the first variable is at most 4."""
-
-    def __init__(self, function, lower, upper):
-        super().__init__(function, lower, upper)
-        self.seen = []
+class Capped(Watched):
+    """Feasible where the first variable is at most 4."""
 
     def repair(self, x):
         return np.column_stack([np.minimum(x[:, 0], 4.0), x[:, 1:]])
-
-    def evaluate(self, x):
-        self.seen.append(x.copy())
-        return super().evaluate(x)
 
 
 def plain_pycma(problem, optimizer, budget, seed):
@@ -72,17 +65,17 @@ def plain_pycma(problem, optimizer, budget, seed):
 def ill_conditioned(exponent):
     """Return a problem of that condition, rotated: beyond 1e12 pycma changes its coordinates."""
     scales, rotation = 10 ** np.linspace(0, exponent, 4), np.eye(4) - 0.5
-    return Watched(lambda x: (scales * ((x - 1) @ rotation) ** 2).sum(axis=1), [-5] * 4, [5] * 4)
+    return Capped(lambda x: (scales * ((x - 1) @ rotation) ** 2).sum(axis=1), [-5] * 4, [5] * 4)
 
 
 def ellipsoid(dimension):
     """Return a problem whose optimum lies on bounds."""
-    return Watched(lambda x: (np.arange(1, dimension + 1) * x**2).sum(axis=1), [0] * dimension, [7] * dimension)
+    return Capped(lambda x: (np.arange(1, dimension + 1) * x**2).sum(axis=1), [0] * dimension, [7] * dimension)
 
 
 def signature():
     problem = load_problem("signature-12", unit="rpm")
-    return Watched(problem.evaluate, problem.lower, problem.upper)
+    return Capped(problem.evaluate, problem.lower, problem.upper)
 
 
 MIDPOINT = {"handling": "box", "start": "midpoint"}
@@ -105,11 +98,11 @@ def test_a_run_is_pycma_s_own_with_bounds(problem, options, generations):
     optimizer = CMAES(**options)
     budget = generations * optimizer.population(len(problem.lower))
     ours = solve(problem, optimizer, budget=budget, seed=3)
-    points, problem.seen = np.vstack(problem.seen), []
+    points, problem.batches = np.vstack(problem.batches), []
     with warnings.catch_warnings(), threadpool_limits(1):  # as solve does: threads of BLAS change last digits
         warnings.simplefilter("ignore")
         stop = plain_pycma(problem, optimizer, budget, seed=3)
-    np.testing.assert_array_equal(points, np.vstack(problem.seen))
+    np.testing.assert_array_equal(points, np.vstack(problem.batches))
     assert ours.stop == (stop or "budget")
 
 

@@ -12,6 +12,7 @@ from bench import FunctionProblem, solve
 from optimizers.cma_es import CMAES
 from optimizers.cma_es_fast import CMAESFast
 from tests.optimizers import sample_cma
+from tests.optimizers.observed import Watched
 from tests.optimizers.sample_cma import CELLS, SEEDS, mirror
 
 ALPHA = 0.01
@@ -19,18 +20,6 @@ as_pycma_4_5 = pytest.mark.skipif(
     tuple(int(part) for part in version("cma").split(".")[:2]) < (4, 5),
     reason="pycma before 4.5 damps the step size of large populations less",
 )
-
-
-class Recorded(FunctionProblem):
-    """A function that keeps the points it is asked for."""
-
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, **kwargs)
-        self.batches = []
-
-    def evaluate(self, x):
-        self.batches.append(x.copy())
-        return super().evaluate(x)
 
 
 def ellipsoid(exponent, rotation):
@@ -71,7 +60,7 @@ def exact_norm(monkeypatch):
 def test_the_same_draws_give_pycma_s_points(name, agents, active):
     batches = []
     for optimizer in (CMAES, CMAESFast):
-        problem = Recorded(FUNCTIONS[name], [-5, -5, -5, 0, -100], [5, 5, 5, 0.1, 1000])
+        problem = Watched(FUNCTIONS[name], [-5, -5, -5, 0, -100], [5, 5, 5, 0.1, 1000])
         run = optimizer(agents=agents, active=active)
         # Later, in the corner of the slope, values of 300 agents tie up to rounding, which processors do differently.
         solve(problem, run, budget=10 * run.population(5), seed=3)

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 
-from bench import BenchError, Objective, solve
+from bench import Objective, solve
 from bench.contract.seeds import streams
 from bench.helpers.bibtex import parse
 from optimizers.common.family import global_random_state
@@ -85,16 +85,3 @@ def test_the_schedule_ends_with_the_budget(name, planned, monkeypatch):
     assert seen[-1][0] == seen[-1][1]
     if planned:
         assert {last for _, last in seen} == planned
-
-
-@pytest.mark.parametrize(
-    ("name", "options", "sentence"),
-    [
-        ("OriginalABC", {"n_limits": 5000}, "'n_limits' of OriginalABC must be from 1 to 1000, not 5000"),
-        ("BaseGA", {"pc": 0.0}, "mealpy refuses these parameters of BaseGA: 'pc' is a float"),
-    ],
-)
-def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
-    with pytest.raises(BenchError) as refused:
-        mealpy.load(f"mealpy:{name}", **options)
-    assert sentence in str(refused.value)

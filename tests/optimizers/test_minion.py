@@ -5,7 +5,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from bench import BenchError, Objective, solve
+from bench import Objective, solve
 from bench.contract.seeds import streams
 from optimizers.minion import TABLE, minion
 from tests.optimizers.observed import OPTIMUM, Watched
@@ -76,16 +76,3 @@ def test_the_declared_defaults_are_minionpy_s(name):
         return seen
 
     assert points(MEMBERS[name]["parameters"]) == points({})
-
-
-@pytest.mark.parametrize(
-    ("name", "options", "sentence"),
-    [
-        ("LSHADE", {"agents": 3}, "'agents' of LSHADE must be at least 4, not 3"),
-        ("L_BFGS", {}, "minion's L_BFGS is left out: it searches without bounds"),
-    ],
-)
-def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
-    with pytest.raises(BenchError) as refused:
-        minion.load(f"minion:{name}", **options)
-    assert sentence in str(refused.value)

@@ -6,7 +6,7 @@ from pkgutil import iter_modules
 import numpy as np
 import pytest
 
-from bench import BenchError, Objective, solve
+from bench import Objective, solve
 from bench.contract.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.pymoo import FOLDER, TABLE, pymoo
@@ -76,17 +76,3 @@ def test_a_run_is_pymoo_s_own(name, options, generations):
     box = Sphere(n_var=3, n_obj=1, xl=np.array(Watched().lower.tolist()), xu=np.array(Watched().upper.tolist()))
     found = minimize(box, algorithm, ("n_gen", generations), seed=theirs)
     assert (ours.fun, ours.nfev) == (found.F[0], found.algorithm.evaluator.n_eval)
-
-
-@pytest.mark.parametrize(
-    ("name", "options", "sentence"),
-    [
-        ("DE", {"CR": 1.5}, "'CR' of DE must be from 0 to 1, not 1.5"),
-        ("ES", {"n_offsprings": 20, "agents": 15}, "pymoo refuses these parameters of ES: The number of offsprings"),
-        ("BGA", {}, "pymoo's BGA is left out: it searches binary strings"),
-    ],
-)
-def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
-    with pytest.raises(BenchError) as refused:
-        pymoo.load(f"pymoo:{name}", **options)
-    assert sentence in str(refused.value)

@@ -6,23 +6,15 @@ import numpy as np
 import pytest
 
 from bench.contract.objective import Objective
-from bench.contract.problem import FunctionProblem
 from optimizers.alo import ALO, random_walks
 from optimizers.da import DA
 from optimizers.goa import EPS, GOA, social_force, social_forces
 from optimizers.gwo import GWO
 from tests.optimizers import reference
+from tests.optimizers.observed import Watched
 
 
-class Recorded(FunctionProblem):
-    """A function that keeps the batches it is asked for."""
-
-    def evaluate(self, x):
-        self.batches = [*getattr(self, "batches", []), x.copy()]
-        return super().evaluate(x)
-
-
-class Ordered(Recorded):
+class Ordered(Watched):
     """Feasible where the variables increase: the repair sorts them."""
 
     def repair(self, x):
@@ -74,7 +66,7 @@ def nowhere(x):
 
 
 FUNCTIONS = [bowl, steps, signed, cliff, nowhere]
-SHAPES = [(Recorded, 1), (Recorded, 2), (Recorded, 7), (Ordered, 3)]
+SHAPES = [(Watched, 1), (Watched, 2), (Watched, 7), (Ordered, 3)]
 everywhere = pytest.mark.parametrize("f", FUNCTIONS)
 shaped = pytest.mark.parametrize(("kind", "d"), SHAPES)
 
@@ -94,11 +86,11 @@ def test_alo(f, kind, d, variant):
 
 
 def test_alo_walks_longer_than_one_word_and_no_multiple_of_a_byte():
-    compare(ALO(agents=4), reference.alo, make(Recorded, bowl, 2), 70)
+    compare(ALO(agents=4), reference.alo, make(Watched, bowl, 2), 70)
 
 
 def test_alo_sorts_ties_stably():
-    compare(ALO(agents=40), reference.alo, make(Recorded, lambda x: steps(x) + 1, 2), 4)
+    compare(ALO(agents=40), reference.alo, make(Watched, lambda x: steps(x) + 1, 2), 4)
 
 
 @everywhere
@@ -114,7 +106,7 @@ def test_da(f, kind, d):
     compare(DA(agents=9), reference.da, make(kind, f, d), 10)
 
 
-class Edge(Recorded):
+class Edge(Watched):
     """Feasible only on one bound, where DA finds no enemy and keeps the one at the origin."""
 
     def repair(self, x):
@@ -129,8 +121,8 @@ def test_da_without_a_point_inside_the_bounds():
 
 def test_the_comparison_of_da_takes_every_branch():
     seen = Counter()
-    compare(DA(agents=9), reference.da, make(Recorded, bowl, 2), 10, seen=seen)
-    compare(DA(agents=9), reference.da, make(Recorded, bowl, 7), 10, seen=seen)
+    compare(DA(agents=9), reference.da, make(Watched, bowl, 2), 10, seen=seen)
+    compare(DA(agents=9), reference.da, make(Watched, bowl, 7), 10, seen=seen)
     branches = {"far, swarm", "far, alone", "close, swarm", "close, alone", "threatened", "safe"}
     assert branches | {"enemy on the bounds", "equal in a component"} == set(seen)
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import optimize
 from threadpoolctl import threadpool_limits
 
-from bench import BenchError, solve
+from bench import solve
 from bench.contract.seeds import streams
 from optimizers.scipy import MEMBERS, scipy
 from tests.optimizers.observed import BEST, LOWER, UPPER, Recorded
@@ -110,16 +110,3 @@ def test_every_parameter_changes_the_run(name, option):
         solve(problem, scipy.load(f"scipy:{name}", **options), budget=800, seed=1)
         traces.append(np.concatenate(problem.points))
     assert not np.array_equal(*traces)
-
-
-@pytest.mark.parametrize(
-    ("name", "options", "message"),
-    [
-        ("differential_evolution", {"agents": 4}, "'agents' of DifferentialEvolution must be at least 5"),
-        ("dual_annealing", {"visit": 3.0}, "from 1.001 to 2.999"),
-        ("brute", {}, "scipy has no optimizer 'brute'"),
-    ],
-)
-def test_wrong_options_are_refused_in_one_sentence(name, options, message):
-    with pytest.raises(BenchError, match=message):
-        scipy.load(f"scipy:{name}", **options)
