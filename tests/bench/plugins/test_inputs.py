@@ -1,6 +1,9 @@
 """What trials are made from, by name: what counts, in which state, and what changed of it since."""
 
+import json
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -105,3 +108,31 @@ def test_variables_folders_and_patterns_have_states(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("name", "expected"), [("file:a.csv", True), ("file:a.py", False), ("package:a", False)])
 def test_data_are_what_is_no_code(name, expected):
     assert is_data(name) is expected
+
+
+LATE = """
+import json, sys
+from bench import FunctionProblem, Objective
+from bench.plugins.observing import observe, observed, reading
+import numpy as np
+
+def late(x):
+    return x.sum(axis=1) + len(open(sys.argv[1]).read())
+
+observe()
+with reading("problem", "p"):
+    problem = FunctionProblem(late, [0], [1], vectorized=True)
+with reading("optimizer", "o"):
+    open(sys.argv[2]).close()
+    Objective(problem, 5, np.random.default_rng(0))([0.5])
+found = {part: [name for read in owners.values() for name in read["files"]] for part, owners in observed().items()}
+print(json.dumps(found))
+"""
+
+
+def test_what_a_problem_reads_while_it_is_evaluated_is_an_input_of_the_problem(tmp_path):
+    (tmp_path / "data.txt").write_text("1")
+    (tmp_path / "late.py").write_text(LATE)
+    files = [str(tmp_path / name) for name in ("data.txt", "late.py")]
+    done = subprocess.run([sys.executable, files[1], *files], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == {"problem": files[:1], "optimizer": files[1:]}
