@@ -31,7 +31,7 @@ from bench.plugins import registry
 MARKUP = str.maketrans({letter: f"\\{letter}" for letter in "\\`*_[]<>#$"})  # in Markdown
 POINTS, NEAR, INSTANCES = 64, 0.02, 3  # NEAR: of the box, how far half of the points lie from the optimum
 ROUNDING, SMALL = 1e-9, 1e-6  # relative to the larger of two values; of the largest value
-PLACES = {"rosenbrock": 1.0, "levy": 1.0, "schwefel-2-26": 420.968746, "styblinski-tang": -2.903534, "happy-cat": -1.0}
+PLACES = {"rosenbrock": 1.0, "levy": 1.0, "schwefel-2-26": 420.968746, "styblinski-tang": -2.903534}
 WORDS = {"bits": "equal", "rounding": "equal to rounding", "transformed": "transformed", "different": "different",
          "missing": "–"}  # fmt: skip
 STUDIES: dict[str, tuple[list[str], dict[str, Any], int]] = {  # others, options of the suite's problems, dimension
@@ -60,7 +60,7 @@ def their_problem(source: str, function: Any, d: int, instance: int) -> Problem:
         made = (pygmo := import_module("pygmo")).problem(pygmo.cec2014(function, d))
         return by_point(lambda x: made.fitness(x)[0], *made.get_bounds())
     if name == "niapy":
-        title = {"schwefel-2-26": "Schwefel", "discus": "Discus"}.get(function, function.replace("-", " ").title())
+        title = {"schwefel-2-26": "Schwefel"}.get(function, function.replace("-", " ").title())
         made = getattr(import_module("niapy.problems"), title.replace(" ", ""))(dimension=d)
         return by_point(made.evaluate, made.lower, made.upper, optimum_point=place)
     if name in ("pymoo", "pymoo_bbob"):

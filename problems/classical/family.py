@@ -34,9 +34,6 @@ FUNCTIONS = {
     "sphere": Function(-5.12, 5.12, "unimodal", True),
     "ellipsoid": Function(-5, 5, "unimodal", True),
     "cigar": Function(-5, 5, "unimodal", True),
-    "discus": Function(-5, 5, "unimodal", True),
-    "different-powers": Function(-5, 5, "unimodal", True),
-    "sharp-ridge": Function(-5, 5, "unimodal", True),
     "step": Function(-100, 100, "unimodal", True),
     "schwefel-1-2": Function(-100, 100, "unimodal", False),
     "schwefel-2-22": Function(-10, 10, "unimodal", True),
@@ -47,15 +44,8 @@ FUNCTIONS = {
     "griewank": Function(-600, 600, "multimodal", False),
     "levy": Function(-10, 10, "multimodal", True),
     "schwefel-2-26": Function(-500, 500, "multimodal", True),
-    "weierstrass": Function(-0.5, 0.5, "multimodal", True),
-    "katsuura": Function(-5, 5, "multimodal", True),
     "salomon": Function(-100, 100, "multimodal", False),
-    "schaffer-f6": Function(-100, 100, "multimodal", False),
-    "schaffer-f7": Function(-100, 100, "multimodal", False),
     "styblinski-tang": Function(-5, 5, "multimodal", True),
-    "happy-cat": Function(-2, 2, "multimodal", False),
-    "griewank-rosenbrock": Function(-5, 5, "multimodal", False),
-    "lunacek": Function(-5, 5, "multimodal", False),
 }
 
 
@@ -70,12 +60,11 @@ def _compiled(function: Callable[[Floats, Floats], None]) -> Callable[[Floats, F
 def _problem(name: str, member: Member, rotate: object = True) -> Problem:
     if not isinstance(rotate, bool):
         raise BenchError(f"problem {name!r}: rotate must be true or false, not {rotate!r}")
-    from problems.classical import multimodal, unimodal
+    from problems.classical import functions
     from problems.classical.instance import instance, rotated
 
     function = FUNCTIONS[member.function]
-    home = unimodal if function.modality == "unimodal" else multimodal
-    compute = _compiled(getattr(home, member.function.replace("-", "_")))
+    compute = _compiled(getattr(functions, member.function.replace("-", "_")))
     lower, upper = np.full(member.dimension, function.lower), np.full(member.dimension, function.upper)
     shares, rotation = instance(*member)
     best = lower + shares * (upper - lower)
