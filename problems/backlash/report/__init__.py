@@ -1,9 +1,11 @@
 """The thesis's views of a study: Table 7.2, Figs. 7.3 to 7.5 and the best fit, in the section "In your units"."""
 
+import pandas as pd
+
 from bench.analysis import in_study_order
-from bench.report import Line, Part, Section, listing
+from bench.report import Line, Part, Section, Table, listing
 from bench.topics import Findings
-from problems.backlash.report import figures, fitting_errors, reference, shares, words
+from problems.backlash.report import figures, fitting_errors, reference, words
 from problems.backlash.report.accuracy import estimates, expected_values
 
 TITLE = "In your units"
@@ -14,17 +16,19 @@ def sections(findings: Findings) -> list[Section]:
     """Return a line for the answer and the part on backlash; none for a study whose problems give no amplitude."""
     if "amplitude_rpm" not in findings.results.frame:
         return []
-    return [made for made in (answer(findings), units(findings)) if made is not None]
+    known = units(findings)
+    return [] if known is None else [*answer(findings, known), known]
 
 
-def answer(findings: Findings) -> Section | None:
+def answer(findings: Findings, known: Section) -> list[Section]:
     """Return the line of the answer that a person remembers: the share of runs that found the best fit."""
-    found = shares.shares(findings.results)
-    if found.empty or len(findings.trials.optimizers) < 2 or findings.final.medians.empty:
-        return None
-    labels = [label for label in findings.from_leader if label in found.index][:2]
-    text = words.remembered(str(found.columns[0]), [(label, float(found.iloc[:, 0][label])) for label in labels])
-    return Section("Answer", lines=(Line("in your units", text, TITLE),))
+    tables = {item.name: item.frame for item in known.items if isinstance(item, Table)}
+    shares = tables.get(reference.NAME, pd.DataFrame()).get(reference.SHARE)
+    if shares is None or len(findings.trials.optimizers) < 2 or findings.final.medians.empty:
+        return []
+    labels = [label for label in findings.from_leader if label in shares.index][:2]
+    text = words.remembered([(label, float(shares[label])) for label in labels])
+    return [Section("Answer", lines=(Line("in your units", text, TITLE),))]
 
 
 def units(findings: Findings) -> Section | None:

@@ -14,6 +14,9 @@ from problems.backlash.report import words
 from problems.backlash.report.accuracy import shares_within, with_truth
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RAD, TOLERANCE_RPM, SignatureFit
 
+NAME, SHARE = "found", "best fit found %"
+"""The name of the table, and its column of the shares of runs that found the best fit."""
+
 BANDS = {
     "amplitude_rpm": ("amplitude", "|A| within band %", f"{TOLERANCE_RPM:.4f} rpm"),
     "backlash_rad": ("half-gap", "δ within band %", f"{TOLERANCE_RAD:g} rad"),
@@ -36,7 +39,7 @@ def found_by_runs(
         columns["ran under"] = pd.Series(
             {label: "constraints" if kept else "box" for label, kept in constrained.items()}
         )
-        columns["best fit found %"] = 100 * by_optimizer["found"].mean()
+        columns[SHARE] = 100 * by_optimizer["found"].mean()
         columns["median regret %"] = 100 * by_optimizer["excess"].median()
         said = [words.best_fit(in_words(by_optimizer["found"].mean()), FOUND), *_cost(fits, constrained, trials)]
     for figure, (what, title, band) in BANDS.items():
@@ -51,7 +54,7 @@ def found_by_runs(
     note = (
         "Over all trials; one that failed found nothing. Regret: against the best fit under what the trial ran under."
     )
-    return said, [Table("found", "What the runs of each optimizer found.", shown, decimals=1, note=note)]
+    return said, [Table(NAME, "What the runs of each optimizer found.", shown, decimals=1, note=note)]
 
 
 def in_words(shares: pd.Series[float]) -> list[str]:

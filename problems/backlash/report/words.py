@@ -9,11 +9,11 @@ from bench.report import count, listing
 MOST = 5  # optimizers that a sentence names
 
 
-def remembered(what: str, shares: Sequence[tuple[str, float]]) -> str:
-    """Say which share of the runs of the first optimizers found the best fit, or another figure."""
+def remembered(shares: Sequence[tuple[str, float]]) -> str:
+    """Say in how many per cent of their runs the first optimizers found the best fit."""
     (first, share), *others = shares
-    beside = "".join(f", {label} {other:.0%}" for label, other in others)
-    return f"{first} finds the {what} in {share:.0%} of its runs{beside}"
+    beside = "".join(f", {label} {other:.0f}%" for label, other in others)
+    return f"{first} finds the best fit in {share:.0f}% of its runs{beside}"
 
 
 def unknown(problems: str, reason: str) -> str:
