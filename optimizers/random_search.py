@@ -29,7 +29,7 @@ class RandomSearch(Population):
 
     bibtex: ClassVar[str] = works("brooks1958")
     code: ClassVar[str] = "written here"
-    invariances: ClassVar[tuple[str, ...]] = ("translation", "scale", "monotone", "budget", "order", "rotation")
+    invariances: ClassVar[tuple[str, ...]] = ("translation", "scale", "monotone", "budget")
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.recording import LOST, explain_lost_process
-from bench.check.conformance.rules import APART, ROTATION, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
+from bench.check.conformance.rules import APART, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.contract.optimizer import Optimizer
@@ -81,7 +81,7 @@ def check_problem(
         search: whether CMA-ES and L-SHADE shall also try to get below the claimed optimum, with 20,000 evaluations for
             every variable: minutes.
         untrusted: whether to load the problem, given by name, in a sandbox of bubblewrap alone (Linux).
-        seed: of the points; the same one gives the same verdicts but for times.
+        seed: of the points; the same one gives the same verdicts.
         on_check: called with every verdict as soon as it is known.
         options: of the problem, for a name or a class; give an instance for an option named like an argument above.
 
@@ -120,7 +120,7 @@ def _checkup(subject: AnySubject, verdicts: Iterator[Verdict], on_check: Callabl
 
 def _verdicts(subject: Subject, bias: bool, n_jobs: int, apart: Sandbox | None) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
-    rules = [*RULES, *([APART] if apart else []), *([ROTATION] if bias else [])]
+    rules = [*RULES, *([APART] if apart else [])]
     with closing(Checker(subject, apart)) as checker:
         kept = set()
         for verdict in filter(None, map(checker.verdict, rules)):

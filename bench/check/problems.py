@@ -62,15 +62,6 @@ def corner() -> RecordingProblem:
     return RecordingProblem(lambda x: ((x - lower) / (upper - lower)) @ slope, lower, upper, name="corner")
 
 
-def half() -> RecordingProblem:
-    """Return a problem whose own repair moves points into one half of the box."""
-    problem = bowl()
-    least = problem.lower.copy()
-    least[0] = (problem.lower[0] + problem.upper[0]) / 2
-    problem.repair = lambda x: np.clip(x, least, problem.upper)  # type: ignore[method-assign]
-    return problem
-
-
 def odd() -> dict[str, RecordingProblem]:
     """Return problems with values that are rare but allowed, by their description."""
     kinds: dict[str, Callable[[Floats, Floats], Floats]] = {

@@ -1,19 +1,16 @@
 """Rules of traits: which changes of a problem leave a run as it is, and which parameters change no point.
 
 A trait is no error. A method may declare in ``invariances`` which of ``INVARIANCES`` it keeps, and then breaks the rule
-where it does not; of others the finding is reported. What is exact is compared point by point in runs of one seed:
+where it does not; of others the finding is reported. Runs of one seed are compared point by point:
 
 - translation, scale: the box and the function moved, or 64 times as small;
 - monotone: the cube of the values, which leaves their order as it is;
 - budget: the first half of a run with twice the budget, which a schedule that falls with the budget changes.
-
-The order of the coordinates and a rotation about the centre of the box change what each random number does. Their runs
-are compared by their final values with a Kolmogorov-Smirnov test, and called different where p is at most ``LEVEL``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import is_dataclass, replace
 from typing import Any
 
@@ -27,39 +24,19 @@ from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError
 from bench.helpers.text import joined
 
-INVARIANCES = ("translation", "scale", "monotone", "budget", "order", "rotation")
-EXACT = INVARIANCES[:4]
+INVARIANCES = ("translation", "scale", "monotone", "budget")
 TOLERANCE = 1e-6  # of the box: rounding grows from generation to generation
-LEVEL = 0.01
-RUNS, DIMENSION = 20, 4
-
-Values = Callable[[Floats], Floats]
 
 
 def check_invariances(subject: Subject) -> str:
-    """A run keeps what the method declares, of what can be compared point by point; the rest is reported."""
-    return _report(subject, {name: _where(subject, name) for name in EXACT})
-
-
-def check_rotation(subject: Subject) -> str:
-    """Final values keep their law when coordinates change their order or are rotated, where the method declares it."""
-    from bench.analysis.kolmogorov_smirnov import ks_tests  # not at the top: it imports pandas and scipy.stats
-
-    plain = _finals(subject, None)
-    changed = {"order": np.eye(DIMENSION)[::-1], "rotation": _rotation()}
-    ps = {name: float(ks_tests(plain, _finals(subject, matrix))["ks_p"][0]) for name, matrix in changed.items()}
-    found = {name: f"p = {p:.1g}" if p <= LEVEL else "" for name, p in ps.items()}
-    return _report(subject, found)
-
-
-def _report(subject: Subject, found: dict[str, str]) -> str:
-    """Name the invariances that hold and those that fail; raises ViolationError if a declared one fails."""
+    """A run keeps what the method declares; what else it keeps or loses is reported."""
+    found = {name: _where(subject, name) for name in INVARIANCES}
     optimizer = subject.fresh()
     declared = getattr(optimizer, "invariances", ())
     for name in declared if isinstance(declared, Sequence) else [declared]:
         if name not in INVARIANCES:
             raise ViolationError(f"it declares the invariance {name!r}", f"declare some of {', '.join(INVARIANCES)}")
-        if found.get(name):
+        if found[name]:
             raise ViolationError(
                 f"it declares invariance to {name}, and its run changes ({found[name]})",
                 "take lengths from the box and compare values by their order alone; or do not declare it",
@@ -68,7 +45,7 @@ def _report(subject: Subject, found: dict[str, str]) -> str:
     sentences = [f"the run is kept under {joined(kept)}"] if kept else []
     sentences += [f"it changes under {joined([f'{name} ({found[name]})' for name in lost])}"] if lost else []
     texts = getattr(type(optimizer), "__doc__", ""), getattr(type(optimizer).minimize, "__doc__", "")
-    if found.get("budget") and not any("budget" in (text or "") for text in texts):
+    if found["budget"] and not any("budget" in (text or "") for text in texts):
         sentences.append("its documentation does not say that its course depends on the budget")
     return "; ".join(sentences)
 
@@ -100,28 +77,6 @@ def _problem(change: str = "") -> RecordingProblem:
         return np.asarray(values**3 if change == "monotone" else values)
 
     return RecordingProblem(evaluate, lower, upper, name="valley")
-
-
-def _finals(subject: Subject, matrix: Floats | None) -> Floats:
-    """Return the (1, runs) final values on an ellipsoid about the centre of a cube, in rotated coordinates."""
-    finals = []
-    budget = 10 * ordinary_budget(subject.fresh())
-    offset = np.linspace(-0.1, 0.1, DIMENSION)
-    for run in range(RUNS):
-        rows = np.eye(DIMENSION) if matrix is None else matrix
-
-        def evaluate(x: Floats, rows: Floats = rows) -> Floats:
-            z = (x[:, None, :] * rows).sum(axis=2) - offset
-            return np.asarray((z**2 * np.logspace(0, 6, DIMENSION)).sum(axis=1))
-
-        problem = RecordingProblem(evaluate, [-1.0] * DIMENSION, [1.0] * DIMENSION, name="ellipsoid")
-        points = subject.run(problem, budget=budget, seed=(0 if matrix is None else RUNS) + run).points
-        finals.append(evaluate(points).min())
-    return np.array([finals])
-
-
-def _rotation() -> Floats:
-    return np.asarray(np.linalg.qr(np.random.default_rng(3).standard_normal((DIMENSION, DIMENSION)))[0])
 
 
 def check_parameters_in_use(subject: Subject) -> str:

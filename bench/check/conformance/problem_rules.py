@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from time import monotonic, perf_counter
+from time import monotonic
 
 import numpy as np
 
@@ -251,22 +251,6 @@ def _at(problem: Problem, shares: Floats) -> Floats:
     """Return the (n,) true values at shares of the problem's own box."""
     flags: Flags = integer_flags(problem)
     return true_values(problem, rounded(problem.lower + shares * (problem.upper - problem.lower), flags))
-
-
-def check_cost(subject: ProblemSubject) -> str:
-    """The seconds of a call are reported and not judged."""
-    problem = subject.fresh()
-    x = sample(problem, 256, subject.seed)
-    alone = min(_seconds(problem, row[None]) for row in x[:5])
-    size = len(x) if alone < 0.05 else 8
-    batch = min(_seconds(problem, x[:size]) for _ in range(3)) / size
-    return f"{alone * 1e6:.3g} microseconds for a point alone, {batch * 1e6:.3g} for one of {size}"
-
-
-def _seconds(problem: Problem, x: Floats) -> float:
-    began = perf_counter()
-    problem.noiseless(x)
-    return perf_counter() - began
 
 
 def check_search(

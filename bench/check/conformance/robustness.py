@@ -12,10 +12,6 @@ from bench.check.conformance.subject import Subject, ordinary_budget
 from bench.check.problems import RecordingProblem
 from bench.sandbox.messages import describe_error
 
-DECLARE = (
-    "for reports to name how it takes points into the box, declare a class attribute, handling: ClassVar = 'repair'"
-)
-
 CLIP = (
     "clip to objective.lower and objective.upper, or call objective.repair(x), as the last step before objective(x): "
     "mapping points back from a unit cube can leave the box by rounding"
@@ -65,18 +61,6 @@ def check_box(subject: Subject) -> str:
             GUARD if not np.isfinite(run.points).all() else CLIP,
         )
     return f"{len(run.points)} points, none outside a narrow and uneven box far from the origin"
-
-
-def check_repair(subject: Subject) -> str:
-    """A problem may restrict points further than its box; the share of such points is reported and not judged."""
-    problem = problems.half()
-    run = subject.run(problem)
-    share = float((problem.repair(run.points) != run.points).any(axis=1).mean())
-    own = "" if hasattr(subject.fresh(), "handling") else f"; {DECLARE}"
-    if not share:
-        return f"all points are feasible by the problem's own repair{own}"
-    may = "an optimizer may call objective.repair(x), and need not"
-    return f"not judged: the problem's own repair would move {share:.0%} of the points; {may}{own}"
 
 
 def check_dimensions(subject: Subject) -> str:

@@ -66,7 +66,6 @@ RULES = (
     Rule("clock", clocks.check_clock, "fix what raises where clocks go fast", _REPEATED),
     Rule("leader", following.check_leader, "fix what raises with other values", _REPEATED),
     Rule("box", robustness.check_box, _ROBUST),
-    Rule("repair", robustness.check_repair, "objective.repair(x) may move points within the box"),
     Rule("dimensions", robustness.check_dimensions, _ROBUST),
     Rule("values", robustness.check_values, _ROBUST),
     Rule("contract", isolation.check_contract, "use nothing but what the objective offers"),
@@ -80,10 +79,6 @@ RULES = (
 
 APART = Rule("problem apart", apartness.check_apart, "get values from objective(x) alone", _REPEATED)
 """The rule that is checked only on request, as it takes processes that can be given sockets."""
-
-
-ROTATION = Rule("rotation", invariances.check_rotation, _ROBUST, _REPEATED)
-"""The rule that is checked with the biases, as it makes sixty runs."""
 
 _ANY_POINT = "fix what raises: any point of the box can occur, alone and in batches of any size"
 _PURE = ("declaration", "values", "batches")
@@ -109,7 +104,6 @@ PROBLEM_RULES = (
     Rule("instances", problem_rules.check_instances, "fix what raises for another instance", _DECIDED),
     Rule("silence", isolation.check_silence, "a call must not need a terminal", _DECIDED),
     Rule("leftovers", isolation.check_leftovers, "a call must not depend on the working folder", _DECIDED),
-    Rule("cost", problem_rules.check_cost, _ANY_POINT, ("declaration", "values")),
 )
 """The rules of a problem, in the order in which they are checked; "no state" to "clock" and those of silence and
 leftovers are those of optimizers."""
@@ -122,7 +116,7 @@ TABLES = {"optimizer": RULES, "problem": PROBLEM_RULES}
 
 def find_rule(name: str, kind: str = "optimizer") -> Rule:
     """Return the rule of that name for an optimizer or a problem."""
-    return next(rule for rule in (*TABLES[kind], APART, ROTATION, SEARCH) if rule.name == name)
+    return next(rule for rule in (*TABLES[kind], APART, SEARCH) if rule.name == name)
 
 
 def judge(rule: Rule, subject: AnySubject) -> Verdict | None:

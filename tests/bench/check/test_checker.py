@@ -144,7 +144,7 @@ def test_a_problem_is_checked_in_a_process_of_its_own_and_the_report_says_what_w
     assert not checkup
     assert [verdict.check for verdict in checkup if not verdict.passed] == ["values"]
     assert "RuntimeError: no licence" in str(checkup)
-    assert {"batches", "processes", "cost"} <= set(checkup.unchecked)
+    assert {"batches", "processes", "leftovers"} <= set(checkup.unchecked)
 
 
 @pytest.mark.parametrize(

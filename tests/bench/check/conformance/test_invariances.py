@@ -65,26 +65,6 @@ class Undeclared(Cooling):
 
 
 @dataclass(frozen=True)
-class Coordinates(Ranked):
-    """Changes one coordinate at a time."""
-
-    invariances: ClassVar[tuple[str, ...]] = ("order", "rotation")
-
-    def minimize(self, objective, rng):
-        x = objective.initial(1)[0]
-        f, step = objective(x), self.step * (objective.upper - objective.lower)
-        while True:
-            for k in range(len(x)):
-                y = x.copy()
-                y[k] += step[k] * rng.standard_normal()
-                g = objective(objective.repair(y[None])[0])
-                if g < f:
-                    x, f, step[k] = objective.repair(y[None])[0], g, step[k] * 1.5
-                else:
-                    step[k] *= 0.85
-
-
-@dataclass(frozen=True)
 class Idle(Ranked):
     inertia: float = 0.7
 
@@ -113,13 +93,6 @@ def test_without_a_declaration_it_is_a_finding():
     assert found.passed
     assert "it changes under budget (from evaluation" in found.finding
     assert "its documentation does not say that its course depends on the budget" in found.finding
-
-
-@pytest.mark.slow
-def test_a_search_along_the_coordinates_loses_to_a_rotation_and_not_to_their_order():
-    found = verdict(Coordinates, "rotation")
-    assert found.outcome == "FAILED"
-    assert "invariance to rotation, and its run changes (p = " in found.finding
 
 
 def test_a_parameter_that_changes_no_point_is_named_with_the_values_that_were_tried():
