@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from math import isnan
 from pathlib import Path
@@ -24,7 +24,6 @@ PROTOCOL = 1
 OPTIONS = ("lower", "upper", "variables", "integer", "optimum", "violations", "retries", "folder")
 PATIENCE = 60.0  # seconds for the first line of a program
 LONGEST_WAIT = 60.0  # seconds before a program is started again
-MOST_FOUND = 10_000  # points whose violations are kept
 FIRST = (
     'a first line of JSON such as {"protocol": 1, "lower": [0, 0], "upper": [1, 2]}, or lower and upper among the '
     "options of a program that takes each point as arguments"
@@ -49,21 +48,22 @@ class Program(FunctionProblem):
     def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Mapping[str, Any]) -> None:
         settings = dict(box)
         self.measure = str(settings.pop("measure", ""))
-        self.joint, self.found = settings.pop("violations", 0), {}
-        require_whole(f"problem {name!r}: its number of violations", self.joint, 0, 1000)
+        self._number: int | None = settings.pop("violations", None)  # of violations; else that of the first answer
+        if self._number is not None:
+            require_whole(f"problem {name!r}: its number of violations", self._number, 0, 1000)
+        self.joint = self._number != 0
+        self._found: dict[bytes, list[float]] = {}  # the violations at the points of the last call
         try:
             super().__init__(self.values, name=name, vectorized=True, **settings)
         except (TypeError, ValueError) as error:
             if isinstance(error, BenchError):
                 raise
             raise BenchError(f"problem {name!r}: its box cannot be read: {error}") from error
-        self._command, self._folder = command, folder
-        self.by_point = True
+        self._command, self._folder, self.by_point = command, folder, True
 
     def values(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``; raises PointError at the first that fails."""
-        if len(self.found) > MOST_FOUND:
-            self.found.clear()
+        self._found.clear()
         values: list[float] = []
         for row in x:
             try:
@@ -71,19 +71,23 @@ class Program(FunctionProblem):
                 if isnan(value):
                     raise BenchError(f"the program {self._command.title} returned NaN")
             except BenchError as error:
-                self.found[row.tobytes()] = np.full(self.joint, np.inf)
                 raise PointError(str(error), [*values, np.inf]) from error
-            self.found[row.tobytes()] = np.array(violations, dtype=np.float64)
+            self._number = len(violations)
+            self._found[row.tobytes()] = violations
             values.append(value)
         return np.array(values, dtype=np.float64)
 
     def violations(self, x: Floats) -> Floats | None:
-        """Return the (n, m) violations that the program found at the (n, d) points, or None without constraints."""
+        """Return the (n, m) violations that the program finds at the (n, d) points, None where it never does."""
         if not self.joint:
             return None
-        if missing := [row for row in x if row.tobytes() not in self.found]:
-            self.values(np.array(missing))
-        return np.array([self.found[row.tobytes()] for row in x])
+        if any(row.tobytes() not in self._found for row in x):
+            self.values(x)
+        return np.array([self._found[row.tobytes()] for row in x], dtype=np.float64)
+
+    def fits(self, numbers: Sequence[float]) -> bool:
+        """Return whether an answer has the value and as many violations as were declared, or as the first answer."""
+        return self._number in (None, len(numbers) - 1)
 
     def answer(self, row: Floats) -> list[float]:
         """Return the value of a (d,) point and its violations; raises BenchError where the program gives none."""
@@ -118,15 +122,16 @@ class Conversation(Program):
                 case None:
                     raise talk.error("ended without an answer")
                 case _:
-                    raise talk.error(f"wrote {short(answer)}")
+                    more = f', "g": [the {count(self._number, "violation")}]}}' if self._number else "}"
+                    raise talk.error(f"wrote {short(answer)}", ANSWER[:-1] + more)
         except BenchError:
             self._ended()  # another one is started for the next point
             raise
 
     def _are(self, numbers: list[Any]) -> bool:
-        """Return whether these are the numbers of an answer: the value and each violation."""
+        """Return whether these are the numbers of an answer."""
         plain = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
-        return plain and len(numbers) == 1 + self.joint
+        return plain and self.fits(numbers)
 
     def open(self) -> None:
         """Start the program, unless it runs."""
@@ -148,8 +153,7 @@ class Conversation(Program):
 
     def _started(self) -> Talk:
         if self._talk is None or self._talk[0] != os.getpid():
-            wanted = f'{ANSWER[:-1]}, "g": [the {count(self.joint, "violation")}]}}' if self.joint else ANSWER
-            talk = Talk(self._command, wanted, self._folder)
+            talk = Talk(self._command, ANSWER, self._folder)
             self._talk = os.getpid(), talk
             talk.hear()  # the box again
         return self._talk[1]
@@ -213,9 +217,9 @@ class OncePerPoint(Program):
             raise BenchError(f"the program {title} ended {how}{complaint}")
         with suppress(ValueError):
             numbers = [float(word.replace("_", "?")) for word in last.split()]  # Python alone takes 1_000 for a number
-            if len(numbers) == 1 + self.joint:
+            if self.fits(numbers):
                 return numbers
-        wanted = f"the value and {count(self.joint, 'violation')}" if self.joint else "the value, as in 0.25"
+        wanted = f"the value and {count(self._number, 'violation')}" if self._number else "the value, as in 0.25"
         what = f"printed {short(last)} last" if last else "printed nothing"
         raise BenchError(f"the program {title} {what}; wanted is {wanted}{complaint}")
 

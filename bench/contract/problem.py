@@ -49,10 +49,8 @@ class Problem(ABC):
             before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.
         compiles: whether the first evaluation compiles code, or loads compiled code: each job of a run then evaluates
             a point before its trials. None (default): it is taken to where numba is imported once it is loaded.
-        joint: the number of violations that :meth:`evaluate` finds together with the value, as a simulation does; 0
-            where :meth:`violations` computes them by itself. They are kept in ``found``, by the bytes of their (d,)
-            point, for :meth:`violations` to return.
-        found: see ``joint``.
+        joint: whether :meth:`evaluate` finds the violations together with the value, as a simulation does, and keeps
+            those of its last call for :meth:`violations` to return. How many they are need not be known before.
         by_point: whether :meth:`evaluate` computes one point after the other, so that a batch saves nothing. Where a
             study goes on after a point that fails, no other point of its batch is then computed twice.
         noisy: whether :meth:`evaluate` takes a random generator, ``evaluate(x, rng)``, and returns what is observed;
@@ -75,8 +73,7 @@ class Problem(ABC):
     integer: Flags | None = None
     noisy: bool = False
     compiles: bool | None = None
-    joint: int = 0
-    found: dict[bytes, Floats]
+    joint: bool = False
     by_point: bool = False
 
     @property

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from math import inf
 from pathlib import Path
@@ -30,6 +30,9 @@ from bench.trial.trial import Trial
 
 FOLDER = "journal"
 SLOW = 0.1  # seconds of an evaluation from which on it is worth a line and its way to the disk
+Record = dict[str, Any]
+"""An evaluation: its value ``f``, its violations ``g``, its seconds ``s``, and the ``error`` of one that failed."""
+
 _FROM_OUTSIDE = re.compile(r"\bsignal (1|2|9|15)\b|SIG(HUP|INT|KILL|TERM)")  # the end of a run, not of an evaluation
 
 
@@ -55,50 +58,51 @@ class Journal:
         always: bool = False,
     ) -> None:
         self.path = place(folder, Trial(key["problem"], key["optimizer"], key["trial"], key["seed"]))
-        self._head = key | {"about": json.loads(json.dumps(about, default=str)), "limit": limit}
-        self._inputs, self._noted, self._file = inputs, Inputs(), -1
-        self._lines: dict[int, dict[str, Any]] = {}  # by the numbers of the evaluations
+        self._head: Record = json.loads(json.dumps(key | {"about": about, "limit": limit}, default=str))
+        self._inputs, self._file = inputs, -1
         self._count = self.replayed = self.dropped = 0
         head, records = read(self.path)
-        recorded = {name: (state, known) for name, (state, known) in head.get("inputs", {}).items()}
-        if head.get("about") == self._head["about"] and not Present().changed(recorded):
-            self._lines = {each["n"]: each for each in records if "error" not in each or head.get("limit") == limit}
+        if head.get("about") != self._head["about"] or Present().changed(head["inputs"]):
+            records = []
+        same = head.get("limit") == limit
+        self._lines = {each["n"]: each for each in records if same or "error" not in each}
         self.slow: bool | None = True if always or self._lines else None  # None until an evaluation was measured
 
-    def answers(self, x: Floats) -> dict[int, dict[str, Any]]:
-        """Return the lines of the (n, d) points that are evaluated next, by row; another point ends the journal."""
-        found = {}
-        for row, point in enumerate(x):
-            line = self._lines.get(self._count + row)
-            if line is not None and np.array(line["x"], np.float64).tobytes() != point.tobytes():
-                after = [number for number in self._lines if number >= self._count + row]
-                self.dropped += len(after)
-                for number in after:
-                    del self._lines[number]
+    def answers(self, x: Floats) -> dict[int, Record]:
+        """Return the records of the (n, d) points that are evaluated next, by row; another point ends the journal."""
+        numbers = enumerate(range(self._count, self._count + len(x)))
+        found = {row: self._lines[number] for row, number in numbers if number in self._lines}
+        for row, line in found.items():
+            if np.array(line["x"], np.float64).tobytes() != x[row].tobytes():
+                kept = {number: each for number, each in self._lines.items() if number < self._count + row}
+                self.dropped += len(self._lines) - len(kept)
+                self._lines = kept
                 self.close()
-                break
-            if line is not None:
-                found[row] = line
+                return {before: each for before, each in found.items() if before < row}
         return found
 
-    def takes(self, reason: str, seconds: float, goes_on: bool) -> bool:
-        """Return whether an evaluation is to be noted: a slow one, and of one that failed what it would be again."""
-        self.slow = seconds >= SLOW if self.slow is None else self.slow
-        return self.slow and not (reason and (_FROM_OUTSIDE.search(reason) or not goes_on))
-
-    def add(self, row: int, x: Floats, value: float, violations: Floats, seconds: float, error: str) -> None:
-        """Add the line of an evaluation, by its row in the call."""
-        line = {"n": self._count + row, "x": x.tolist(), "f": value, "g": violations.tolist(), "s": round(seconds, 3)}
-        self._write(line | ({"error": error} if error else {}))
+    def add(self, row: int, point: Floats, record: Record) -> None:
+        """Add an evaluation by its row in the call, where they are slow and no end of the run made it fail."""
+        self.slow = record["s"] >= SLOW if self.slow is None else self.slow
+        if not self.slow or _FROM_OUTSIDE.search(record.get("error", "")):
+            return
+        line = {"n": self._count + row, "x": point.tolist(), **record}
+        self._lines[line["n"]] = line
+        if self._file >= 0 and self._inputs() == self._head["inputs"]:
+            os.write(self._file, _text(line))
+            return
+        self.close()  # it begins anew, with the lines that count
+        self._head["inputs"] = self._inputs()
+        self.path.parent.mkdir(exist_ok=True)
+        with replacing(self.path) as beside:
+            beside.write_bytes(b"".join(map(_text, (self._head, *self._lines.values()))))
+        self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND)
 
     def end(self, evaluated: int, replayed: int) -> None:
-        """Have what a call of so many evaluations added reach the disk, with what the problem has read by now."""
+        """Have what a call of so many evaluations added reach the disk."""
         self._count += evaluated
         self.replayed += replayed
         if self._file >= 0:
-            if (inputs := self._inputs()) != self._noted:
-                self._write({"inputs": inputs})
-                self._noted = inputs
             os.fsync(self._file)
 
     def close(self) -> None:
@@ -107,20 +111,9 @@ class Journal:
             os.close(self._file)
             self._file = -1
 
-    def _write(self, line: dict[str, Any]) -> None:
-        if self._file < 0:  # it begins anew with the lines that count
-            self.path.parent.mkdir(exist_ok=True)
-            self._noted = self._inputs()
-            with replacing(self.path) as beside:
-                beside.write_text("".join(map(_line, (self._head | {"inputs": self._noted}, *self._lines.values()))))
-            self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND)
-        if "n" in line:
-            self._lines[line["n"]] = line
-        os.write(self._file, _line(line).encode())
 
-
-def _line(content: dict[str, Any]) -> str:
-    return json.dumps(content) + "\n"
+def _text(line: Record) -> bytes:
+    return f"{json.dumps(line)}\n".encode()
 
 
 def place(folder: Path, trial: Trial) -> Path:
@@ -128,37 +121,33 @@ def place(folder: Path, trial: Trial) -> Path:
     return folder / FOLDER / f"{short_hash(json.dumps([*trial.key, trial.seed]))}.jsonl"
 
 
-def read(path: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """Return the first line of a journal, with what was noted as read last, and its evaluations; a cut line is none."""
-    head, records = dict[str, Any](), list[dict[str, Any]]()
-    with suppress(OSError):
-        for text in path.read_text(encoding="utf-8", errors="replace").splitlines():
+def read(path: Path, trials: Collection[tuple[str, ...]] | None = None) -> tuple[Record, list[Record]]:
+    """Return the head of a journal and its evaluations, none of another trial than these; lines that were cut are none.
+
+    A trial is its problem, its optimizer and its number, as texts.
+    """
+    lines = list[Record]()
+    with suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
+        for text in file:
             with suppress(ValueError):
-                line = json.loads(text)
-                if "n" in line:
-                    records.append(line)
-                else:
-                    head |= line
-    return head, records
+                lines.append(json.loads(text))
+            head = lines[0] if lines else Record()
+            trial = tuple(str(head.get(name)) for name in ("problem", "optimizer", "trial"))
+            if "about" not in head or (trials is not None and trial not in trials):
+                return {}, []
+    return (lines[0], lines[1:]) if lines else ({}, [])
 
 
-def journals(folder: Path) -> Iterator[tuple[dict[str, Any], list[dict[str, Any]]]]:
-    """Yield the journals of a folder of results, each with its evaluations."""
-    for path in sorted((folder / FOLDER).glob("*.jsonl")):
-        yield read(path)
+def journals(folder: Path, trials: Collection[tuple[str, ...]] | None = None) -> Iterator[tuple[Record, list[Record]]]:
+    """Yield the journals of a folder of results, of all trials or of these: its head and its evaluations."""
+    found = (read(path, trials) for path in sorted((folder / FOLDER).glob("*.jsonl")))
+    return ((head, records) for head, records in found if records)
 
 
-def best(records: list[dict[str, Any]]) -> float:
-    """Return the lowest value of a feasible point, +inf without any."""
-    return min((each["f"] for each in records if all(excess <= 0 for excess in each["g"])), default=inf)
-
-
-def under_way(folder: Path) -> Iterator[tuple[dict[str, Any], list[dict[str, Any]]]]:
-    """Yield the journals of the trials under way in a folder, each with its evaluations."""
-    begun = [tuple(trial) for trial in (left(folder) or {"trials": []})["trials"]]
-    for head, records in journals(folder) if begun else ():
-        if records and (head.get("problem"), head.get("optimizer"), str(head.get("trial"))) in begun:
-            yield head, records
+def under_way(folder: Path) -> Iterator[tuple[Record, list[Record]]]:
+    """Yield the journals of the trials under way in a folder, likewise."""
+    begun = (left(folder) or {"trials": []})["trials"]
+    return journals(folder, {tuple(trial) for trial in begun}) if begun else iter(())
 
 
 def under_way_lines(folder: Path, parallel: int) -> Iterator[str]:
@@ -170,3 +159,8 @@ def under_way_lines(folder: Path, parallel: int) -> Iterator[str]:
             f"  {head['optimizer']} on {head['problem']}, trial {head['trial']}: {len(records):,} of "
             f"{head['budget']:,} evaluations, best {best(records):.6g}, about {duration(seconds)} left"
         )
+
+
+def best(records: list[Record]) -> float:
+    """Return the lowest value of a feasible point, +inf without any."""
+    return min((each["f"] for each in records if all(excess <= 0 for excess in each["g"])), default=inf)

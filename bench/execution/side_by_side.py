@@ -1,13 +1,13 @@
-"""Evaluate the points of a call side by side, each in a process of the problem that may hang, crash or end."""
+"""Evaluate the points of a call: its journal answers, or processes that may hang, crash or end, or this one."""
 
 from __future__ import annotations
 
 import signal
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import copy
-from functools import partial
+from itertools import chain
 from math import inf
 from multiprocessing import get_context, popen_fork
 from multiprocessing.connection import Connection, wait
@@ -21,22 +21,18 @@ from threadpoolctl import threadpool_limits
 from bench.contract.objective import as_values
 from bench.contract.problem import Problem
 from bench.contract.typing import Floats
-from bench.execution.journal import Journal
+from bench.execution.journal import Journal, Record
 from bench.helpers.errors import BenchError, PointError, StopRun
+from bench.helpers.text import count
 from bench.sandbox import tree
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError
 from bench.sandbox.server import FORKS
 from bench.trial.scoring import Scored
 
-Done = Callable[..., None]
-"""Is called for each point evaluated: its row, its value, why it failed ("" where it did not), the seconds, and its
-violations, where they were found with the value."""
-
 START = "fork" if FORKS else "spawn"
 """How processes are started; to one that is started anew the problem is sent by value."""
 
-_VALUE, _FAILED, _BEGINS, _STOP = b"+", b"-", b"!", b"."  # the first byte of an answer
 _OPENING = 60.0  # seconds for a problem to get ready for an evaluation
 _GRACE = 1.0  # seconds for a process to end by itself
 _ = popen_fork  # imported before any trial, whose side effect it would be
@@ -50,7 +46,7 @@ def evaluated(
 
     With ``parallel`` above 1 or a limit of ``seconds``, the points of a call are evaluated by that many processes of
     the problem, each point alone. The values, their order and the reason of a failure are those of a call without. A
-    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.helpers.errors.PointError`).
+    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.errors.PointError`).
 
     Args:
         problem: as a study scores it.
@@ -62,32 +58,30 @@ def evaluated(
         BenchError: for a noisy problem, whose noise is drawn for one point after the other.
     """
     plain = problem.unscored
-    if parallel == 1 and seconds is None and journal is None:
-        with closing(plain):
-            yield problem
-        return
-    require_possible(problem, parallel, seconds)
-    goes_on = isinstance(problem, Scored) and problem.on_error == "worst"
     with ExitStack() as held:
-        processes = None
-        if parallel > 1 or seconds is not None:
-            processes = held.enter_context(closing(_Processes(plain, parallel, seconds, goes_on)))
-        else:
+        beside = parallel > 1 or seconds is not None
+        if not (beside or journal or plain.joint):
             held.enter_context(closing(plain))
-        if journal is not None:
+            yield problem
+            return
+        require_possible(problem, parallel, seconds)
+        goes_on = isinstance(problem, Scored) and problem.on_error == "worst"
+        processes = _Processes(plain, parallel, seconds, goes_on) if beside else None
+        held.enter_context(closing(processes or plain))
+        if journal:
             held.enter_context(closing(journal))
-        noted = Recorded(plain, processes, goes_on, journal)
-        beside = copy(plain)  # all else is computed here
-        changed = {"evaluate": noted.values, "noiseless": noted.values, "violations": noted.violations}
+        answers = Evaluations(plain, goes_on, processes, journal)
+        answered = copy(plain)  # all else is computed here
+        changed = {"evaluate": answers.values, "noiseless": answers.values, "violations": answers.violations}
         # A class that is pickled by its name has lost the known points.
         for name, value in (changed | {"by_point": False, "initial_points": plain.initial_points}).items():
-            object.__setattr__(beside, name, value)  # also of a frozen dataclass
+            object.__setattr__(answered, name, value)  # also of a frozen dataclass
         if isinstance(problem, Scored):
             problem = copy(problem)
-            problem.problem = beside
+            problem.problem = answered
             yield problem
         else:
-            yield beside
+            yield answered
 
 
 def require_possible(problem: Problem, parallel: int, seconds: float | None) -> None:
@@ -99,47 +93,42 @@ def require_possible(problem: Problem, parallel: int, seconds: float | None) -> 
         )
 
 
-class Recorded:
-    """The evaluations of a problem in a trial, which may be noted in a journal, or answered from it.
+class Evaluations:
+    """The evaluations of a trial, each made once: those that its journal does not answer.
 
     Args:
         problem: without noise.
-        processes: which evaluate its points; None where this one does.
         goes_on: whether the other points of a batch are evaluated where one has failed.
+        processes: evaluate its points; None where this process does.
         journal: of the trial, if any.
     """
 
-    def __init__(self, problem: Problem, processes: _Processes | None, goes_on: bool, journal: Journal | None) -> None:
-        self._problem, self._goes_on, self._journal = problem, goes_on, journal
-        self._whole = processes is None and not problem.by_point  # a value may depend on its batch in the last bits
-        self._evaluate = partial(_here, problem, goes_on) if processes is None else processes.points
-        self._violations: dict[bytes, Floats] = problem.found if problem.joint else {}
+    def __init__(
+        self, problem: Problem, goes_on: bool, processes: _Processes | None = None, journal: Journal | None = None
+    ) -> None:
+        self._problem, self._goes_on, self._processes, self._journal = problem, goes_on, processes, journal
+        self._found: dict[bytes, list[float]] = {}  # violations by the bytes of their point
+        self._number: int | None = None  # of violations that the problem finds with a value
 
     def values(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points; raises PointError where any fails."""
-        journal = self._journal if self._journal is None or self._journal.slow is not False else None
-        if journal is None and isinstance(self._evaluate, partial):
+        journal = self._journal if self._journal and self._journal.slow is not False else None
+        if not (journal or self._processes or self._problem.joint):
             return self._problem.evaluate(x)
-        values, failed = np.full(len(x), inf), dict[int, str]()
         known = journal.answers(x) if journal else {}
-        if self._whole and len(known) < len(x):
-            known = {}
-
-        def done(row: int, value: float, reason: str, seconds: float, violations: Floats | None = None) -> None:
-            values[row] = value
-            if reason:
-                failed[row] = reason
-                violations = np.full(self._problem.joint, inf) if violations is None else violations
-            if violations is not None:
-                self._violations[x[row].tobytes()] = violations
-            if journal and row not in known and journal.takes(reason, seconds, self._goes_on):
-                journal.add(row, x[row], value, self._broken(x[row]), seconds, reason)
-
-        for row, record in known.items():
-            done(row, record["f"], record.get("error", ""), record["s"], np.array(record["g"], np.float64))
-        left = [row for row in range(len(x)) if row not in known]
-        if left:
-            self._evaluate(x[left], lambda each, *answer: done(left[each], *answer))
+        if not (self._processes or self._problem.by_point) and len(known) < len(x):
+            known = {}  # a value may depend on its batch in the last bits
+        rows = [row for row in range(len(x)) if row not in known]
+        made = self._processes.records(x, rows) if self._processes else self._here(x, rows)
+        values, failed = np.full(len(x), inf), dict[int, str]()
+        for row, record in chain(known.items(), made):
+            if self._problem.joint or journal:
+                self._find_violations(x[[row]], record)
+            values[row] = record["f"]
+            if "error" in record:
+                failed[row] = record["error"]
+            if journal and row not in known and (self._goes_on or row not in failed):
+                journal.add(row, x[row], record)
         if journal:
             journal.end(len(x), len(known))
         if failed:
@@ -148,33 +137,42 @@ class Recorded:
 
     def violations(self, x: Floats) -> Floats | None:
         """Return the (n, m) violations of the (n, d) points, or None without constraints."""
-        known = [self._violations.get(row.tobytes()) for row in x]
-        if any(each is None or not len(each) for each in known):
+        known = [self._found.get(row.tobytes()) for row in x]
+        rows = [each for each in known if each is not None]
+        if len(rows) < len(x):
             return self._problem.violations(x)
-        return np.array(known)
+        most = max(map(len, rows), default=0)  # a point that failed has one
+        return np.array([each + [0.0] * (most - len(each)) for each in rows]).reshape(len(x), most)
 
-    def _broken(self, point: Floats) -> Floats:
-        """Return the (m,) violations of a (d,) point that is noted; they are computed where they are not known."""
-        key = point.tobytes()
-        if key not in self._violations:
-            found = self._problem.violations(point[np.newaxis])
-            self._violations[key] = np.empty(0) if found is None else np.ravel(found)
-        return self._violations[key]
+    def _find_violations(self, point: Floats, record: Record) -> None:
+        """Add the violations ``g`` of a (1, d) point to its record; it fails where they are not as many as before."""
+        if self._problem.joint and "error" in record:
+            record["g"] = [inf]
+        elif "g" not in record:
+            found = self._problem.violations(point)
+            record["g"] = [] if found is None else found[0].tolist()
+        if self._problem.joint and "error" not in record:
+            number = len(record["g"])
+            self._number = number if self._number is None else self._number
+            if number != self._number:
+                what = f"problem {self._problem.name!r} returned {count(number, 'violation')}"
+                record |= {"f": inf, "g": [inf], "error": f"{what}, and {self._number} in its first answer"}
+        self._found[point.tobytes()] = record["g"]
 
-
-def _here(problem: Problem, goes_on: bool, x: Floats, done: Done) -> None:
-    """Evaluate points in this process: one after the other where the problem does so itself, else together."""
-    for first, part in enumerate(x[:, np.newaxis] if problem.by_point else [x]):
-        began, reason = perf_counter(), ""
-        try:
-            values = as_values(problem, problem.evaluate(part.copy()), len(part))
-        except Exception as error:  # a plug-in may raise anything
-            if not (problem.by_point and goes_on):
-                raise
-            values, reason = np.full(1, inf), describe_error(error)
-        seconds = (perf_counter() - began) / len(part)
-        for row, value in enumerate(values.tolist(), start=first):
-            done(row, value, reason, seconds)
+    def _here(self, x: Floats, rows: list[int]) -> Iterator[tuple[int, Record]]:
+        """Yield the records of rows of (n, d) points: one after the other where the problem does so, else together."""
+        alone = self._problem.by_point
+        for part in [[row] for row in rows] if alone else filter(None, [rows]):
+            began, error = perf_counter(), {}
+            try:
+                values = as_values(self._problem, self._problem.evaluate(x[part]), len(part)).tolist()
+            except Exception as raised:  # a plug-in may raise anything
+                if not (alone and self._goes_on):
+                    raise
+                values, error = [inf], {"error": describe_error(raised)}
+            seconds = (perf_counter() - began) / len(part)
+            for row, value in zip(part, values, strict=True):
+                yield row, {"f": value, "s": seconds, **error}
 
 
 class _Processes:
@@ -203,40 +201,34 @@ class _Processes:
             process.join(max(0.0, until - monotonic()))
             _kill(process)
 
-    def points(self, x: Floats, done: Done) -> None:
-        """Evaluate the (n, d) points; none is begun after one that failed, unless the others go on."""
-        began, failed = dict[int, float](), False
-        left, busy = iter(range(len(x))), dict[Any, tuple[int, float]]()
+    def records(self, x: Floats, rows: Sequence[int]) -> Iterator[tuple[int, Record]]:
+        """Yield the records of rows of (n, d) points; none is begun after one that failed, unless the others go on."""
+        left, failed = iter(rows), False
+        busy = dict[Any, tuple[int, float, float]]()  # the row, when it began, and when it is late
         while True:
             while self._idle and (self._goes_on or not failed) and (row := next(left, None)) is not None:
                 end = self._idle.pop()
                 with suppress(OSError):  # its process has ended, which is found below
-                    end.send_bytes(x[row].tobytes())
-                busy[end], began[row] = (row, monotonic() + self._seconds + _OPENING), monotonic()
+                    end.send(x[row])
+                busy[end] = row, monotonic(), monotonic() + self._seconds + _OPENING
             if not busy:
                 return
-            until = min(deadline for _, deadline in busy.values())
+            until = min(late for _, _, late in busy.values())
             ready: list[Any] = wait(busy, None if until == inf else max(0.0, until - monotonic()))
-            for end in ready or [end for end in busy if busy[end][1] <= monotonic()]:
-                row, _ = busy.pop(end)
-                message = _received(end) if ready else b""
-                if message == _BEGINS:
-                    busy[end], began[row] = (row, monotonic() + self._seconds), monotonic()
-                    continue
-                if message[:1] == _STOP:
-                    raise StopRun(message[1:].decode(errors="replace"))
-                numbers, reason = [inf], ""
-                if not message:
-                    reason = self._replace(end, late=not ready)
-                else:
-                    self._idle.append(end)
-                    if message[:1] == _FAILED:
-                        reason = message[1:].decode(errors="replace")
-                    else:
-                        numbers = np.frombuffer(message, offset=1).tolist()
-                failed = failed or bool(reason)
-                violations = np.array(numbers[1:]) if self._problem.joint and not reason else None
-                done(row, numbers[0], reason, monotonic() - began[row], violations)
+            for end in ready or [end for end in busy if busy[end][2] <= monotonic()]:
+                row, began, _ = busy.pop(end)
+                match _received(end) if ready else None:
+                    case "begins":
+                        busy[end] = row, monotonic(), monotonic() + self._seconds
+                        continue
+                    case StopRun() as stopped:
+                        raise stopped
+                    case dict(record):
+                        self._idle.append(end)
+                    case _:
+                        record = {"f": inf, "error": self._replace(end, late=not ready)}
+                failed = failed or "error" in record
+                yield row, record | {"s": monotonic() - began}
 
     def _replace(self, end: Any, *, late: bool = False) -> str:
         """End a process and start another one; return why, in a sentence."""
@@ -265,12 +257,12 @@ class _Processes:
         return own  # type: ignore[no-any-return]
 
 
-def _received(end: Any) -> bytes:
-    """Return the message of a process, b"" where it has ended."""
+def _received(end: Any) -> Any:
+    """Return what a process sent, None where it has ended."""
     try:
-        return bytes(end.recv_bytes())
+        return end.recv()
     except (EOFError, OSError):
-        return b""
+        return None
 
 
 def _kill(process: Any) -> None:
@@ -296,15 +288,16 @@ def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) 
     loaded: Problem = cloudpickle.loads(problem) if isinstance(problem, bytes) else problem
     with suppress(EOFError, OSError), closing(loaded):
         while True:
-            x = np.frombuffer(end.recv_bytes()).reshape(1, -1).copy()  # the problem may compute in it
+            x = end.recv()[np.newaxis]
+            answer: Any
             try:
                 loaded.open()
-                end.send_bytes(_BEGINS)
-                point = x.copy()
-                answer = _VALUE + as_values(loaded, loaded.evaluate(x), 1).tobytes()
-                answer += loaded.found.pop(point.tobytes()).tobytes() if loaded.joint else b""
+                end.send("begins")
+                answer = {"f": as_values(loaded, loaded.evaluate(x.copy()), 1).item()}  # it may compute in its argument
+                if loaded.joint and (found := loaded.violations(x)) is not None:
+                    answer["g"] = found[0].tolist()
             except StopRun as stopped:
-                answer = _STOP + str(stopped).encode()
+                answer = StopRun(str(stopped))
             except (Exception, SystemExit) as error:  # a plug-in may raise anything
-                answer = _FAILED + describe_error(error).encode()
-            end.send_bytes(answer)
+                answer = {"f": inf, "error": describe_error(error)}
+            end.send(answer)

@@ -122,11 +122,11 @@ def solve(
         journal = Journal(Path(output), key, _about(loaded), limit=limits[0], always=True)
     if isinstance(optimizer, str):
         warm(minimized, chosen, spent)
-    with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        with evaluated(minimized, parallel, limits[0], journal) as answering:
-            found = search(answering, chosen, spent, seed, end_if_stuck, limits[1], good, on_evaluation)
+    # Results and times must not depend on the number of BLAS threads.
+    with threadpool_limits(limits=1), evaluated(minimized, parallel, limits[0], journal) as answering:
+        found = search(answering, chosen, spent, seed, end_if_stuck, limits[1], good, on_evaluation)
         try:
-            metrics = numbers(minimized.describe(found.x.copy()))
+            metrics = numbers(answering.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it
             warnings.warn(f"{loaded.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
             metrics = {}

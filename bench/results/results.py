@@ -337,12 +337,16 @@ class StoredResults:
             features = {
                 str(name): value if isinstance(value, int) else str(value) for name, value in problem.features.items()
             }
+            handling = problem.handling if isinstance(problem, Scored) else ""
+            if problem.unscored.joint:  # only its trials know whether there are any violations
+                of_problem = self.frame[self.frame["problem"] == label]
+                handling *= "violation" in of_problem and bool(of_problem["violation"].notna().any())
             return ProblemFacts(
                 optimum,
                 expected,
                 dict(zip(problem.variables, box, strict=True)),
                 features,
-                constraints=problem.handling if isinstance(problem, Scored) else "",
+                constraints=handling,
                 noisy=problem.unscored.noisy,
                 integers=tuple(compress(problem.variables, integer_flags(problem))),
                 repaired_optimum=repaired if repaired != optimum else None,

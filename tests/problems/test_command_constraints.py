@@ -11,6 +11,7 @@ from bench import load_problem, load_results, run, solve
 from bench.execution.side_by_side import evaluated
 from bench.execution.verify import verify
 from bench.helpers.errors import PointError
+from bench.results.results import StoredResults
 from bench.trial.scoring import scored
 from tests.problems.simulators import BOX, SIMULATORS, X
 
@@ -109,3 +110,67 @@ def test_an_answer_without_its_violations_is_one_sentence(tmp_path, answer, said
     with pytest.raises(PointError) as caught, evaluated(problem) as beside:
         beside.evaluate(np.ones((1, 1)))
     assert said in str(caught.value)
+
+
+@pytest.fixture
+def undeclared(tmp_path):
+    """Return a function that makes a program, which does not say how many violations it returns."""
+
+    def made(violations):
+        (tmp_path / "p.py").write_text(
+            'import json, sys\nprint(\'{"protocol": 1, "lower": [0], "upper": [1]}\', flush=True)\n'
+            'for line in sys.stdin:\n    (x,) = json.loads(line)["x"]\n'
+            f'    print(json.dumps({{"f": x}} | {violations}), flush=True)\n'
+        )
+        return f"command:'{sys.executable}' '{tmp_path / 'p.py'}'"
+
+    return made
+
+
+@pytest.mark.parametrize("parallel", [1, 2])
+def test_the_first_answer_says_how_many_violations_there_are(undeclared, parallel):
+    found = solve(undeclared('{"g": [0.5 - x, x - 2]}'), "random-search", budget=30, parallel=parallel)
+    assert found.x[0] >= 0.5
+    assert found.metrics == {"violation": 0.0}
+    assert solve(undeclared("{}"), "random-search", budget=9, parallel=parallel).metrics == {}
+
+
+@pytest.mark.parametrize("parallel", [1, 2])
+def test_a_later_answer_with_another_number_is_one_sentence(undeclared, parallel):
+    name = undeclared('{"g": [0.0] * (1 + (x > 0.5))}')
+    points = np.array([[0.2], [0.7], [0.3], [0.9]])
+    with evaluated(load_problem(name), parallel) as problem:
+        problem.evaluate(points[:1])
+        with pytest.raises(PointError) as caught:
+            problem.evaluate(points)
+    said = {1: 'such as {"f": 0.25, "g": [the 1 violation]}', 2: "returned 2 violations, and 1 in its first answer"}
+    assert said[parallel] in str(caught.value)
+    with evaluated(scored(load_problem(name), "lexicographic", "worst"), parallel) as problem:
+        problem.evaluate(points[:1])
+        assert problem.evaluate(points).tolist() == [0.2, np.inf, 0.3, np.inf]
+
+
+def test_a_study_says_which_programs_have_constraints(undeclared, tmp_path):
+    names = {"free": undeclared("{}"), "bound": undeclared('{"g": [0.5 - x]}').replace("p.py", "q.py")}
+    (tmp_path / "q.py").write_text((tmp_path / "p.py").read_text())
+    undeclared("{}")
+    problems = [{"name": name, "label": label} for label, name in names.items()]
+    run(
+        {"name": "s", "trials": 1, "budget": 30, "optimizers": ["random-search"], "problems": problems},
+        tmp_path / "out",
+        n_jobs=1,
+    )
+    results = StoredResults(tmp_path / "out")
+    assert [results.facts(label).constraints for label in names] == ["", "lexicographic"]
+
+
+def test_the_numbers_of_a_line_are_the_value_and_violations(tmp_path):
+    (tmp_path / "p.sh").write_text("#!/bin/sh\necho $1 -1 0.5\n")
+    (tmp_path / "p.sh").chmod(0o755)
+    problem = load_problem(f"command:{tmp_path / 'p.sh'}", lower=[0], upper=[1])
+    with evaluated(problem) as beside:
+        assert beside.evaluate(np.array([[0.5]])).tolist() == [0.5]
+        assert beside.violations(np.array([[0.5]])).tolist() == [[-1.0, 0.5]]
+    refused = load_problem(f"command:{tmp_path / 'p.sh'}", lower=[0], upper=[1], violations=0)
+    with pytest.raises(PointError, match=r"printed 0\.5 -1 0\.5 last; wanted is the value"):
+        refused.evaluate(np.array([[0.5]]))

@@ -107,8 +107,9 @@ class Scored(Problem):
 
     def describe(self, x: Floats) -> dict[str, float]:
         """Return the problem's domain metrics of the (d,) point ``x``, and its total ``violation``."""
-        metrics = self.problem.describe(x.copy())
-        return {**metrics, "violation": float(self._total(x[np.newaxis])[0])} if self.handling else metrics
+        metrics, violations = self.problem.describe(x.copy()), self.violations(x[np.newaxis])
+        constrained = violations is not None and violations.size
+        return {**metrics, "violation": float(self._total(x[np.newaxis])[0])} if constrained else metrics
 
     def _true(self, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""
@@ -247,7 +248,7 @@ def require_on_error(value: Any, what: str = "'on_error'") -> str:
 def _constrained(problem: Problem) -> bool:
     """Return whether a problem has constraints."""
     if type(problem).violations is Problem.violations or problem.joint:
-        return bool(problem.joint)
+        return problem.joint
     with explained(f"problem {problem.name!r}: its violations cannot be computed", Exception):
         return bool(violations_of(problem, problem.lower[np.newaxis]).size)
 

@@ -125,7 +125,7 @@ def test_no_process_is_left():
     made = []
     with evaluated(problem(), 3) as beside:
         beside.evaluate(X)
-        made += [process.pid for process in beside.evaluate.__self__._evaluate.__self__._all.values()]
+        made += [process.pid for process in beside.evaluate.__self__._processes._all.values()]
     assert len(made) == 3
     for pid in made:
         with pytest.raises(ProcessLookupError):
