@@ -89,7 +89,7 @@ def _lines(folder: Folder) -> Iterator[tuple[str, str | None]]:
         line = f"verified {verified['verified']}: {verified.get('sentence')}"
         yield line, "red" if verified.get("different") else None
     made = folder.store.made()
-    for number, record in folder.store.environments().items():
+    for number, record in folder.store.records("environments").items():
         yield from ((line, None) for line in (_environment(record, made.get(number, 0)) if record else ()))
 
 
@@ -125,8 +125,9 @@ def _kept(folder: Folder) -> Iterator[str]:
     for number, cell in held.all.items():
         if number not in held.selected and trials.get(number):
             kept[cell.optimizer] += trials[number]
+    every = held.versions
     for label, selected in held.optimizers.items():
-        versions = [*held.versions_of(selected)]
+        versions = [*every[read(selected)["label"]]]
         parts = [
             f"{count(number, 'trial')} "
             f"({'of other problems, seeds or budgets' if record == selected else f'version {place}'})"
@@ -148,7 +149,7 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
     made = folder.store.made()
     cells = [
         number
-        for number, record in folder.store.environments().items()
+        for number, record in folder.store.records("environments").items()
         if str(record.get("started")) >= running["started"]
     ]
     finished = sum(made.get(number, 0) for number in cells)

@@ -11,7 +11,6 @@ from bench.contract.objective import OUT_OF_TIME
 from bench.execution.journal import place
 from bench.execution.local import Answer, Missing
 from bench.execution.plan import EXPENSIVE, Plan
-from bench.plugins.inputs import conflicts
 from bench.storage.cells import split
 from bench.storage.folder import Folder, difference_line
 from bench.storage.rows import disagreement
@@ -96,7 +95,7 @@ def made_again(trials: Iterable[Trial], folder: Folder, study: Study, make: Make
     cells = held.by_labels
     for trial, row, _ in make(lambda: trials):
         theirs = split(json.loads(row.pop("beside", {}).get("inputs") or "{}"))
-        edited = any(conflicts(*pair) for pair in zip(held.made_from(cells[trial.key[:2]]), theirs, strict=True))
+        edited = held.conflicts(cells[trial.key[:2]], theirs)
         if not (edited or row["status"] == "timeout" or by_the_clock(row, study)):
             compared[trial] = compared.get(trial) or _difference(folder, trial, row)
     return compared

@@ -54,10 +54,10 @@ class StudyFolder:
             return budgets
         spent: dict[str, Counter[int | None]] = {}
         ended = set[str]()
-        for problem, optimizer, most, declared in self.folder.store.spent():
-            of_optimizer, dimension = spent.setdefault(optimizer, Counter()), dimension_in(problem)
-            of_optimizer[dimension] = max(most, of_optimizer[dimension], 1)
-            ended |= {optimizer} if declared else set()
+        for cell in filter(lambda cell: cell.done, self.folder.store.cells()):
+            of_optimizer, dimension = spent.setdefault(cell.optimizer, Counter()), dimension_in(cell.problem)
+            of_optimizer[dimension] = max(cell.most, of_optimizer[dimension], 1)
+            ended |= {cell.optimizer} if cell.stops.keys() - {None, "budget", "undeclared"} else set()
         for optimizer, most_in in spent.items():
             if optimizer in self.shown and optimizer not in ended:
                 budgets[self.shown[optimizer]] = whole.spent(most_in)
@@ -113,7 +113,7 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
         older, cells, numbers = _versions(held, folder.store.trials(), shown, versions)
         cells |= {n: (problem, shown[label]) for n, (problem, label) in held.selected.items() if label in shown}
         optimizers = (dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
-        noted = folder.store.environments()
+        noted = folder.store.records("environments")
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
         before = sum(len(source.environments) for source in found)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
@@ -141,7 +141,7 @@ def _versions(
     matched = {label for label in shown for pattern in wanted if fnmatchcase(label, pattern)}
     if unmatched := [pattern for pattern in wanted if not any(fnmatchcase(label, pattern) for label in shown)]:
         raise BenchError(f"no optimizer is called {unmatched[0]!r}{nearest(unmatched[0], shown)}")
-    records, every = held.optimizers, held.versions_by_label()
+    records, every = held.optimizers, held.versions
     for label, name in list(shown.items()):
         selected = records.get(label)
         versions = every.get(read(selected)["label"], {}) if selected is not None else {}

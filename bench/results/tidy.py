@@ -36,14 +36,14 @@ class Tidy:
         self._parts: dict[str, list[Array]] = {name: [] for name in (*NUMBERS, "trial", "seed", "cell", *TEXTS)}
         self._known: dict[str, dict[Any, int]] = {name: {} for name in ("cell", *TEXTS)}  # number of each value
         self._vectors: dict[str, dict[str, list[tuple[Array, Array]]]] = {column.name: {} for column in VECTORS}
-        self._names: dict[str, set[tuple[str, str]]] = {}  # of variables and metrics, by problem
+        self._names: dict[str, set[tuple[bytes, ...]]] = {}  # of variables and metrics, by problem
         self._rows = 0
 
     def add(
         self,
         rows: Sequence[Sequence[Any]],
         cells: Mapping[int, Cell],
-        names: Mapping[int, tuple[str, str]],
+        names: Mapping[int, tuple[bytes, ...]],
         environments: Mapping[int, int],
     ) -> None:
         """Add the rows of one store.

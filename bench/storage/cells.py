@@ -43,20 +43,17 @@ class Cells:
         """The records of the selected optimizers, by the label that the study shows."""
         return {labels[1]: cell.optimizer for labels, cell in self.by_labels.items()}
 
-    def versions_of(self, record: str) -> dict[str, list[int]]:
-        """Return the versions of an optimizer, by record, the first one first, each with the numbers of its cells.
+    @property
+    def versions(self) -> dict[str, dict[str, list[int]]]:
+        """The versions of each optimizer, by the label and then the text of its record, with the numbers of its cells.
 
-        An optimizer whose name, options or inputs changed is another version. One whose trials were removed keeps its
-        place, so a number goes on meaning the same.
+        An optimizer whose name, options or inputs changed is another version; the first one comes first. One whose
+        trials were removed keeps its place, so a number goes on meaning the same.
         """
-        return self.versions_by_label().get(read_record(record)["label"], {})
-
-    def versions_by_label(self) -> dict[str, dict[str, list[int]]]:
-        """Return the versions of every optimizer (:meth:`versions_of`) by the label of its record, in one pass."""
-        labels = {record: read_record(record)["label"] for record in {cell.optimizer for cell in self.all.values()}}
         versions: dict[str, dict[str, list[int]]] = {}
         for number, cell in sorted(self.all.items()):
-            versions.setdefault(labels[cell.optimizer], {}).setdefault(cell.optimizer, []).append(number)
+            label = read_record(cell.optimizer)["label"]
+            versions.setdefault(label, {}).setdefault(cell.optimizer, []).append(number)
         return versions
 
     def add(self, cell: Cell, inputs: Sequence[Inputs]) -> None:
@@ -67,6 +64,10 @@ class Cells:
     def made_from(self, cell: Cell) -> list[Inputs]:
         """Return what trials of a cell's problem and of its optimizer were made from."""
         return [self.made.get(text, {}) for text in cell.records]
+
+    def conflicts(self, cell: Cell, inputs: Sequence[Inputs]) -> list[str]:
+        """Return the names of these inputs that are others than those that trials of a cell were made from."""
+        return [name for pair in zip(self.made_from(cell), inputs, strict=True) for name in conflicts(*pair)]
 
     def fitting(self, bare: Cell, inputs: Sequence[Inputs], first: Cell | None = None) -> Cell:
         """Return the cell to which trials belong that were made from these inputs.
@@ -85,16 +86,6 @@ class Cells:
         records = {cell.records[place] for cell in self.all.values()}
         numbers = {read_record(each)["inputs"] for each in records if with_inputs(each, 1) == with_inputs(text, 1)}
         return [with_inputs(text, number) for number in (*sorted(numbers, reverse=True), max(numbers, default=0) + 1)]
-
-    def display_labels(self, number: int) -> Labels:
-        """Return the labels of a cell for people, whether it is selected or not."""
-        if number in self.selected or number not in self.all:
-            return self.selected.get(number, UNKNOWN)
-        problem, optimizer = self.all[number].labels
-        return problem, f"{optimizer} (not selected)"
-
-
-UNKNOWN = "an unknown problem", "an unknown optimizer"
 
 
 def read(connection: sqlite3.Connection) -> Cells:

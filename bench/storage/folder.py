@@ -82,7 +82,7 @@ class Folder:
 
     def environments(self) -> list[dict[str, Any]]:
         """Return the environments that made the store's rows, in the order of their numbers from 1 on."""
-        return list(self.store.environments().values())
+        return list(self.store.records("environments").values())
 
     def write_environments(self) -> None:
         """Write a copy of the store's environments to environment.json, for people."""
@@ -189,14 +189,12 @@ class Folder:
         Each record has ``when``, ``study`` (its identity), ``seed``, ``trials``, ``budget``, ``subject``, the labels of
         ``problems`` and ``optimizers``, and ``reused``, the name of the folder where it was another one.
         """
-        with self.store.reader() as reader:
-            runs = [record for record in reader.records("history").values() if "look" not in record]
+        runs = [record for record in self.store.records("history").values() if "look" not in record]
         return sorted(runs, key=lambda record: str(record.get("when", "")))
 
     def looks(self) -> list[dict[str, Any]]:
         """Return what was noted of comparisons of trials that are here, or in folders that they were taken from."""
-        with self.store.reader() as reader:
-            return [record["look"] for record in reader.records("history").values() if "look" in record]
+        return [record["look"] for record in self.store.records("history").values() if "look" in record]
 
     def note_look(self, look: dict[str, Any]) -> None:
         """Add a comparison and its outcome to the history; raises BenchError where a run holds the folder."""

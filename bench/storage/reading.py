@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
-from itertools import islice
+from functools import cached_property, lru_cache
+from itertools import chain, islice
 from typing import Any
 
 from bench.helpers.text import listed, printable
 from bench.storage.cells import Cells, binding_of, read, records_of
 from bench.storage.committed import Committed
-from bench.storage.rows import COLUMNS, TEXTS, VALUES, decoded, digest
+from bench.storage.rows import NAMES, TEXTS, VALUES, decoded, digest
 from bench.storage.traces import Key
-from bench.study.cell import Cell
 
 NAMED = 3  # damaged trials that a sentence names
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
@@ -74,7 +73,7 @@ class Reader:
     """The rows of an open store at one moment, and which of them fit their digests.
 
     Attributes:
-        names: the names of variables and of metrics, by their number.
+        names: the names of variables and of metrics as they are stored, JSON in UTF-8, by their number.
 
     Args:
         connection: to the store.
@@ -85,9 +84,8 @@ class Reader:
         self._connection, self._noted = connection, noted
         connection.text_factory = bytes  # damage may leave texts that are no UTF-8
         connection.execute("BEGIN")  # names, cells and rows of one moment, while a run adds to all
-        self._texts = {number: texts for number, *texts in connection.execute("SELECT * FROM names")}
-        self.names: dict[Any, tuple[str, str]] = {
-            n: (decoded(one), decoded(two)) for n, (one, two) in self._texts.items()
+        self.names: dict[Any, tuple[bytes, ...]] = {
+            number: (*texts,) for number, *texts in connection.execute("SELECT * FROM names")
         }
 
     @cached_property
@@ -97,7 +95,14 @@ class Reader:
 
     @cached_property
     def _bound(self) -> Callable[[Any, object], bytes | None]:
-        return lru_cache(maxsize=FETCHED)(partial(bound, self.cells.all, self._texts))  # rows come cell by cell
+        """Return what the digests of a cell's rows with names of a number begin with; None where either is unknown."""
+        cells, names = self.cells.all, self.names | {None: (None,) * len(NAMES)}
+
+        @lru_cache(maxsize=FETCHED)  # rows come cell by cell
+        def bound(cell: Any, number: object) -> bytes | None:
+            return binding_of(cells[cell], names[number]) if cell in cells and number in names else None
+
+        return bound
 
     @property
     def rows(self) -> int:
@@ -149,7 +154,7 @@ class Reader:
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        cursor = self._rows()
+        cursor = self._connection.execute(f"SELECT {', '.join(READ)} FROM results ORDER BY cell, trial")
         rows = 0
         referred: dict[str, set[Any]] = {"environment": set(), "inputs": set()}
         while fetched := cursor.fetchmany(FETCHED):
@@ -167,35 +172,28 @@ class Reader:
         self.check_count(check, rows)
 
     def sound(self) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Yield the number of its cell and the ``COLUMNS`` of every row that fits its digest, selected or not.
+        """Yield the number of its cell and the columns but the labels of every row that fits its digest.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        for row in filter(lambda row: self._fits(*row), self._rows()):
-            _, cell, names, trial, *measured = row
-            known = *self.cells.display_labels(cell), trial, *self.names.get(names, (None, None)), *measured
-            columns = dict(zip(COLUMNS, known, strict=True))
-            yield cell, columns | {name: decoded(columns[name]) for name in TEXTS if columns[name] is not None}
+        for _, cell, names, *values in chain.from_iterable(self.chunks(StoreCheck())):
+            row = dict(zip(READ[3:], values, strict=True)) | dict(zip(NAMES, self.names.get(names, ()), strict=False))
+            yield cell, row | {name: decoded(row[name]) for name in (*NAMES, *TEXTS) if row.get(name) is not None}
 
     def records(self, table: str) -> dict[int, dict[str, Any]]:
         """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
         return records_of(self._connection, table)
-
-    def _rows(self) -> sqlite3.Cursor:
-        return self._connection.execute(f"SELECT {', '.join(READ)} FROM results ORDER BY cell, trial")
 
     def _fits(self, noted: object, cell: object, names: object, *values: Any) -> bool:
         bound = self._bound(cell, names)
         return bound is not None and digest(bound, values) == noted
 
     def _place(self, row: Sequence[Any]) -> Key:
-        _, cell, _, trial, *_ = row
-        return (*self.cells.display_labels(cell), trial if isinstance(trial, int) else -1)
-
-
-def bound(cells: Mapping[int, Cell], names: Mapping[Any, Sequence[bytes]], cell: int, number: object) -> bytes | None:
-    """Return what the digests of a cell's rows with names of this number begin with; None where either is unknown."""
-    if cell not in cells or not (number is None or number in names):
-        return None
-    return binding_of(cells[cell], names.get(number, (None, None)))
+        """Return labels and number of a damaged trial for people."""
+        _, number, _, trial, *_ = row
+        labels = self.cells.selected.get(number, ("an unknown problem", "an unknown optimizer"))
+        if number not in self.cells.selected and (cell := self.cells.all.get(number)):
+            problem, optimizer = cell.labels
+            labels = problem, f"{optimizer} (not selected)"
+        return (*labels, trial if isinstance(trial, int) else -1)

@@ -167,7 +167,7 @@ class _Changes:
 
     def _version(self, cell: Cell) -> str:
         """Return the number of the version of its optimizer that a cell has."""
-        versions = [*self.held.versions_of(cell.optimizer), cell.optimizer]
+        versions = [*self.held.versions.get(read(cell.optimizer)["label"], ()), cell.optimizer]
         return f"version {versions.index(cell.optimizer) + 1}"
 
     def _numbers(self, cells: Collection[Labels], which: str) -> str:

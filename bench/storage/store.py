@@ -7,6 +7,7 @@ import os
 import shutil
 import sqlite3
 import tempfile
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
@@ -34,12 +35,14 @@ RESTORE = "restore it from a copy, or move it away and run the study again"
 
 @dataclass
 class CellCounts:
-    """The counts and times of the stored trials of one optimizer on one problem, both by label."""
+    """The counts, times and ends of the stored trials of one optimizer on one problem, both by label."""
 
     problem: str
     optimizer: str
-    status: dict[str, int] = field(default_factory=dict)  # rows by status
+    status: Counter[str] = field(default_factory=Counter)  # rows by status
     wall_s: float = 0.0  # sum of the finished trials
+    stops: Counter[str | None] = field(default_factory=Counter)  # finished trials by what ended them
+    most: int = 0  # evaluations of a finished trial
 
     @property
     def done(self) -> int:
@@ -93,10 +96,10 @@ class Store:
         with self._read() as connection:
             yield Reader(connection, noted)
 
-    def environments(self) -> dict[int, dict[str, Any]]:
-        """Return the environments that rows refer to by number, oldest first; a damaged record is empty."""
+    def records(self, table: str) -> dict[int, dict[str, Any]]:
+        """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
         with self.reader() as reader:
-            return reader.records("environments")
+            return reader.records(table)
 
     # what is stored, compared or not
 
@@ -120,8 +123,7 @@ class Store:
     ) -> Iterator[dict[str, Any]]:
         """Yield the columns of every selected row that meets an SQL condition, cell by cell, damaged or not."""
         query = f"SELECT {', '.join(columns)} FROM {SELECTED} WHERE {where} ORDER BY results.cell, trial"
-        with self._read() as connection:
-            yield from (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))
+        return (dict(zip(columns, row, strict=True)) for row in self._select(query, values))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial, as :meth:`rows` yields it, or None."""
@@ -140,11 +142,14 @@ class Store:
     def cells(self, shown: Mapping[int, Labels] | None = None) -> list[CellCounts]:
         """Return the counts of each cell that has trials; ``shown`` as in traces."""
         cells: dict[Labels, CellCounts] = {}
-        counted = "status, count(*), coalesce(sum(wall_s), 0)"
-        for *labels, status, count, wall in self._of_cells(counted, shown, "1 GROUP BY cell, status"):
+        counted = "status, stop, count(*), coalesce(sum(wall_s), 0), coalesce(max(nfev), 0)"
+        for *labels, status, stop, count, wall, most in self._of_cells(counted, shown, "1 GROUP BY cell, status, stop"):
             cell = cells.setdefault((*labels,), CellCounts(*labels))
-            cell.status[status] = count
+            cell.status[status] += count
             cell.wall_s += wall
+            if status == "ok":
+                cell.stops[stop] += count
+                cell.most = max(cell.most, most)
         return list(cells.values())
 
     def trials(self) -> dict[int, int]:
@@ -155,24 +160,12 @@ class Store:
         """Return the number of rows that each environment made, by the environment's number."""
         return self._numbers("environment")
 
-    def spent(self) -> list[tuple[str, str, int, bool]]:
-        """Return problem, optimizer, the most evaluations of a finished trial, and whether any declared its end."""
-        return [
-            (problem, optimizer, int(most), bool(declared))
-            for problem, optimizer, most, declared in self._select(
-                "SELECT problem, optimizer, max(nfev), max(coalesce(stop NOT IN ('budget', 'undeclared'), 0))"
-                f" FROM {SELECTED} WHERE status = 'ok' AND nfev IS NOT NULL GROUP BY results.cell"
-            )
-        ]
-
     def undeclared(self) -> dict[str, int]:
         """Return the number of finished trials that ended within the budget and declared no reason, by optimizer."""
-        return dict(
-            self._select(
-                f"SELECT optimizer, count(*) FROM {SELECTED}"
-                " WHERE status = 'ok' AND stop = 'undeclared' GROUP BY optimizer ORDER BY optimizer"
-            )
-        )
+        found = Counter[str]()
+        for cell in self.cells():
+            found[cell.optimizer] += cell.stops["undeclared"]
+        return dict(sorted((+found).items()))
 
     def state(self) -> str:
         """Return a hash of what a report is about: the trials that are selected, and what runs have selected."""
@@ -253,9 +246,9 @@ class Store:
         if not self.exists:
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
 
-    def _select(self, query: str) -> Iterator[tuple[Any, ...]]:
+    def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
         with self._read() as connection:
-            yield from connection.execute(query)
+            yield from connection.execute(query, values)
 
     def _of_cells(self, columns: str, shown: Mapping[int, Labels] | None, where: str) -> Iterator[Any]:
         """Yield problem, optimizer and columns of the rows of shown cells, by default of those selected."""

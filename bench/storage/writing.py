@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.helpers.errors import BenchError
-from bench.plugins.inputs import Inputs, conflicts
+from bench.plugins.inputs import Inputs
 from bench.storage import committed
 from bench.storage.cells import Cells, binding_of, read, record_digest, selection_digest, split
 from bench.storage.committed import Committed
@@ -58,9 +58,7 @@ class Writer:
 
     def conflicts(self, trial: Trial, made_from: str | None) -> list[str]:
         """Return the inputs of a trial, as :meth:`add` takes them, that are others than those of the selected cell."""
-        cell = self.cells.all[self._selected[trial.key[:2]]]
-        _, theirs = self._made_from(made_from)
-        return [name for pair in zip(self.cells.made_from(cell), theirs, strict=True) for name in conflicts(*pair)]
+        return self.cells.conflicts(self.cells.all[self._selected[trial.key[:2]]], self._made_from(made_from)[1])
 
     def _made_from(self, made_from: str | None) -> tuple[int | None, list[Inputs]]:
         """Return the number of a record of inputs, which is added where it is new, and its parts."""

@@ -85,7 +85,7 @@ def _copied(folder: Folder, place: Path) -> Folder:
     counted = folder.store.check_count()
     folder.store.copy(draft.path)
     with draft.writer() as writer:
-        for number, record in draft.environments().items():
+        for number, record in draft.records("environments").items():
             if record.get("working_folder"):
                 writer.change(number, record | {"working_folder": ""})
     draft.copy(copy.store.path)

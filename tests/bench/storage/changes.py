@@ -25,7 +25,6 @@ def forge(path, *statements):
     with closing(sqlite3.connect(path)) as connection, connection:
         reader = Reader(connection, Committed())
         for _, cell, names, trial, *values in connection.execute(f"SELECT {', '.join(READ)} FROM results").fetchall():
-            texts = [None if text is None else text.encode() for text in reader.names.get(names, (None, None))]
-            bound = binding_of(reader.cells.all[cell], texts)
+            bound = binding_of(reader.cells.all[cell], reader.names.get(names, (None, None)))
             written = digest(bound, (trial, *values)), cell, trial
             connection.execute("UPDATE results SET digest = ? WHERE cell = ? AND trial = ?", written)

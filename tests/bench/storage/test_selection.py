@@ -70,7 +70,7 @@ def test_a_version_that_is_there_already_is_taken_up_again():
     chosen = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now(CODE))
     assert chosen.notes == ["a changed (f.py) and is version 1 now: 0 trials to make; the 4 of version 2 are kept"]
     assert chosen.labels_in(cells) == {1: ("p", "a"), 2: ("q", "a")}
-    assert [*cells.versions_of(cells.optimizers["a"]).values()] == [[1, 2], [3, 4]]
+    assert [*cells.versions["a"].values()] == [[1, 2], [3, 4]]
     third = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now({"a": "third"}))
     assert third.notes == ["a changed (f.py) and is version 3 now: 6 trials to make; the 4 of version 2 are kept"]
 

@@ -135,7 +135,7 @@ def test_the_same_environment_has_one_number(store):
         writer.change(two, {"host": "c"})
         writer.add(trial(0), packed(finished()), two)
         writer.add(trial(1), packed(finished()))
-    assert store.environments() == {one: {"host": "a"}, two: {"host": "c"}}
+    assert store.records("environments") == {one: {"host": "a"}, two: {"host": "c"}}
     assert store.made() == {two: 1}
 
 
@@ -210,7 +210,7 @@ def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(tmp_path):
     store = Store(tmp_path)
     for _ in range(2):
         assert store.cells() == []
-        assert store.environments() == store.made() == store.traces() == {}
+        assert store.records("environments") == store.made() == store.traces() == {}
         keys = store.keys()
         assert ("p", "o", 0) not in keys
         assert store.find("p", "o", 0) is None
@@ -354,6 +354,6 @@ def test_a_store_with_what_a_stranger_computes_in_it_is_not_read(statements, sto
     fill(store, 0)
     for statement in statements:
         outside(store.path, statement)
-    for use in (store.check, store.cells, store.environments, lambda: fill(store, 1)):
+    for use in (store.check, store.cells, lambda: store.records("environments"), lambda: fill(store, 1)):
         with pytest.raises(BenchError, match="in another form than 'bench run' writes it, so nothing of it is read"):
             use()
