@@ -175,10 +175,8 @@ def _failures(folder: Folder) -> list[str]:
 
 
 def _killed(folder: Folder) -> Iterator[str]:
-    """Yield a line for each run that was killed, with the trials then under way, one of which may have done it."""
-    if folder.running():
-        return
-    for run in folder.killed()[-SHOWN:]:
+    """Yield a line on the last run where it was killed: the trials then under way, one of which may have done it."""
+    if (run := folder.killed()) and not folder.running():
         trials = [f"{optimizer} on {problem}, trial {number}" for problem, optimizer, number in run["trials"]]
         yield f"a run was killed at {run['ended']} or later; under way were {'; '.join(trials)}"
 

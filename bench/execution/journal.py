@@ -146,7 +146,7 @@ def journals(folder: Path, trials: Collection[tuple[str, ...]] | None = None) ->
 
 def under_way(folder: Path) -> Iterator[tuple[Record, list[Record]]]:
     """Yield the journals of the trials under way in a folder, likewise."""
-    begun = (left(folder) or {"trials": []})["trials"]
+    begun = left(folder)["trials"]
     return journals(folder, {tuple(trial) for trial in begun}) if begun else iter(())
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from fnmatch import fnmatchcase
 from functools import cache, cached_property
 from itertools import compress
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import pandas as pd
 
@@ -22,21 +22,23 @@ from bench.contract.objective import integer_flags
 from bench.contract.problem import Problem
 from bench.helpers.errors import BenchError
 from bench.plugins import selection
-from bench.plugins.inputs import Inputs, is_data, shown
-from bench.plugins.loading import brings_code, is_imported
+from bench.plugins.inputs import is_data, shown
+from bench.plugins.loading import brings_code
 from bench.results.compared import Compared
 from bench.results.foreign import Table, recognised
-from bench.results.sources import by_label, sources
+from bench.results.sources import StudyFolder, sources
 from bench.results.tidy import Tidy
 from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.traces import Traces
+from bench.study.budget import Budget
 from bench.study.selection import Dimensions, Patterns, selected
 from bench.trial.columns import FEATURES, FRAME, PRECISION
 from bench.trial.scoring import Scored
 
 AnyPath = str | PathLike[str]
+T = TypeVar("T")
 
 KINDS = tuple(column.name for column in FEATURES)
 
@@ -76,11 +78,7 @@ class StoredResults:
             selection (:meth:`select`), those selected.
         whole: the study before any selection.
         environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
-        budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
-        planned: the trials that each cell of an optimizer should hold, by the label shown; 0 of imported runs, which
-            follow no plan that is known.
         differences: sentences on how the folders differ where imported results are among them; else none.
-        checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
         versions: which version of an optimizer is shown and how many there are, where some are not shown: it was
             changed after trials of it were made.
@@ -94,30 +92,64 @@ class StoredResults:
         self._versions = versions
         self._sources = sources([Folder(folder) for folder in (path, *others)], versions)
         self.names = [source.name for source in self._sources]
-        self.study = self.whole = united([source.study for source in self._sources], self.names, self._stored_dimension)
-        shown = {entry.label: (entry.name, source) for source in self._sources for entry in source.study.optimizers}
-        self.budgets = {label: source.budgets[label] for label, (_, source) in shown.items()}
-        self.planned = {
-            label: 0 if is_imported(name) or label not in source.shown.values() else source.study.trials
-            for label, (name, source) in shown.items()
-        }
+        studies = [source.study for source in self._sources]
+        self.study = self.whole = united(studies, self.names, self._stored_dimension)
+        self.differences = differences(studies, self.names)
         self.versions = {label: number for source in self._sources for label, number in source.versions.items()}
-        self._problems = {
-            label: {entry.label for entry in source.study.problems} for label, (_, source) in shown.items()
-        }
-        self.differences = differences([source.study for source in self._sources], self.names)
-        _require_one_data([source.folder for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
-        self.checks = by_label(self._sources, Folder.checks)
         self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
+        if others:
+            _ = self.data  # refuses what differs
+
+    @cached_property
+    def budgets(self) -> dict[str, Budget]:
+        """What a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent."""
+        return self._by_optimizer(lambda source: source.budgets)
+
+    @cached_property
+    def planned(self) -> dict[str, int]:
+        """The trials that each cell of an optimizer should hold, by the label shown.
+
+        There are 0 of imported runs, which follow no plan that is known, and of earlier versions.
+        """
+        return self._by_optimizer(lambda source: source.planned)
+
+    @cached_property
+    def checks(self) -> dict[str, list[dict[str, Any]]]:
+        """The verdicts of ``bench check`` by optimizer label; empty where it has not run."""
+        return self._by_optimizer(lambda source: source.by_label(source.folder.checks()))
+
+    @cached_property
+    def descriptions(self) -> dict[str, Any]:
+        """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
+        return self._by_optimizer(lambda source: source.by_label(source.folder.noted(DESCRIPTIONS)))
+
+    def _by_optimizer(self, read: Callable[[StudyFolder], Mapping[str, T]]) -> dict[str, T]:
+        """Return what the folders say of the study's optimizers, by label."""
+        _, optimizers = self._labels
+        return {label: found for each in self._sources for label, found in read(each).items() if label in optimizers}
 
     @cached_property
     def data(self) -> dict[str, dict[str, str]]:
-        """The hash of each file of data that a problem's trials were made from, by the problem's label."""
-        made = {label: _data(inputs) for source in self._sources for label, inputs in source.folder.made().items()}
-        return {entry.label: made[entry.label] for entry in self.study.problems if made.get(entry.label)}
+        """The hash of each file of data that a problem's trials were made from, by the problem's label.
+
+        Raises:
+            BenchError: where they differ between folders.
+        """
+        found: dict[str, dict[str, str]] = {entry.label: {} for entry in self.study.problems}
+        for source in self._sources:
+            made = source.folder.made()
+            for label in found.keys() & made.keys():
+                data = {shown(name): state for name, (state, _) in made[label].items() if is_data(name)}
+                if any(found[label].get(name, state) != state for name, state in data.items()):
+                    raise BenchError(
+                        f"{source.folder.path} ran problem {label!r} on other data than {self.paths[0]}; only runs on "
+                        "the same data can be compared"
+                    )
+                found[label] |= data
+        return {label: data for label, data in found.items() if data}
 
     @cached_property
     def packages(self) -> dict[str, str]:
@@ -159,10 +191,6 @@ class StoredResults:
         chosen = type(self)(*self.paths, versions=self._versions)
         chosen._problem, chosen._facts = self._problem, self._facts
         chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
-        kept = {entry.label for entry in chosen.study.optimizers}
-        for by_optimizer in (chosen.budgets, chosen.planned, chosen.checks):
-            for label in by_optimizer.keys() - kept:
-                del by_optimizer[label]
         return chosen
 
     def __repr__(self) -> str:
@@ -224,11 +252,6 @@ class StoredResults:
         """The labels of the study's problems, and those of its optimizers."""
         problems, optimizers = self.study.problems, self.study.optimizers
         return {entry.label for entry in problems}, {entry.label for entry in optimizers}
-
-    @cached_property
-    def descriptions(self) -> dict[str, Any]:
-        """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
-        return by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
 
     @cached_property
     def _read(self) -> tuple[pd.DataFrame, pd.Series, int]:
@@ -318,7 +341,8 @@ class StoredResults:
 
     def planned_on(self, optimizer: str, problems: Iterable[str]) -> int:
         """Return the trials that an optimizer should have on these problems in all; 0 where no plan is known."""
-        return self.planned[optimizer] * sum(label in self._problems[optimizer] for label in problems)
+        run = {entry.label for each in self._sources if optimizer in each.planned for entry in each.study.problems}
+        return self.planned[optimizer] * len(run & {*problems})
 
     def dimension(self, label: str) -> int:
         """Return the number of search variables of a problem, as it loads or by its name; 0 where neither shows it."""
@@ -389,23 +413,6 @@ def _of_frame(table: pd.DataFrame) -> pd.DataFrame:
     runs = rows.groupby(["problem", "optimizer", "trial"], sort=False)
     last = runs.last().assign(fun=runs["fun"].min(), study="frame", status="ok").reset_index()
     return last.reindex(columns=[column.name for column in FRAME])
-
-
-def _data(inputs: Inputs) -> dict[str, str]:
-    return {shown(name): state for name, (state, _) in inputs.items() if is_data(name)}
-
-
-def _require_one_data(folders: Sequence[Folder]) -> None:
-    """Raise BenchError when a problem's data differ between folders."""
-    agreed: dict[str, dict[str, str]] = {}
-    for folder in folders if len(folders) > 1 else ():
-        for label, inputs in folder.made().items():
-            data = _data(inputs)
-            if any(agreed.setdefault(label, data).get(name, state) != state for name, state in data.items()):
-                raise BenchError(
-                    f"{folder.path} ran problem {label!r} on other data than {folders[0].path}; only runs on the same "
-                    "data can be compared"
-                )
 
 
 def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.DataFrame:

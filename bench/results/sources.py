@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fnmatch import fnmatchcase
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +25,17 @@ CELL = READ.index("cell")
 
 @dataclasses.dataclass
 class StudyFolder:
-    """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments.
+    """One folder with the labels as shown.
 
-    ``cells`` has the labels of problem and optimizer that each cell is shown under, by its number in the store, and
-    ``versions`` the number of its version, and the number of versions, of each optimizer with some that are not shown.
+    Attributes:
+        folder: the folder.
+        name: its name, with as many parents as make it distinct.
+        study: its study with the labels shown, and with earlier versions of optimizers that are asked for.
+        shown: the label shown of each optimizer that the study in the folder names.
+        cells: the labels of problem and optimizer that each cell is shown under, by its number in the store.
+        versions: the number of its version, and the number of versions, of each optimizer with some that are not shown.
+        environments: the records of the runs.
+        environment_places: their numbers among those of all folders, by their numbers in the store.
     """
 
     folder: Folder
@@ -41,7 +47,17 @@ class StudyFolder:
     environments: list[dict[str, Any]]
     environment_places: dict[int, int]
 
-    @cached_property
+    def by_label(self, noted: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a note of the folder on its optimizers, by the label shown."""
+        return {self.shown[label]: each for label, each in noted.items() if label in self.shown}
+
+    @property
+    def planned(self) -> dict[str, int]:
+        """The trials that each cell of an optimizer should hold, 0 of imported runs and of earlier versions."""
+        planned = {*self.shown.values()} - {*self.study.imported}
+        return {entry.label: self.study.trials * (entry.label in planned) for entry in self.study.optimizers}
+
+    @property
     def budgets(self) -> dict[str, Budget]:
         """The budget of each optimizer by its label; for imported runs, the most that any of them spent.
 
@@ -54,14 +70,11 @@ class StudyFolder:
             return budgets
         spent: dict[str, Counter[int | None]] = {}
         ended = set[str]()
-        for cell in filter(lambda cell: cell.done, self.folder.store.cells()):
+        for cell in filter(lambda cell: cell.done, self.folder.store.cells(self.cells)):
             of_optimizer, dimension = spent.setdefault(cell.optimizer, Counter()), dimension_in(cell.problem)
             of_optimizer[dimension] = max(cell.most, of_optimizer[dimension], 1)
             ended |= {cell.optimizer} if cell.stops.keys() - {None, "budget", "undeclared"} else set()
-        for optimizer, most_in in spent.items():
-            if optimizer in self.shown and optimizer not in ended:
-                budgets[self.shown[optimizer]] = whole.spent(most_in)
-        return budgets
+        return budgets | {label: whole.spent(most_in) for label, most_in in spent.items() if label not in ended}
 
     def shown_cells(self, problems: Collection[str], optimizers: Collection[str]) -> dict[int, Labels]:
         """Return the cells of these problems and shown optimizers."""
@@ -85,16 +98,6 @@ class StudyFolder:
         return self.folder.require(found).trials
 
 
-def by_label(sources: Iterable[StudyFolder], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:
-    """Return the notes of the folders on their optimizers, by the label shown."""
-    return {
-        source.shown[label]: noted
-        for source in sources
-        for label, noted in read(source.folder).items()
-        if label in source.shown
-    }
-
-
 def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]:
     """Read the folders' studies, cells and environments; make folder names and optimizer labels distinct."""
     studies = [folder.study() for folder in folders]
@@ -107,6 +110,7 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
     ]
     distinct = iter(unique(labelled))  # a label may already equal another one with its folder
     found: list[StudyFolder] = []
+    before = 0
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.optimizers}
         held = folder.store.held()
@@ -115,8 +119,8 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
         optimizers = (dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
         noted = folder.store.records("environments")
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
-        before = sum(len(source.environments) for source in found)
-        places = {number: before + place for place, number in enumerate(noted, start=1)}
+        places = dict(zip(noted, range(before + 1, before + len(noted) + 1), strict=True))
+        before += len(noted)
         subject = shown.get(study.subject, study.subject) if len(folders) == 1 else study.subject
         renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), subject=subject)
         found.append(StudyFolder(folder, name, renamed, shown, cells, numbers, environments, places))
@@ -134,35 +138,32 @@ def _versions(
     Raises:
         BenchError: where an optimizer of which versions are wanted has none.
     """
+    matched = {label for label in shown for pattern in wanted if fnmatchcase(label, pattern)}
+    if unmatched := [pattern for pattern in wanted if not any(fnmatchcase(label, pattern) for label in shown)]:
+        raise BenchError(f"no optimizer is called {unmatched[0]!r}{nearest(unmatched[0], shown)}")
     entries: list[Entry] = []
     cells: dict[int, Labels] = {}
     numbers: dict[str, tuple[int, int]] = {}
     problems = {(cell.problem, cell.conditions): labels[0] for labels, cell in held.by_labels.items()}
-    matched = {label for label in shown for pattern in wanted if fnmatchcase(label, pattern)}
-    if unmatched := [pattern for pattern in wanted if not any(fnmatchcase(label, pattern) for label in shown)]:
-        raise BenchError(f"no optimizer is called {unmatched[0]!r}{nearest(unmatched[0], shown)}")
     records, every = held.optimizers, held.versions
-    for label, name in list(shown.items()):
-        selected = records.get(label)
-        versions = every.get(read(selected)["label"], {}) if selected is not None else {}
+    for label, name in [*shown.items()]:
+        selected, before = records.get(label, ""), len(entries)
+        versions = every[read(selected)["label"]] if selected else {}
         if label not in matched:
-            if selected is not None and len(versions) > 1:
+            if len(versions) > 1:
                 numbers[name] = [*versions].index(selected) + 1, len(versions)
             continue
-        if not any(trials.get(n) for record, of in versions.items() if record != selected for n in of):
-            raise BenchError(f"{label!r} has one version in the folder, so there is none to show beside it")
         for place, (record, of) in enumerate(versions.items(), start=1):
+            run = {number: held.all[number] for number in of if trials.get(number)}
             if record == selected:
                 shown[label] = f"{name}@{place}"
-                continue
-            run = [number for number in of if trials.get(number)]
-            if not run:
-                continue
-            about = read(record)
-            entries.append(Entry(about["name"], f"{name}@{place}", about["options"]))
-            for number in run:
-                if problem := problems.get((held.all[number].problem, held.all[number].conditions)):
-                    cells[number] = problem, f"{name}@{place}"
+            elif run:
+                about = read(record)
+                entries.append(Entry(about["name"], f"{name}@{place}", about["options"]))
+                alike = {number: problems.get((cell.problem, cell.conditions)) for number, cell in run.items()}
+                cells |= {number: (problem, f"{name}@{place}") for number, problem in alike.items() if problem}
+        if len(entries) == before:
+            raise BenchError(f"{label!r} has one version in the folder, so there is none to show beside it")
     return entries, cells, numbers
 
 

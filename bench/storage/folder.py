@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
-from time import sleep
 from typing import Any
 
 import psutil
@@ -35,7 +34,6 @@ CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 AT_ENDS = "at_ends"  # its part on the trials that runs make again at their ends
 DESCRIPTIONS = "optimizers.json"
-KILLED = "killed.json"
 ANSWER = "answer.json"  # of the report
 SUMS = "SHA256SUMS"  # of the archive that a folder was unpacked from
 
@@ -291,25 +289,22 @@ class Folder:
                 raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
             hold.acquire()
         except Timeout as error:
-            raise self._taken(self._holder()) from error
+            raise self._taken(self.running()) from error
         except (OSError, NotImplementedError) as error:
             raise BenchError(f"the output folder {self.path} cannot be written: {reason(error)}") from error
         try:
             if (holder := self.running()) and holder["host"] == provenance.host():  # whose lock was removed
                 raise self._taken(holder)
-            if killed := self.killed():
-                self.note(KILLED, {"runs": killed})
             holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}
             with under_way.noting(self.path, holder) as noted:
                 yield noted
         finally:
             hold.release()
 
-    def killed(self) -> list[dict[str, Any]]:
-        """Return for each run that was killed here when it last began a trial, and the trials then under way."""
-        runs = self.noted(KILLED).get("runs", [])
+    def killed(self) -> dict[str, Any]:
+        """Return when the last run began a trial and the trials then under way, where it was killed; else empty."""
         last = under_way.left(self.path)
-        return [run for run in (*runs, last) if isinstance(run, dict) and run.get("trials")]
+        return last if last["trials"] else {}
 
     def running(self) -> dict[str, Any] | None:
         """Return pid, host and start of the run that is writing here, None where this machine detects none."""
@@ -324,14 +319,6 @@ class Folder:
         except psutil.Error:  # the process exists and belongs to another user
             pass
         return noted
-
-    def _holder(self) -> dict[str, Any] | None:
-        """Return :meth:`running`; wait for a run that has just locked the folder to note itself."""
-        for _ in range(20):
-            if holder := self.running():
-                return holder
-            sleep(0.05)
-        return None
 
     def _taken(self, holder: dict[str, Any] | None) -> BenchError:
         who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""

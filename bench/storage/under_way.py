@@ -59,21 +59,18 @@ def holder(folder: Path) -> dict[str, Any]:
     return {}
 
 
-def left(folder: Path) -> dict[str, Any] | None:
-    """Return when the last run was killed (UTC, as far as known) and its trials under way; None where it was not.
+def left(folder: Path) -> dict[str, Any]:
+    """Return when the last run was ``ended`` (UTC, as far as known) and its ``trials`` under way, none without a note.
 
     The trials are lists of problem, optimizer and number.
     """
-    try:
-        lines = _lines(folder)[1:]
+    ended, trials = "", []
+    with suppress(OSError):
         ended = datetime.fromtimestamp((folder / FILE).stat().st_mtime, UTC).isoformat(timespec="seconds")
-    except OSError:
-        return None
-    trials = []
-    for line in lines:
-        with suppress(TypeError, ValueError):
-            problem, optimizer, number = parse_json(line)
-            trials.append([str(problem), str(optimizer), str(number)])
+        for line in _lines(folder)[1:]:
+            with suppress(TypeError, ValueError):
+                problem, optimizer, number = parse_json(line)
+                trials.append([str(problem), str(optimizer), str(number)])
     return {"ended": ended, "trials": trials}
 
 

@@ -28,7 +28,6 @@ from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
 from bench.study.initial import with_initial
-from bench.study.keys import advice
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
 from bench.trial.scoring import constraints as handlings
@@ -135,7 +134,7 @@ class Study:
         fields = {item.name for item in dataclasses.fields(cls)}
         for key in data:
             if key not in fields:
-                raise BenchError(f"study {where}: unknown key {key!r}{advice(key, fields)}")
+                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, fields)}")
         if not isinstance(data.get("journal", False), bool):
             raise BenchError(f"study {where}: 'journal' must be true or false, not {data['journal']!r}")
         for key in ("name", "title", "subject"):

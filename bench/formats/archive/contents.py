@@ -14,7 +14,7 @@ SUMS = notes.SUMS
 PAGE, MANIFEST = "report.html", ".report.json"  # as bench.report writes them
 
 REQUIRED = (notes.STUDY, TRIALS, notes.ENVIRONMENT)
-NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED)
+NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION)
 """Notes that belong in an archive. Those on one moment of one machine do not: who is writing, and the lock."""
 
 REPORT = (

@@ -84,6 +84,11 @@ def test_check_finds_a_budget_that_no_generation_fits():
         study(budget=9).check()
 
 
+def test_an_unknown_key_names_the_nearest():
+    with pytest.raises(BenchError, match=r"unknown key 'trails'; did you mean 'trials'\?"):
+        study(trails=1)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
