@@ -17,7 +17,7 @@ from bench.topics.runs.words import caption
 
 COLUMNS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 3, 6: 3, 7: 4, 8: 4}  # by the number of panels; more have six
 ROW = 0.13  # inches, of an optimizer
-MARGINS = {"bottom": 0.36, "top": 0.2, "right": 0.22, "across": 0.24, "down": 0.24}
+BETWEEN = 0.24  # inches, of two panels
 
 
 def runs_figure(findings: Findings, behind: Table) -> Figure:
@@ -52,7 +52,7 @@ def _grid(places: Panels, shown: Sequence[str]) -> tuple[matplotlib.figure.Figur
     columns = _columns(len(places))
     left = style.text_width(style.names(shown).values(), style.SMALL) + 0.12
     return style.grid(
-        len(places), columns=columns, height=ROW * len(shown) + 0.1, left=left, **MARGINS,
+        len(places), columns=columns, height=ROW * len(shown) + 0.1, left=left, across=BETWEEN, down=BETWEEN,
         width=style.COLUMN if len(places) == 1 else style.PAGE,
     )  # fmt: skip
 
