@@ -120,21 +120,15 @@ def shadows(tmp_path, monkeypatch):
         sys.modules.pop(name, None)
 
 
-@pytest.fixture
-def small_study():
+@pytest.fixture(scope="package")
+def small_study(testing_plugins):
     """Two problems, three optimizers, three trials: fast, and every value is known to depend on its seed."""
     from bench import Study
 
     return Study.from_dict(
-        {
-            "name": "small",
-            "trials": 3,
-            "budget": 60,
-            "seed": 5,
-            "problems": [{"names": ["sphere-2", "sphere-3"]}],
-            "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}],
-        }
-    )
+        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"names": ["sphere-2", "sphere-3"]}],
+         "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}]}
+    )  # fmt: skip
 
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><g id="a"/></svg>'

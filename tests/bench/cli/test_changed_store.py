@@ -11,21 +11,11 @@ SENTENCE = "1 of 18 trials are damaged (scatter on sphere-2, trial 1)"
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory, small):
+def made(tmp_path_factory, small_study):
     place = tmp_path_factory.mktemp("made")
-    (place / "small.toml").write_text(small.to_toml())
-    run(small, place / "out", n_jobs=1)
+    (place / "small.toml").write_text(small_study.to_toml())
+    run(small_study, place / "out", n_jobs=1)
     return place
-
-
-@pytest.fixture(scope="module")
-def small():
-    from bench import Study
-
-    return Study.from_dict(
-        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"names": ["sphere-2", "sphere-3"]}],
-         "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}]}
-    )  # fmt: skip
 
 
 @pytest.fixture

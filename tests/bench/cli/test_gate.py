@@ -1,7 +1,5 @@
 """The command gate: its three outcomes and exit codes, its Markdown, and what it refuses in one sentence."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,6 @@ from bench.cli.gate import CODES
 from bench.storage.folder import Folder
 from bench.study import Entry
 from tests.bench.reports import ended, store
-
-ROOT = Path(__file__).resolve().parents[3]
 
 
 def write(place, name, problems=("sphere-2", "sphere-3"), optimizers=("mine",), *, shift=0.0, **changes):
@@ -29,21 +25,15 @@ def write(place, name, problems=("sphere-2", "sphere-3"), optimizers=("mine",), 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory, testing_plugins):
-    """Return the folders of a version, the same again, a worse one, one with another seed, and others that differ."""
+    """Return the folders of a version, the same again, a worse one, another seed, and a slightly better one."""
     place = tmp_path_factory.mktemp("gate")
     write(place, "old")
     write(place, "same")
     write(place, "worse", seed=2, shift=3.0)
     write(place, "other", seed=9, trials=4)
-    write(place, "two", optimizers=("mine", "scatter"))
-    write(place, "short", budget=30)
-    write(place, "fewer", problems=("sphere-2",), seed=3, shift=-3.0)
     several = tuple(f"p{number}" for number in range(8))
     write(place, "before", problems=several, trials=40)
     write(place, "after", problems=several, seed=5, trials=40, shift=-0.4)
-    write(place, "elsewhere", problems=("sphere-4",))
-    write(place, "unknown", problems=("p",))
-    write(place, "unknown-too", problems=("p",))
     return place
 
 

@@ -77,6 +77,7 @@ REFUSED = [
     ("report old old", "given twice"),
     ("report old short --output no", "only runs of one budget can be compared"),
     ("report old --output no --targets precise", "must be 'precisions', 'runlength', 'relative', 'quantiles' or 'tol"),
+    ("report old --output no --targets tolerance", "need a problem with an expected metric"),
     ("export old --format xls", "xls"),
     ("export nowhere --format csv", "holds no study.toml"),
     ("rm old", "name what to remove"),

@@ -6,24 +6,19 @@ import shutil
 import pandas as pd
 import pytest
 
-from bench.cli.app import main
 from tests.bench.reproduce.test_protocol import results  # noqa: F401 - a fixture
 
 HEAD = "# suite = 'classical'\n# dimension = 2\n# budget = 200\n# runs = 6\n# values = 'error'\n"
 
 
 @pytest.fixture
-def called(monkeypatch, capsys, tmp_path):
+def called(bench_here, tmp_path):
     """Return a function that writes a table, calls the command on it, and returns exit code and output."""
-    monkeypatch.chdir(tmp_path)
 
     def call(text, *arguments):
         (tmp_path / "paper.csv").write_text(text, encoding="utf-8")
-        monkeypatch.setattr("sys.argv", ["bench", "reproduce", "paper.csv", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out + printed.err
+        done = bench_here("reproduce", "paper.csv", *arguments, cwd=tmp_path)
+        return done.returncode, done.stdout + done.stderr
 
     return call
 

@@ -6,13 +6,6 @@ OPTIMIZER = """
 from dataclasses import dataclass
 from bench import Optimizer
 
-class Unspeakable:
-    def __str__(self):
-        raise RuntimeError("no text")
-
-class UnspeakableError(Unspeakable, Exception):
-    pass
-
 @dataclass(frozen=True)
 class Markup(Optimizer):
     def minimize(self, objective, rng):
@@ -20,20 +13,9 @@ class Markup(Optimizer):
         objective.stop("[/tol] [bold]done")
 
 @dataclass(frozen=True)
-class Silent(Optimizer):
-    def minimize(self, objective, rng):
-        objective(objective.initial(4))
-        objective.stop(Unspeakable())
-
-@dataclass(frozen=True)
 class Early(Optimizer):
     def minimize(self, objective, rng):
         objective(objective.initial(10))
-
-@dataclass(frozen=True)
-class Raising(Optimizer):
-    def minimize(self, objective, rng):
-        raise UnspeakableError
 """
 PROBLEM = """
 import numpy as np

@@ -147,10 +147,6 @@ class TestOffline:
         assert len(browser.complaints) >= 3  # the console reports each, so that its silence elsewhere means something
 
 
-class TestPrint:
-    A4 = 688  # CSS pixels between the margins
-
-
 class TestFolded:
     SEEN = "document.querySelector('#top-1 p').checkVisibility({ contentVisibilityAuto: true })"
 

@@ -5,7 +5,6 @@ import shutil
 import pytest
 
 import bench
-from bench.cli.app import main
 from bench.reproduce.section import attach, section
 from bench.topics import Findings
 from tests.bench.reproduce.test_protocol import HEAD, ROWS, results  # noqa: F401 - a fixture
@@ -39,10 +38,8 @@ def test_an_imported_table_stands_beside_the_trials(folder, tmp_path):
     assert table.data["our_mean"].tolist() == [2.0, 2.0]
 
 
-def test_bench_import_takes_a_table_into_the_folder_of_a_run(folder, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["bench", "import", str(paper(tmp_path)), "-o", str(folder)])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert not ended.value.code
-    assert capsys.readouterr().out.startswith("imported 2 printed cells; 'bench report ")
+def test_bench_import_takes_a_table_into_the_folder_of_a_run(folder, tmp_path, bench_here):
+    done = bench_here("import", paper(tmp_path), "-o", folder)
+    assert not done.returncode
+    assert done.stdout.startswith("imported 2 printed cells; 'bench report ")
     assert (folder / "published.csv").is_file()

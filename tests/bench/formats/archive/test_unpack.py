@@ -64,7 +64,6 @@ NAMES = [
     "../out.csv", "/tmp/out.csv", "tables/../../out.csv", "tables\\..\\out.csv", "C:out.csv", "tables//out.csv",
     "tables/a/out.csv", "code.py", ".lock", "tables/.hidden", "tables/\u202etxt.csv", "tables/a\nb.csv",
 ]  # fmt: skip
-FILES = ("trials.sqlite", "study.toml", "tables/cells.csv")
 SUM_LINES = ["", "0" * 64, f"{'0' * 63}  study.toml", f"{'0' * 64} *study.toml", f"{'0' * 64}  study.toml"]
 
 
@@ -74,10 +73,6 @@ def changed(name, old=b"e", new=b"f"):
 
 def added(name, content=b""):
     return lambda whole: whole | {name: content}
-
-
-def without(name):
-    return lambda content: {each: value for each, value in content.items() if each != name}
 
 
 @pytest.mark.parametrize(

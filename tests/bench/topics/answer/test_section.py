@@ -26,15 +26,6 @@ def said(found):
     return {line.label: line.text for line in answer.lines(found)}
 
 
-def test_a_winner_is_named_with_where_and_by_how_much(folder):
-    found = findings(folder)
-    assert answer.headline(found) == "a ends lowest on these 2 problems."
-    lines = said(found)
-    assert lines["where"] == "first on 2 of 2 problems; lower than every rival by test on 2"
-    assert lines["by how much"].startswith("a run of a ends lower than one of b, the second, in 100% [")
-    assert lines["how sure"].startswith("a wrong winner has a chance of at most 5%, for these problems only")
-
-
 @pytest.mark.parametrize(("subject", "headline"), [
     ("a", "a beats 2 of 2 rivals on these 2 problems."),
     ("b", "b beats 1 of 2 rivals, loses to a on these 2 problems."),

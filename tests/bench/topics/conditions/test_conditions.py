@@ -11,20 +11,14 @@ def study(*optimizers):
     return Study.from_dict({"name": "s", "problems": [{"name": "signature-03"}], "optimizers": list(optimizers)})
 
 
-THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint"}
 GWO, CMAES = {"name": "gwo"}, {"name": "cma-es"}
 
 CASES = {
     "the thesis": Study.load("thesis"),
-    "its equal populations": Study.load("thesis-equal"),
     "all options alike": study(GWO, {"name": "da"}),
-    "populations of their own": study(GWO, CMAES),
-    "a population that is set": study(GWO, CMAES | {"agents": 9}),
     "another handling": study(GWO, CMAES | {"handling": "box"}),
-    "not installed": study(THESIS, {"name": "gone", "agents": 5}),
     "imported": study({"name": "imported:A"}, {"name": "imported:B"}),
     "many ways": study(*(GWO | {"label": f"g{agents}", "agents": agents} for agents in range(3, 12))),
-    "a library's": study(GWO, {"name": "scipy:dual_annealing"}),
 }
 
 
