@@ -52,7 +52,7 @@ def calibrate(
         raise BenchError("give either --levels or --gaps")
     half_gaps = _gaps(gaps) if gaps is not None else _levels(levels or "2:11")
     if output is not None:
-        check_output(output, (".toml",), force=force)
+        check_output(output, ".toml", force=force)
     chosen = load_joint(joint)
     made = calibration.calibrate(chosen, half_gaps)
     if fits:

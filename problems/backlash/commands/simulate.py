@@ -31,8 +31,8 @@ def simulate(
     output: Annotated[
         Path,
         typer.Argument(
-            help="The .csv, .xlsx or .parquet file to write: time in s, motor speed in rps, position in rad, current "
-            "in A. A .toml file gets the joint's parameters instead, to edit; with --wear, it is a folder."
+            help="The .csv file to write: time in s, motor speed in rps, position in rad, current in A. A .toml file "
+            "gets the joint's parameters instead, to edit; with --wear, it is a folder."
         ),
     ],
     level: Annotated[int | None, typer.Option(min=1, max=20, help="A level 1 … 20 of the thesis's datasets.")] = None,
@@ -85,7 +85,7 @@ def simulate(
 
     from problems.backlash import joint as joints
     from problems.backlash.joint.parameters import joint_text
-    from problems.backlash.joint.writing import KINDS, check_output, write_recording
+    from problems.backlash.joint.writing import check_output, write_recording
 
     if level is not None and half_gap is not None:
         raise BenchError("give either --level 1 … 20 or --half-gap in rad, not both")
@@ -109,12 +109,12 @@ def simulate(
             raise BenchError(
                 f"{output} gets the joint's parameters, which hold no gap; leave out --level and --half-gap"
             )
-        check_output(output, (".toml",), force=force)
+        check_output(output, ".toml", force=force)
         with replacing(output) as temporary:
             temporary.write_text(joint_text(made), encoding="utf-8")
         print_line(f"{output}: the joint's parameters, for --joint")
     else:
-        check_output(output, KINDS, force=force)
+        check_output(output, ".csv", force=force)
         if gap is None:
             raise BenchError("give either --level 1 … 20 or --half-gap in rad")
         run, noise = joints.simulate(made, half_gap=gap, **options), noise or 0.0

@@ -8,24 +8,16 @@ import numpy as np
 
 from bench.contract.typing import Floats
 from bench.helpers import replacing
-from bench.helpers.errors import BenchError, require
-
-KINDS = (".csv", ".xlsx", ".parquet")  # of recording files
-EXTRAS = {".xlsx": ("openpyxl", "xlsx"), ".parquet": ("pyarrow", "parquet")}  # what pandas writes them with
+from bench.helpers.errors import BenchError
 
 
-def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
+def check_output(path: Path, kind: str, *, force: bool) -> None:
     """Raise BenchError for a file that cannot be written, as far as a check before the work can detect it.
 
-    It must end in one of ``kinds``; with ``force`` it may exist.
+    It must end in ``kind``; with ``force`` it may exist.
     """
-    kind = path.suffix.lower()
-    if kind not in kinds:
-        raise BenchError(
-            f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, the kinds that can be written"
-        )
-    if kind in EXTRAS:
-        require(*EXTRAS[kind], f"{path} needs")
+    if path.suffix.lower() != kind:
+        raise BenchError(f"{path} must end in {kind}, the kind that can be written")
     if path.exists() and not force:
         raise BenchError(f"{path} is there already; choose another name, or replace it with --force")
     check_folder(path)
@@ -38,20 +30,8 @@ def check_folder(path: Path) -> None:
 
 
 def write_recording(path: Path, time: Floats, speed: Floats, **others: Floats) -> None:
-    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path.
-
-    ``others`` are further columns (n,), by heading.
-    """
+    """Write (n,) instants in s and (n,) motor speeds in rps as csv; ``others`` are further columns (n,), by heading."""
     columns = {"time_s": time, "speed_rps": speed, **others}
+    rows, formats = np.column_stack(list(columns.values())), ["%.6f"] + ["%.10g"] * (len(columns) - 1)
     with replacing(path) as temporary:
-        if path.suffix.lower() == ".csv":
-            rows, formats = np.column_stack(list(columns.values())), ["%.6f"] + ["%.10g"] * (len(columns) - 1)
-            np.savetxt(temporary, rows, fmt=formats, delimiter=",", header=",".join(columns), comments="")
-            return
-        import pandas as pd  # slow to import, and csv does not need it
-
-        frame = pd.DataFrame(columns)
-        if path.suffix.lower() == ".xlsx":
-            frame.to_excel(temporary, index=False)
-        else:
-            frame.to_parquet(temporary, engine="pyarrow", index=False)
+        np.savetxt(temporary, rows, fmt=formats, delimiter=",", header=",".join(columns), comments="")

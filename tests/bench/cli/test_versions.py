@@ -17,7 +17,7 @@ def printed(bench_here):
 def test_libraries_platform_and_extras_are_printed(printed):
     found = {name: value.strip() for name, value in printed().items()}
     assert found["numpy"] == version("numpy")
-    assert found["extra xlsx"] == f"openpyxl {version('openpyxl')}"
+    assert found["extra parquet"] == f"pyarrow {version('pyarrow')}"
     assert "threads" in found["BLAS"]
     assert {"Python", "scipy", "numba", "cma", "pandas", "platform", "extra mealpy"} <= set(found)
 
