@@ -63,7 +63,7 @@ def command(
     with the trials and judges each cell as 'bench reproduce' does.
     """
     path = Path(source)
-    if path.suffix == ".toml" or (output / "study.toml").is_file():
+    if (output / "study.toml").is_file():
         from bench.reproduce.section import attach
 
         table = attach(path, output)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -28,7 +27,7 @@ def command(
     table: Annotated[
         Path,
         typer.Argument(
-            help="A table as papers print it (CSV or TOML), with the columns suite, function, dimension, budget, runs, "
+            help="A table as papers print it (CSV), with the columns suite, function, dimension, budget, runs, "
             "optimizer, mean and sd, or a column for each optimizer."
         ),
     ],
@@ -65,7 +64,7 @@ def command(
     from bench.reproduce.protocol import protocol_of, samples
     from bench.reproduce.section import attach
     from bench.reproduce.table import read
-    from bench.reproduce.verdict import judge
+    from bench.reproduce.verdict import frame, judge
     from bench.results.results import StoredResults
 
     require_seed("--seed", seed)
@@ -88,8 +87,10 @@ def command(
         attach(table, folder)  # so that its report has the table
     judgements = judge(paper, samples(paper, made, StoredResults(folder)), made.reasons)
     _show(judgements, console)
-    _write(judgements, paper, folder)
-    print_line(f"every number: {folder / 'reproduction.csv'}", console=console)
+    numbers = folder / "reproduction.csv"
+    with replacing(numbers) as temporary:
+        frame(judgements).to_csv(temporary, index=False)
+    print_line(f"every number: {numbers}", console=console)
     if any(each.verdict == "differs" for each in judgements):
         sys.exit(1)
 
@@ -132,18 +133,3 @@ def _show(judgements: list[Judgement], console: Console) -> None:
         print_line(line, "yellow", console)
     for line in sentences(judgements):
         print_line(line, console=console)
-
-
-def _write(judgements: list[Judgement], paper: PaperTable, folder: Path) -> None:
-    """Write the verdicts beside the trials, as CSV and as JSON."""
-    from bench.reproduce.verdict import frame, sentences
-
-    table = frame(judgements)
-    with replacing(folder / "reproduction.csv") as temporary:
-        table.to_csv(temporary, index=False)
-    content = {
-        "table": paper.name, "source": paper.settings.get("source", ""), "sentence": "; ".join(sentences(judgements)),
-        "cells": json.loads(table.to_json(orient="records", double_precision=15)),
-    }  # fmt: skip
-    with replacing(folder / "reproduction.json") as temporary:
-        temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")

@@ -8,7 +8,6 @@ from pathlib import Path
 import pandas as pd
 
 from bench.helpers.atomic import replacing
-from bench.helpers.errors import BenchError
 from bench.report import Section, Table
 from bench.reproduce.protocol import protocol_of, samples
 from bench.reproduce.table import PaperTable, read
@@ -16,7 +15,7 @@ from bench.reproduce.verdict import HEADS, NOTE, Judgement, frame, judge, senten
 from bench.results.results import StoredResults
 from bench.topics import Findings
 
-FILES = ("published.csv", "published.toml")
+FILE = "published.csv"
 """What the imported table is called in a study's folder."""
 
 TITLE = "In your units"
@@ -26,17 +25,10 @@ def attach(source: Path, folder: Path) -> PaperTable:
     """Copy a published table into a study's folder, in place of an earlier one, and return it.
 
     Raises:
-        BenchError: where the table cannot be read, or the folder has no trials to show beside it.
+        BenchError: where the table cannot be read.
     """
     table = read(source)
-    if not (folder / "study.toml").is_file():
-        raise BenchError(
-            f"{source} has means and no trials, so it is shown beside trials: give the folder of a run as --output, "
-            f"or run its protocol with 'bench reproduce {source}'"
-        )
-    for name in FILES:
-        (folder / name).unlink(missing_ok=True)
-    with replacing(folder / f"published{source.suffix}") as temporary:
+    with replacing(folder / FILE) as temporary:
         shutil.copyfile(source, temporary)
     return table
 
@@ -44,7 +36,7 @@ def attach(source: Path, folder: Path) -> PaperTable:
 def section(findings: Findings) -> Section | None:
     """Return the tables that were imported into the folders beside our trials, None without any."""
     results = findings.results
-    paths = [folder / name for folder in results.paths for name in FILES if (folder / name).is_file()]
+    paths = [folder / FILE for folder in results.paths if (folder / FILE).is_file()]
     text, tables = list[str](), list[Table]()
     for number, path in enumerate(paths, start=1):
         table = read(path)

@@ -1,8 +1,8 @@
 """Read a published table of results: a row or a column for each optimizer, numbers with the digits that were printed.
 
 A CSV file may begin with comment lines that are TOML and hold what is the same in all rows (``# runs = 30``), the
-source, and which problem or optimizer a printed name means. A TOML file has the same keys, and its rows as a list of
-tables. Without a column of optimizers, each column that is not known is one, with cells such as ``1.2 ± 0.3``.
+source, and which problem or optimizer a printed name means. Without a column of optimizers, each column that is not
+known is one, with cells such as ``1.2 ± 0.3``.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ class PaperTable:
 
 
 def read(path: Path) -> PaperTable:
-    """Return the table of a CSV or TOML file.
+    """Return the table of a CSV file.
 
     Raises:
         BenchError: where the file cannot be read, has no columns that are known, or no cell with a number.
@@ -159,7 +159,7 @@ def read(path: Path) -> PaperTable:
     except (OSError, ValueError) as error:
         raise BenchError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from error
     notes: list[str] = []
-    settings, rows = (_toml if path.suffix == ".toml" else _csv)(text, str(path), notes)
+    settings, rows = _csv(text, str(path), notes)
     cells: dict[tuple[object, ...], PaperCell] = {}
     for cell in _cells(rows, settings, str(path), notes):
         if (first := cells.setdefault(cell.key, cell)) is not cell:
@@ -195,19 +195,6 @@ def _known(settings: dict[str, Any], where: str, notes: list[str]) -> dict[str, 
         if not isinstance(settings.get(key, {}), dict):
             raise BenchError(f"{where}: {key} must be a table, not {settings[key]!r}")
     return {key: value for key, value in settings.items() if key in KEYS}
-
-
-def _toml(text: str, where: str, notes: list[str]) -> tuple[dict[str, Any], list[dict[str, str]]]:
-    try:
-        data = parse_toml(text)
-    except ValueError as error:
-        raise BenchError(f"{where} is not valid TOML: {error}") from error
-    lists = [key for key, value in data.items() if isinstance(value, list) and all(isinstance(v, dict) for v in value)]
-    if len(lists) != 1:
-        raise BenchError(f"{where} needs one list of tables, such as [[cells]], with a table for each cell")
-    rows = data.pop(lists[0])
-    numbered = [{"line": str(n), **{k: str(v) for k, v in row.items()}} for n, row in enumerate(rows, start=1)]
-    return _known(data, where, notes), numbered
 
 
 def _csv(text: str, where: str, notes: list[str]) -> tuple[dict[str, Any], list[dict[str, str]]]:

@@ -36,14 +36,6 @@ def test_a_column_an_optimizer_with_mean_and_sd_in_a_cell(tmp_path):
     ]
 
 
-def test_toml_with_a_table_a_cell(tmp_path):
-    head = 'suite = "bbob"\nruns = 15\n'
-    text = f'{head}[[cells]]\nfunction = 8\ndimension = 5\noptimizer = "GWO"\nmean = "2.50"\nsd = 1.5\n'
-    (cell,) = table(tmp_path, text, "table.toml").cells
-    assert (cell.suite, cell.runs, numbers(cell)) == ("bbob", 15, {"mean": 2.5, "sd": 1.5})
-    assert cell.numbers["mean"].unit == pytest.approx(0.01)
-
-
 @pytest.mark.parametrize(
     ("budget", "evaluations"),
     [("60,000", 60_000), ("1e4 * d", 100_000), ("10000D", 100_000), ("2E5", 200_000), ("", None)],
