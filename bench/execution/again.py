@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Any
 
 from bench.contract.objective import OUT_OF_TIME
 from bench.execution.journal import place
@@ -101,12 +100,12 @@ def made_again(trials: Iterable[Trial], folder: Folder, study: Study, make: Make
     return compared
 
 
-def is_expensive(row: Mapping[str, Any], study: Study) -> bool:
+def is_expensive(row: Row, study: Study) -> bool:
     """Return whether an evaluation of a trial took so long that none is made that nobody asked for."""
     return bool(row["objective_s"] * study.parallel >= EXPENSIVE * row["nfev"])
 
 
-def by_the_clock(row: Mapping[str, Any], study: Study) -> bool:
+def by_the_clock(row: Row, study: Study) -> bool:
     """Return whether a limit of time may have decided a trial: its own, or that of an evaluation, where any failed."""
     failed = row["status"] == "failed" or row.get("failures")
     return row.get("stop") == OUT_OF_TIME or (study.evaluation_timeout is not None and bool(failed))

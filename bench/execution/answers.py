@@ -59,7 +59,7 @@ class Box:
         return bool(((x >= self.lower) & (x <= self.upper)).all())
 
 
-def error(answer: Any) -> str:
+def error(answer: object) -> str:
     """Return why a trial failed by its own account, "" where it claims a result; raises RefusedError for neither."""
     if not isinstance(answer, dict):
         raise RefusedError("it is no table of fields")
@@ -134,7 +134,7 @@ def _log(answer: Mapping[str, Any], nfev: int) -> Logs:
     return kept
 
 
-def _is_logged(pair: Any, nfev: int) -> bool:
+def _is_logged(pair: object, nfev: int) -> bool:
     return (
         isinstance(pair, list) and len(pair) == 2 and type(pair[0]) is int and 0 <= pair[0] <= nfev
         and (pair[1] is None or (type(pair[1]) is float and isfinite(pair[1])))

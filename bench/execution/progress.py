@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
 from rich.console import Console
 from rich.progress import ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
@@ -18,6 +17,7 @@ from bench.execution.journal import best, under_way
 from bench.execution.plan import EXPENSIVE, Plan
 from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
+from bench.trial.columns import Row
 from bench.trial.trial import Trial
 
 SHOWN = 20  # failures of an optimizer that are printed as they happen
@@ -69,7 +69,7 @@ class Display:
             self._bars[label] = self._progress.add_task(label or "all", total=0)
         self._present = self._count(plan)
 
-    def trial(self, trial: Trial, row: dict[str, Any]) -> None:
+    def trial(self, trial: Trial, row: Row) -> None:
         """Count one finished trial; print a failed one at once."""
         if row["status"] != "ok":
             reason = str(row["error"]).partition("\n")[0]

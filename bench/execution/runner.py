@@ -32,12 +32,13 @@ from bench.storage.folder import DESCRIPTIONS, Folder, default_path, difference_
 from bench.storage.merge import Reusable, reusable, take
 from bench.storage.selection import Selection
 from bench.study import Study
+from bench.trial.columns import Row
 from bench.trial.trial import Trial
 
 BACKENDS = ("dask", "local")
 
 StudyLike = Study | Mapping[str, object] | str | PathLike[str]
-Listener = Callable[[Trial, dict[str, Any]], None]
+Listener = Callable[[Trial, Row], None]
 
 
 @dataclass

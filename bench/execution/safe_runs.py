@@ -44,7 +44,9 @@ def safe_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int, 
         raise BenchError(f"{name} failed on {problem.name}: {describe_error(error)}") from error
 
 
-def safe_call(group: Hashable, function: Callable[..., Mapping[str, Any]], *arguments: Any, **limits: Any) -> Call:
+def safe_call(
+    group: Hashable, function: Callable[..., Mapping[str, Any]], *arguments: object, **limits: object
+) -> Call:
     """Return the call of a module's function that makes runs by :func:`safe_run`, for :class:`Callers`.
 
     The function returns their record: numbers, texts and arrays of numbers, which :func:`found` reads. No process makes
@@ -80,7 +82,7 @@ def found(answer: Any, read: Callable[[dict[str, Any]], Found], what: str = "the
         raise BenchError(f"the process of {what} gave an answer that is no record of a run") from error
 
 
-def recorded(function: Callable[..., Mapping[str, Any]], *arguments: Any) -> dict[str, Any]:
+def recorded(function: Callable[..., Mapping[str, Any]], *arguments: object) -> dict[str, Any]:
     """Call a function in this process; return its record, or the error that it ended with, as JSON values.
 
     Arrays of numbers become lists, in which no digit is lost.

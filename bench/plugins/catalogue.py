@@ -19,7 +19,7 @@ class Parameter:
     """A parameter of an optimizer: its default, its type or choices, and the closed range of its values."""
 
     name: str
-    default: Any
+    default: object
     kind: str
     minimum: float | None
     maximum: float | None
@@ -64,7 +64,7 @@ def record(name: str) -> Record:
     )
 
 
-def first_line(thing: Any) -> str:
+def first_line(thing: object) -> str:
     """Return the first line of a docstring, or of the help of a typer app, without double backquotes."""
     info = getattr(thing, "info", None)
     return (getattr(info, "help", None) or inspect.getdoc(thing) or "").partition("\n")[0].replace("``", "")

@@ -163,7 +163,7 @@ def from_source(text: str) -> Any:
     return found[-1]
 
 
-def _fits(value: Any) -> bool:
+def _fits(value: object) -> bool:
     if isinstance(value, type):
         return not inspect.isabstract(value) if issubclass(value, Optimizer) else shape(value) is not None
     first = [*taken(value)][:2] if inspect.isfunction(value) else []

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bench.contract.families import derive
 from bench.contract.objective import Objective
@@ -48,7 +49,7 @@ class CalledOptimizer(FunctionOptimizer):
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Make an instance of the budget, the dimension and the parameters, and call it with the function."""
 
-        def func(x: Any) -> Any:
+        def func(x: ArrayLike) -> object:
             return objective(x)
 
         vars(func)["bounds"] = SimpleNamespace(lb=objective.lower.copy(), ub=objective.upper.copy())
@@ -72,7 +73,7 @@ def shape(plugin: object) -> type[FunctionOptimizer] | None:
     return CalledOptimizer if is_called and [*taken(plugin)][:2] == ["budget", "dim"] else None
 
 
-def taken(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
+def taken(function: Callable[..., object]) -> dict[str, inspect.Parameter]:
     """Return what a function or a class takes, by name."""
     try:
         return dict(inspect.signature(function).parameters)

@@ -56,7 +56,7 @@ def default_label(name: str) -> str:
     return parts[1] if parts and parts[1] else name.removeprefix(OBJECT)
 
 
-def title(thing: Any) -> str:
+def title(thing: object) -> str:
     """Return the title of a plug-in: its name, or that of a problem, of a class or of a function."""
     if isinstance(thing, (str, Problem)):
         return thing if isinstance(thing, str) else str(thing.name)
@@ -110,7 +110,7 @@ def _class_in_file(name: str, content: bytes) -> type[Optimizer]:
     return derive(plugin, name, {}, load_optimizer, __doc__=plugin.__doc__)
 
 
-def as_optimizer(thing: Any, name: str = "", options: Mapping[str, Any] | None = None) -> Optimizer:
+def as_optimizer(thing: object, name: str = "", options: Mapping[str, object] | None = None) -> Optimizer:
     """Return the optimizer that a name stands for, that an object is, or that a class or a function makes.
 
     Args:
@@ -220,7 +220,7 @@ def load_problem(name: str, /, **options: object) -> Problem:
 
 
 def as_problem(
-    thing: Any, bounds: Sequence[tuple[float, float]] | None = None, options: Mapping[str, Any] | None = None
+    thing: object, bounds: Sequence[tuple[float, float]] | None = None, options: Mapping[str, object] | None = None
 ) -> Problem:
     """Return a problem: of a name, the object itself, an instance of the class, or the function with its bounds.
 
@@ -269,7 +269,7 @@ def is_problem(name: str) -> bool:
     return registry.entry("optimizers", name) is None and family(name) in registry.entries("problems")
 
 
-def _problem(loaded: Any, name: str) -> Problem:
+def _problem(loaded: object, name: str) -> Problem:
     if isinstance(loaded, Problem):
         return with_own_box(loaded)
     raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
@@ -278,7 +278,7 @@ def _problem(loaded: Any, name: str) -> Problem:
 # both
 
 
-def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
+def _call_loader(loader: Callable[..., Any], name: str, options: Mapping[str, object]) -> Any:
     """Call what makes a plug-in; turn any exception into a BenchError of one sentence."""
     with explained(f"{name!r} cannot be loaded", _ANY):
         return loader(**options) if from_file.split(name) else loader(name, **options)

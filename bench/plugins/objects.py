@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Collection, Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bench.contract.numbers import is_finite
 from bench.contract.optimizer import Optimizer, defaults, settings
@@ -32,10 +32,10 @@ class Named(NamedTuple):
 
     name: str
     label: str
-    options: dict[str, Any]
+    options: dict[str, object]
 
 
-def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str] = ()) -> Named:
+def hold(kind: str, thing: object, label: str | None = None, taken: Collection[str] = ()) -> Named:
     """Hold an object as a plug-in; return how a study names it.
 
     An installed optimizer is named as such and not held. Where a study's file can hold what was chosen of an optimizer,
@@ -50,7 +50,7 @@ def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str]
     Raises:
         BenchError: for anything else, and for what cannot be sent to other processes.
     """
-    own, chosen = label or title(thing), dict[str, Any]()
+    own, chosen = label or title(thing), dict[str, object]()
     if kind == "problems":
         as_problem(thing)
     else:
@@ -73,7 +73,7 @@ def hold(kind: str, thing: Any, label: str | None = None, taken: Collection[str]
     return Named(name, own + name.removeprefix(base) if own in NAMELESS else own, chosen)
 
 
-def packed(candidate: Any) -> PackedObject:
+def packed(candidate: object) -> PackedObject:
     """Return a source, or what ``as_optimizer`` takes, as it travels; raises BenchError for anything else."""
     if isinstance(candidate, str):
         return PackedObject(b"", short_hash(candidate), candidate)

@@ -15,7 +15,7 @@ import stat
 import sys
 import sysconfig
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from glob import glob
@@ -24,7 +24,7 @@ from importlib.util import source_from_cache
 from pathlib import Path
 from threading import local
 from traceback import walk_stack
-from types import FrameType
+from types import CodeType, FrameType
 from typing import Any
 
 from bench.contract import objective
@@ -33,6 +33,8 @@ from bench.helpers.text import short_hash
 
 Signature = list[int]
 """Size, both times and number of a file, by which it is known not to have changed; empty of one just written."""
+
+FileName = str | bytes | os.PathLike[str]
 
 Observed = dict[str, dict[str, dict[str, Any]]]
 """What was read, by owner, kind and name; the owner is a label, or "" where whoever is loaded beside it may use it too.
@@ -76,10 +78,10 @@ class _Notes:
         self.excluded: tuple[str, ...] = ()
         self.known: dict[str, tuple[str, Signature]] = {}  # hashes of large files with signatures, from earlier runs
         self.written: set[str] = set()  # by this process: no input, whoever reads it
-        self.places: dict[tuple[Any, int], set[str]] = {}  # variables by the place that reads them
+        self.places: dict[tuple[CodeType, int], set[str]] = {}  # variables by the place that reads them
         self.digest = ""
 
-    def add(self, kind: str, name: str, value: Any, owner: str = "") -> None:
+    def add(self, kind: str, name: str, value: object, owner: str = "") -> None:
         part = self.part
         if not part:
             return
@@ -235,7 +237,7 @@ def _hook(event: str, arguments: tuple[Any, ...]) -> None:
         _state.busy = False
 
 
-def _opened(path: Any, mode: Any = "r", flags: int = 0, *_: Any) -> None:
+def _opened(path: FileName, mode: object = "r", flags: int = 0, *_: object) -> None:
     place = _absolute(path)
     if flags & (os.O_WRONLY | os.O_CREAT | os.O_TRUNC):
         _notes.written.add(place)
@@ -245,24 +247,26 @@ def _opened(path: Any, mode: Any = "r", flags: int = 0, *_: Any) -> None:
         _read(place)
 
 
-def _imported(module: str, file: Any = None, *_: Any) -> None:
+def _imported(module: str, file: FileName | None = None, *_: object) -> None:
     if file is not None:  # of a module in machine code
         _read(_absolute(file))
 
 
-def _linked(name: Any, *_: Any) -> None:
+def _linked(name: FileName, *_: object) -> None:
     if os.path.exists(name):  # else the system looks for it
         _read(_absolute(name))
 
 
-def _listed(path: Any = None, *_: Any) -> None:
+def _listed(path: FileName | None = None, *_: object) -> None:
     place = _absolute("." if path is None else path)
     imports = "importlib" in sys._getframe(2).f_code.co_filename
     if not (imports or _reader()[0] or _part_of(place) or os.path.basename(place) in _SITES):
         _notes.add("folders", place, listing(place))
 
 
-def _started(executable: Any, words: Any, folder: Any = None, *_: Any) -> None:
+def _started(
+    executable: FileName | None, words: str | Sequence[FileName], folder: FileName | None = None, *_: object
+) -> None:
     """Note the files of a program: itself, those among its words, and code beside them."""
     words = shlex.split(words) if isinstance(words, str) else [os.fsdecode(word) for word in words]
     folder = os.fsdecode(folder) if folder is not None else os.getcwd()
@@ -282,7 +286,7 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 }  # fmt: skip
 
 
-def _absolute(path: Any) -> str:
+def _absolute(path: FileName) -> str:
     """Return the path of a file; raises TypeError for a descriptor, and ValueError for code without a file."""
     name = os.fsdecode(path)
     if name.startswith("<"):

@@ -97,7 +97,7 @@ Objects = dict[str, PackedObject]
 held: Objects = {}
 """The objects that this process can load."""
 
-given: dict[str, Any] = {}
+given: dict[str, object] = {}
 """Those of them that were given in this process: to load a copy would write to their classes."""
 
 
@@ -148,7 +148,7 @@ class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
         pickler.content = file.getvalue()
         return pickler
 
-    def reducer_override(self, obj: Any) -> Any:
+    def reducer_override(self, obj: object) -> Any:
         """Have a class or a function of a module that is known here alone travel by value."""
         if isinstance(obj, ModuleType) and _is_found(obj.__name__):
             self.modules.setdefault(obj.__name__)
@@ -184,11 +184,11 @@ def _bare(code: CodeType) -> CodeType:
     return code.replace(co_filename="", co_firstlineno=1, co_linetable=b"", co_consts=inner)
 
 
-def _ordered(constant: Any) -> Any:
+def _ordered(constant: object) -> object:
     return tuple(sorted(constant, key=repr)) if isinstance(constant, frozenset) else constant
 
 
-def _annotations(kind: type) -> dict[str, Any]:
+def _annotations(kind: type) -> dict[str, object]:
     """Return the class's own annotations as types; unchanged where one of them cannot be evaluated."""
     annotations = inspect.get_annotations(kind)
     try:
@@ -198,7 +198,7 @@ def _annotations(kind: type) -> dict[str, Any]:
     return {name: hints[name] for name in annotations if "ClassVar" not in str(annotations[name])}
 
 
-def _settings(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
+def _settings(modules: Iterable[str]) -> dict[str, dict[str, object]]:
     """Return the plain public values of the modules that trials import anew, by their names."""
     found = {}
     for name in modules:

@@ -41,7 +41,7 @@ class Family(Protocol):
     def names(self) -> list[str]:
         """Return the full names that can be listed; the family may load others too (``recording:<path>``)."""
 
-    def load(self, name: str, **options: Any) -> Any:
+    def load(self, name: str, **options: object) -> Any:
         """Return the plug-in of that full name; raises BenchError for an unknown one."""
 
 
@@ -131,7 +131,7 @@ def is_installed(file: Path) -> bool:
     return not {"site-packages", "dist-packages"}.isdisjoint(file.parts)
 
 
-def is_family(plugin: Any) -> bool:
+def is_family(plugin: object) -> bool:
     """Return whether the object behind an entry point is a family of plug-ins."""
     return isinstance(plugin, Family) and not isinstance(plugin, type)
 

@@ -7,7 +7,6 @@ from collections.abc import Container, Iterator
 from contextlib import suppress
 from fnmatch import translate
 from itertools import islice
-from typing import Any
 
 from bench.contract.families import LARGEST_INSTANCE, Grid, nearest_function
 from bench.contract.numbers import is_whole
@@ -45,7 +44,7 @@ def members(name: str) -> list[str]:
     return matching(name)
 
 
-def selected(suite: Any, functions: Any = None, dimensions: Any = None, instances: Any = None) -> list[str]:
+def selected(suite: object, functions: object = None, dimensions: object = None, instances: object = None) -> list[str]:
     """Return the names of a suite's problems by what a ``[[problems]]`` table says.
 
     Args:
@@ -104,7 +103,7 @@ def _all_names() -> Iterator[str]:
             yield from (registry.grid(family) or registry.load("problems", family)).names()
 
 
-def _grid(suite: Any) -> Grid:
+def _grid(suite: object) -> Grid:
     families = registry.entries("problems")
     if not isinstance(suite, str) or suite not in families:
         raise BenchError(f"unknown suite {suite!r}{nearest(str(suite), families)}")
@@ -114,20 +113,22 @@ def _grid(suite: Any) -> Grid:
     return grid
 
 
-def _functions(grid: Grid, chosen: Any) -> list[str]:
+def _functions(grid: Grid, chosen: object) -> list[str]:
     """Return the names of functions that are given as numbers, ranges or names."""
     numbered = {int(name[1:]): name for name in grid.functions if re.fullmatch(r"f\d+", name)}
     names: list[str] = []
     for item in _items(chosen, "functions"):
-        is_name = isinstance(item, str) and item in grid.functions
-        own = [item] if is_name else [numbered[number] for number in _span(item, numbered)]
+        if isinstance(item, str) and item in grid.functions:
+            own = [item]
+        else:
+            own = [numbered[number] for number in _span(item, numbered)]
         if not own:
             raise BenchError(f"{grid.suite} has no function {item!r}{nearest_function(str(item), grid.functions)}")
         names += own
     return list(dict.fromkeys(names))
 
 
-def _numbers(chosen: Any, what: str, grid: Grid, offered: list[int] | range) -> list[int]:
+def _numbers(chosen: object, what: str, grid: Grid, offered: list[int] | range) -> list[int]:
     """Return the numbers that are given as such or as ranges, among those that there are."""
     numbers: list[int] = []
     for item in _items(chosen, f"{what}s"):
@@ -139,17 +140,17 @@ def _numbers(chosen: Any, what: str, grid: Grid, offered: list[int] | range) -> 
     return list(dict.fromkeys(numbers))
 
 
-def _items(selection: Any, what: str) -> list[Any]:
+def _items(selection: object, what: str) -> list[object]:
     """Return a list of numbers and texts; ``"1-5, 8"`` has two."""
     if selection == []:
         raise BenchError(f"a list of {what} is empty; leave it out to select all")
-    items: list[Any] = []
+    items: list[object] = []
     for item in selection if isinstance(selection, list) else [selection]:
         items += [part.strip() for part in item.split(",")] if isinstance(item, str) else [item]
     return items
 
 
-def _span(item: Any, offered: Container[int]) -> list[int]:
+def _span(item: object, offered: Container[int]) -> list[int]:
     """Return the numbers that a number or a range such as ``"1-24"`` stands for; none where an end is not offered."""
     if not isinstance(item, str):
         return [int(item)] if is_whole(item) and item in offered else []

@@ -28,8 +28,8 @@ class Call:
     """
 
     group: Hashable
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...] = ()
+    function: Callable[..., object]
+    arguments: tuple[object, ...] = ()
     limits: dict[str, Any] = field(default_factory=dict)
     wanted: Callable[[], bool] = lambda: True
 

@@ -31,13 +31,13 @@ class ForkServer(AbstractContextManager["ForkServer"]):
         self._hash_seed, self._sandbox = hash_seed, sandbox
         self._lock, self._killed = Lock(), Event()  # these and the next one are shared with all branches
         self._started: list[Process] = []  # anew; forks end with them
-        self._calls: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]] = []
+        self._calls: list[tuple[Callable[..., object], tuple[object, ...], dict[str, Any]]] = []
         self._process: Process | None = None
 
     def __exit__(self, *_: object) -> None:
         self.kill()
 
-    def call(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> Any:
+    def call(self, function: Callable[..., object], *arguments: object, **limits: Any) -> Any:
         """Call a function in all processes that come from here from now on; return the answer.
 
         Limits and errors are those of :meth:`bench.sandbox.process.Process.call`; after one the call is forgotten.
@@ -46,12 +46,12 @@ class ForkServer(AbstractContextManager["ForkServer"]):
         self._calls.append((function, arguments, limits))
         return answer
 
-    def after(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> ForkServer:
+    def after(self, function: Callable[..., object], *arguments: object, **limits: Any) -> ForkServer:
         """Have all processes make this call first; return this fork server, before it has a process."""
         self._calls.append((function, arguments, limits))
         return self
 
-    def ensure(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> None:
+    def ensure(self, function: Callable[..., object], *arguments: object, **limits: Any) -> None:
         """Make a call as :meth:`call` does, unless the processes that come from here have made it already."""
         if not any((function, arguments) == call[:2] for call in self._calls):
             self.call(function, *arguments, **limits)

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from math import inf
 from time import monotonic
-from typing import Any
+from typing import IO, Any
 
 from bench.sandbox import tree
 from bench.sandbox.bubblewrap import VARIABLES, Sandbox
@@ -177,12 +177,12 @@ class Process(AbstractContextManager["Process"]):
         copy._original, copy._pid = self, pid
         return copy
 
-    def call(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> Any:
+    def call(self, function: Callable[..., object], *arguments: object, **limits: Any) -> Any:
         """Call a function and return its answer; see :meth:`start`, and :meth:`finish` for the limits."""
         self.start(function, *arguments)
         return self.finish(**limits)
 
-    def start(self, function: Callable[..., Any], *arguments: Any, files: Sequence[int] = ()) -> None:
+    def start(self, function: Callable[..., object], *arguments: object, files: Sequence[int] = ()) -> None:
         """Begin a call of a function of an importable module, whose answer :meth:`finish` returns.
 
         The arguments are pickled; open files are passed on as further arguments.
@@ -313,7 +313,7 @@ class Process(AbstractContextManager["Process"]):
         self._output.close()
         return DiedError(UNANSWERABLE if code is None else code, end_of_output(tail))
 
-    def _request(self, request: str, *arguments: Any, files: Sequence[int] = ()) -> int | None:
+    def _request(self, request: str, *arguments: object, files: Sequence[int] = ()) -> int | None:
         """Return the answer of this process, which others are forked from, to a request.
 
         Raises:
@@ -367,7 +367,7 @@ class Process(AbstractContextManager["Process"]):
         return code
 
 
-def _let_go(channel: Channel, output: Any) -> None:
+def _let_go(channel: Channel, output: IO[bytes]) -> None:
     with suppress(OSError):
         output.close()
         channel.close()

@@ -62,7 +62,7 @@ def serve(end: int, owner: int, forks: bool) -> None:
     _Server(Channel(socket.socket(fileno=end), takes_files=hasattr(socket, "recv_fds")), apart=not owner).loop()
 
 
-def note(value: Any) -> None:
+def note(value: object) -> None:
     """Send a note on the progress of the present call to the owner, as JSON; it prolongs no time limit."""
     if _serving is not None:
         _serving.note(value)
@@ -101,11 +101,11 @@ class _Server:
             if (answer := getattr(self, f"_{request}")(*arguments)) is not None:  # None in the copy
                 self._answer(answer)
 
-    def note(self, value: Any) -> None:
+    def note(self, value: object) -> None:
         if os.getpid() == self._process:
             self._channel.send(self._number, json.dumps(["note", value]).encode())
 
-    def _answer(self, answer: list[Any]) -> None:
+    def _answer(self, answer: list[object]) -> None:
         if os.getpid() != self._process:  # a fork that has returned from its call and arrives here
             os._exit(0)
         try:
@@ -119,7 +119,7 @@ class _Server:
         except BrokenChannelError:
             os._exit(UNANSWERABLE)
 
-    def _call(self, function: Callable[..., Any], *arguments: Any) -> list[Any]:
+    def _call(self, function: Callable[..., object], *arguments: object) -> list[object]:
         try:
             answer = ["value", function(*arguments, *self._take_files())]
         except BaseException as error:  # a plug-in may raise KeyboardInterrupt or GeneratorExit too
@@ -133,7 +133,7 @@ class _Server:
         files, self._channel.files = self._channel.files, []
         return files
 
-    def _fork(self) -> list[Any] | None:
+    def _fork(self) -> list[object] | None:
         """Fork a copy, which serves the channel and writes to the output that came with the request.
 
         Returns:
@@ -172,10 +172,10 @@ class _Server:
         os.dup2(output, 2)
         os.close(output)
 
-    def _look(self, pid: int) -> list[Any]:
+    def _look(self, pid: int) -> list[object]:
         return ["value", look(self._copies.get(pid, 0))]
 
-    def _end(self, pid: int, seconds: float) -> list[Any]:
+    def _end(self, pid: int, seconds: float) -> list[object]:
         """End a copy and all that it started; return its exit code, None where it had to be ended after ``seconds``.
 
         After a signal the code is minus the signal's number.

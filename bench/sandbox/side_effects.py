@@ -14,7 +14,6 @@ import threading
 import time
 import warnings
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 
@@ -70,7 +69,7 @@ def reset_random() -> None:
     np.random.set_state(_NUMPY_STATE)  # noqa: NPY002
 
 
-def _state() -> tuple[Any, ...]:
+def _state() -> tuple[object, ...]:
     """Return the state of the process that a later trial may depend on and that is cheap to compare."""
     return (
         sys.getrecursionlimit(), list(sys.path), len(sys.modules),
@@ -120,8 +119,8 @@ def _left_running(deadline: float) -> int:
 
 def _resource_trackers() -> set[int]:
     """Return the numbers of the helper processes that multiprocessing starts once and keeps."""
-    tracker: Any = getattr(sys.modules.get("multiprocessing.resource_tracker"), "_resource_tracker", None)
-    loky: Any = getattr(sys.modules.get("joblib.externals.loky.backend.resource_tracker"), "_resource_tracker", None)
+    tracker = getattr(sys.modules.get("multiprocessing.resource_tracker"), "_resource_tracker", None)
+    loky = getattr(sys.modules.get("joblib.externals.loky.backend.resource_tracker"), "_resource_tracker", None)
     return {pid for helper in (tracker, loky) if isinstance(pid := getattr(helper, "_pid", None), int)}
 
 
