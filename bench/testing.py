@@ -8,7 +8,7 @@ from __future__ import annotations
 import atexit
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pytest
 
@@ -137,7 +137,7 @@ class RuleCheck:
             pytest.fail(f"{finding}\nremedy: {verdict.remedy}", pytrace=False)
 
 
-def _cases(source: Source, subject: type[AnySubject], expected_failures: ExpectedFailures | None) -> Iterator[Any]:
+def _cases(source: Source, subject: type[AnySubject], expected_failures: ExpectedFailures | None) -> Iterator[object]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
     expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
     checker = Checker(subject(source) if isinstance(source, str) else subject.of(source, {}, 0))

@@ -8,16 +8,17 @@ from functools import partial
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bench.contract.objective import Objective
 from bench.contract.optimizer import Optimizer, parameter
 from bench.contract.typing import Floats
 from optimizers.common.base import compiled, works
 
-UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
+UNLIMITED: dict[str, object] = {"maxiter": np.inf, "maxfevals": np.inf}
 """Options that switch pycma's limits on length off: the budget ends a trial, or a tolerance of pycma does."""
 
-SILENT: dict[str, Any] = {"verbose": -9, "verb_log": 0, "verb_disp": 0, "signals_filename": None}
+SILENT: dict[str, object] = {"verbose": -9, "verb_log": 0, "verb_disp": 0, "signals_filename": None}
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ def take_books(strategy: Any) -> Any:
     return books
 
 
-def learn(model: Any, vectors: Any, weights: Any, c1_times_delta_hsigma: float = 0) -> None:
+def learn(model: Any, vectors: ArrayLike, weights: ArrayLike, c1_times_delta_hsigma: float = 0) -> None:
     """Do as the ``update`` of pycma's distribution does, to the last bit, with all negative weights at once.
 
     The weighted outer products of the (n, d) ``vectors`` are added to C (Hansen, arXiv:1604.00772, eq. 47); a negative

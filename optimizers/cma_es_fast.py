@@ -245,7 +245,7 @@ class Strategy:
         )  # fmt: skip
         if moved > least * math.sqrt(max(1.0, waited / allowed)):
             self._anchor, self._anchored, waited = self.mean, self.generation, 0
-        met: dict[str, Any] = {
+        met = {
             "tolfacupx": grown > self.tolfacupx,
             "tolx": small < self.tolx,
             "tolxstagnation": waited > allowed,

@@ -12,7 +12,7 @@ from bench.contract.families import derive
 from bench.contract.objective import Objective
 from bench.contract.optimizer import Optimizer, build, settings
 from bench.contract.typing import Floats
-from bench.helpers import ProgramCommand, Talk, short
+from bench.helpers import Json, ProgramCommand, Talk, short
 from bench.helpers.errors import BenchError, BudgetExhausted
 
 PROTOCOL = 1
@@ -62,7 +62,7 @@ class Program(Optimizer):
                 raise
 
 
-def _keep(values: dict[Any, Any], objective: Objective, talk: Talk) -> None:
+def _keep(values: dict[Any, Json], objective: Objective, talk: Talk) -> None:
     """Log what a program says of its search; raises BenchError for what is no number."""
     try:
         objective.log(**values)
@@ -70,7 +70,7 @@ def _keep(values: dict[Any, Any], objective: Objective, talk: Talk) -> None:
         raise talk.error(f"logged {short(values)} ({error})", "at most 20 names of numbers") from None
 
 
-def _points(value: Any, dimension: int, talk: Talk) -> Floats:
+def _points(value: object, dimension: int, talk: Talk) -> Floats:
     """Return the (n, d) points of a request; raises BenchError where they are none."""
     try:
         array = np.asarray(value, dtype=np.float64)
@@ -97,7 +97,7 @@ class Command:
         """Return no name: there is nothing to list."""
         return []
 
-    def load(self, name: str, **options: Any) -> Optimizer:
+    def load(self, name: str, **options: object) -> Optimizer:
         """Return the optimizer that runs a command; raises BenchError where its program is not found.
 
         The words of the command are as in a shell. All options are the program's own.

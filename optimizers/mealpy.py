@@ -150,18 +150,18 @@ class Mealpy(Family):
 mealpy = Mealpy()
 
 
-class _Checks(dict[str, tuple[str, Any]]):
+class _Checks(dict[str, tuple[str, object]]):
     """Replaces a model's validator, and records the kind and the bounds of every check."""
 
-    def __getattr__(self, check: str) -> Callable[..., Any]:
-        def note(name: str, value: Any, bound: Any = None, *_: Any) -> Any:
+    def __getattr__(self, check: str) -> Callable[..., object]:
+        def note(name: str, value: object, bound: object = None, *_: object) -> object:
             self[name] = (check, bound)
             return value
 
         return note
 
 
-def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, Any]]:
+def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, object]]:
     """Return, by parameter, kind and bounds of the check that mealpy makes in a ``solver`` with ``agents`` agents."""
     checks = _Checks()
     watched = property(lambda _: checks, lambda _, __: None)
@@ -169,7 +169,7 @@ def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, Any]]:
     return checks
 
 
-def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
+def constructor_parameters(solver: type) -> dict[str, tuple[object, object]]:
     """Return type and default of each parameter of a mealpy class.
 
     The ends of mealpy's open intervals pass here, as do ranges that depend on the number of agents; mealpy checks both.
@@ -181,7 +181,7 @@ def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
     }
     checks = constructor_checks(solver, defaults["pop_size"])
     others = constructor_checks(solver, 2 * defaults["pop_size"])
-    made: dict[str, tuple[Any, Any]] = {}
+    made: dict[str, tuple[object, object]] = {}
     for name, default in defaults.items():
         check, bounds = checks.get(name, ("", None))
         if checks.get(name) != others.get(name):
@@ -190,7 +190,7 @@ def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
     return made
 
 
-def declared(default: Any, check: str, bounds: Any) -> tuple[Any, Any]:
+def declared(default: object, check: str, bounds: Any) -> tuple[object, object]:
     """Return type and default, with its range, of a parameter from the kind and the bounds of mealpy's check."""
     if isinstance(default, bool):
         return bool, default

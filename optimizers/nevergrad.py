@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
+from types import ModuleType
 from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
 from bench.contract.objective import Objective
 from bench.contract.optimizer import Optimizer, parameter
+from bench.contract.typing import Options
 from bench.helpers.errors import BenchError
 from optimizers.common.family import Adapter, Family, global_random_state, table
 
@@ -84,7 +86,7 @@ class NevergradOptimizer(Adapter):
                     f"nevergrad's {self.member} needs a package here that is not installed: {cause}"
                 ) from error
 
-    def _changed(self) -> dict[str, Any]:
+    def _changed(self) -> Options:
         """Return the settings that differ from the registry's, under nevergrad's names."""
         chosen = self.options()
         if chosen.get("popsize", 0) is None:  # agents=None sets nothing
@@ -92,7 +94,7 @@ class NevergradOptimizer(Adapter):
         settings = registered(self.member).config() if chosen else {}
         return {key: value for key, value in chosen.items() if value != settings[key]}
 
-    def _make(self, space: Any, budget: int) -> Any:
+    def _make(self, space: object, budget: int) -> Any:
         """Return nevergrad's optimizer of the space, with the parameters of this instance."""
         maker = registered(self.member)
         if changed := self._changed():
@@ -107,7 +109,7 @@ def registered(member: str) -> Any:
     return nevergrad.optimizers.registry[member]
 
 
-def scalar(hint: Any) -> Any:
+def scalar(hint: object) -> object:
     """Return the scalar types of a type hint as a hint, or None without any."""
     options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
     kept = tuple(option for option in options if option in SCALARS)
@@ -136,7 +138,7 @@ def settings_restored() -> Iterator[None]:
 
     before: list[tuple[Any, bool]] = []
 
-    def remember(family: Any, name: str, value: Any) -> None:
+    def remember(family: Any, name: str, value: object) -> None:
         if name == "fcmaes" and hasattr(family, name):
             before.append((family, family.fcmaes))
         object.__setattr__(family, name, value)
@@ -158,7 +160,7 @@ class Nevergrad(Family):
     extra = "nevergrad"
     facts = TABLE
 
-    def require(self) -> Any:
+    def require(self) -> ModuleType:
         """Return nevergrad; its import draws random numbers, here from a fixed seed and without a trace."""
         with global_random_state(np.random.default_rng(0)), warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -171,11 +173,11 @@ class Nevergrad(Family):
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a member; its parameters are the settings that are scalars."""
-        maker: Any = self.require().optimizers.registry[member]
+        maker = registered(member)
         settings = {} if isinstance(maker, type) else maker.config()
         signature = inspect.signature(type(maker).__init__).parameters if settings else {}
         hints = {key: scalar(signature[key].annotation) for key in settings}
-        scalars: dict[str, tuple[Any, Any]] = {
+        scalars: dict[str, tuple[object, object]] = {
             key: (hint, settings[key]) for key, hint in hints.items() if hint and isinstance(settings[key], SCALARS)
         }
         if "popsize" in scalars:

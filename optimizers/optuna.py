@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -31,7 +30,7 @@ class OptunaOptimizer(Adapter):
         first = options[start] if isinstance(start, str) else start
         names = [f"x{index}" for index in range(objective.dimension)]
         box = zip(objective.lower.tolist(), objective.upper.tolist(), strict=True)
-        uniform: Any = optuna.distributions.FloatDistribution
+        uniform = optuna.distributions.FloatDistribution
         ranges = {name: uniform(*ends) for name, ends in zip(names, box, strict=True)}
         with quiet(optuna):
             sampler = getattr(optuna.samplers, self.member)(seed=int(rng.integers(2**32)), **options)

@@ -47,12 +47,12 @@ class PymooOptimizer(Constructed):
                 algorithm.next()
         objective.stop(reason)
 
-    def _problem(self, objective: Objective) -> Any:
+    def _problem(self, objective: Objective) -> object:
         """Return the objective as pymoo's problem."""
         from pymoo.core.problem import Problem
 
         class Box(Problem):  # type: ignore[misc]
-            def _evaluate(problem, x: Floats, out: dict[str, Any], *_: Any, **__: Any) -> None:  # noqa: N805
+            def _evaluate(problem, x: Floats, out: dict[str, object], *_: object, **__: object) -> None:  # noqa: N805
                 out["F"] = self.finite_values(objective, x)[:, np.newaxis]
 
         return Box(n_var=objective.dimension, n_obj=1, xl=objective.lower, xu=objective.upper)
@@ -105,7 +105,7 @@ class Pymoo(Family):
 pymoo = Pymoo()
 
 
-def of_class(solver: type, name: str) -> tuple[Any, Any]:
+def of_class(solver: type, name: str) -> tuple[object, object]:
     """Return type and default, with its range, of a parameter of a pymoo class."""
     signatures = [inspect.signature(vars(signature)["__init__"]).parameters for signature in solver.__mro__[:-1]]
     facts = TABLE["parameters"].get(name, {})

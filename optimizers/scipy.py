@@ -45,15 +45,15 @@ class ScipyOptimizer(Adapter):
         except (RuntimeError, SystemError) as error:  # by scipy, from an error of the problem or the end of the budget
             raise error.__cause__ or error from None
 
-    def target(self, objective: Objective) -> Callable[[Floats], Any]:
+    def target(self, objective: Objective) -> Callable[[Floats], object]:
         """Return the function of one (d,) point that scipy minimises."""
         return lambda x: min(float(self.values(objective, np.atleast_2d(x))[0]), self.ceiling)
 
     @abstractmethod
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:
         """Return the other arguments of scipy's function, which leave its length to the budget."""
 
-    def passed(self, *others: str) -> dict[str, Any]:
+    def passed(self, *others: str) -> dict[str, object]:
         """Return the parameters that scipy has too, by name: all but ``handling`` and ``others``."""
         return {name: value for name, value in settings(self).items() if name not in ("handling", *others)}
 
@@ -101,13 +101,13 @@ class DifferentialEvolution(ScipyOptimizer):
     tol: float = parameter(0.01, minimum=0)
     atol: float = parameter(0.0, minimum=0)
 
-    def target(self, objective: Objective) -> Callable[[Floats], Any]:
+    def target(self, objective: Objective) -> Callable[[Floats], object]:
         """Return the function of one (d,) point or, for deferred updating, of (d, n) points that scipy minimises."""
         if self.updating == "immediate":
             return super().target(objective)
         return lambda x: self.values(objective, x.T)
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         agents = self.agents if self.agents is not None else max(5, 15 * objective.dimension)
         return self.passed("agents", "mutation_to") | {
@@ -146,7 +146,7 @@ class DualAnnealing(ScipyOptimizer):
     accept: float = parameter(-5.0, minimum=-1e4, maximum=-5)
     no_local_search: bool = False
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         return self.passed() | {
             "bounds": box(objective),
@@ -183,7 +183,7 @@ class Shgo(ScipyOptimizer):
     iters: int | None = parameter(1, minimum=1)
     sampling_method: Literal["simplicial", "halton", "sobol"] = "simplicial"
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         iters = objective.budget if self.iters is None else self.iters
         return self.passed() | {"bounds": box(objective), "iters": iters}
@@ -211,7 +211,7 @@ class Direct(ScipyOptimizer):
     vol_tol: float = parameter(1e-16, minimum=0, maximum=1)
     len_tol: float = parameter(1e-6, minimum=0, maximum=1)
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         return self.passed() | {"bounds": box(objective), "maxfun": objective.budget + 1, "maxiter": objective.budget}
 
@@ -252,7 +252,7 @@ class BasinHopping(ScipyOptimizer):
     stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999)
     niter_success: int | None = parameter(None, minimum=1)
 
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         return self.passed("stepsize") | {
             "x0": objective.start_point(),

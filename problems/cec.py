@@ -97,7 +97,7 @@ def _problem(suite: str, groups: list[str], name: str, member: Member) -> Proble
     lower, upper = np.array(function.get_bounds(), dtype=np.float64).T
     features = features_of(suite, member, groups[number - 1])
     optimum = OPTIMA.get((suite, number), function.get_f_opt())
-    best = _optimum_point(suite, number, member.dimension, Path(minionpy.__file__).parent)
+    best = _optimum_point(suite, number, member.dimension, Path(str(minionpy.__file__)).parent)
 
     def evaluate(x: Floats) -> Floats:
         values = np.array(function(x.tolist()), dtype=np.float64)  # lists take half the time of arrays

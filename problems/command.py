@@ -16,8 +16,8 @@ import numpy as np
 
 from bench import BenchError, FunctionProblem, Problem
 from bench.contract.numbers import require_whole
-from bench.contract.typing import Floats
-from bench.helpers import ProgramCommand, Talk, count, short
+from bench.contract.typing import Floats, Options
+from bench.helpers import Json, JsonObject, ProgramCommand, Talk, count, short
 from bench.helpers.errors import PointError, nearest
 
 PROTOCOL = 1
@@ -45,7 +45,7 @@ class Program(FunctionProblem):
 
     compiles = False
 
-    def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Mapping[str, Any]) -> None:
+    def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Options) -> None:
         settings = dict(box)
         self.measure = str(settings.pop("measure", ""))
         self._number: int | None = settings.pop("violations", None)  # of violations; else that of the first answer
@@ -128,7 +128,7 @@ class Conversation(Program):
             self._ended()  # another one is started for the next point
             raise
 
-    def _are(self, numbers: list[Any]) -> bool:
+    def _are(self, numbers: list[Json]) -> bool:
         """Return whether these are the numbers of an answer."""
         plain = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
         return plain and self.fits(numbers)
@@ -235,7 +235,7 @@ def _last(written: bytes) -> str:
     return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
 
-def _first_line(command: ProgramCommand, folder: str | None) -> dict[str, Any]:
+def _first_line(command: ProgramCommand, folder: str | None) -> JsonObject:
     """Return the box that a program declares; raises BenchError where it says none."""
     with Talk(command, FIRST, folder) as talk:
         first = talk.hear(PATIENCE)

@@ -9,6 +9,7 @@ from typing import Any
 
 from bench import FunctionProblem, Problem, load_problem
 from bench.contract.families import Grid, Member
+from bench.contract.typing import Options
 from bench.helpers.errors import BenchError, nearest
 
 
@@ -19,7 +20,7 @@ class SuiteProblem(FunctionProblem):
 
     compiles = True  # many call compiled code, and none takes long
 
-    def __init__(self, *arguments: Any, options: Mapping[str, Any] | None = None, **naming: Any) -> None:
+    def __init__(self, *arguments: Any, options: Options | None = None, **naming: Any) -> None:
         super().__init__(*arguments, vectorized=True, **naming)
         self.evaluate = self._fun  # type: ignore[method-assign] # it takes and returns arrays of float64, see evaluated
         self._load = partial(load_problem, self.name, **(options or {}))

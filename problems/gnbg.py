@@ -13,7 +13,6 @@ Competition on GNBG-II generated Test Suite", GECCO and CEC.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -48,8 +47,8 @@ def _problem(name: str, member: Member) -> Problem:
         for k, position in enumerate(data["Component_MinimumPosition"])
     ]  # fmt: skip
 
-    def fitness(point: Floats) -> Any:
-        values = []
+    def fitness(point: Floats) -> float:
+        values: list[float] = []
         for position, rotation, height, mu, omega, sigma, power in components:
             offset = point[:, None] - position
             left = transform(None, offset.T @ rotation.T, mu, omega)

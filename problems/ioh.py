@@ -16,6 +16,7 @@
 from __future__ import annotations
 
 from itertools import product
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,7 @@ def _made(name: str, function: Any, features: dict[str, str | int], sign: float 
     return SuiteProblem(evaluate, function.bounds.lb, function.bounds.ub, name=name, features=features, **known)
 
 
-def _package(name: str) -> Any:
+def _package(name: str) -> ModuleType:
     return require("ioh", "ioh", f"problem {name!r} needs")
 
 

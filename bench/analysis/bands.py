@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -148,7 +148,7 @@ def _curves(
     for part in [hits] if isinstance(hits, pd.DataFrame) else hits:
         if dimensions is not None:
             part = part.assign(evaluations=part["evaluations"] / part["problem"].astype(object).map(dimensions))
-        groups: dict[Any, Any] = part.groupby("optimizer", observed=True).indices
+        groups = part.groupby("optimizer", observed=True).indices
         for optimizer in (label for label in labels(part, "optimizer") if label in groups):
             curves[optimizer] = curve_of(_run_shares(part.iloc[groups[optimizer]], grid), rng)
     return curves

@@ -127,7 +127,7 @@ def quantiles(values: Floats, shares: float | Sequence[float]) -> Any:
 def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Floats]:
     """Return the :func:`scores` of each (problem, optimizer), (n,) in order of trials, empty where there is none."""
     problem, optimizer = frame["problem"].astype(object), frame["optimizer"].astype(object)
-    by_cell: dict[Any, Floats] = {
+    by_cell: dict[object, Floats] = {
         key: np.asarray(values, dtype=np.float64) for key, values in scores(frame, merge).groupby([problem, optimizer])
     }
     return {
@@ -262,7 +262,7 @@ def _reference_value(lowest: float, optimum: float) -> ReferenceValue:
     return ReferenceValue(float(optimum if known else lowest), known)
 
 
-def _describe(values: Floats) -> dict[str, Any]:
+def _describe(values: Floats) -> dict[str, float]:
     n, failed = len(values), int(np.isinf(values).sum())
     if n == 0:
         return {"n": 0, "failed": 0}

@@ -27,11 +27,9 @@ Student's t.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.analysis.cells import labels, scores
 from bench.analysis.direction import (
@@ -133,7 +131,7 @@ def wins_all(comparison: pd.DataFrame) -> bool:
 
 
 def _tested(
-    pairs: Sequence[Sequence[Places]], values: Floats, seeds: NDArray[Any] | None, level: float
+    pairs: Sequence[Sequence[Places]], values: Floats, seeds: Floats | None, level: float
 ) -> tuple[float, float, float, float, float, str]:
     """Return chance, low, high, p, level and outcome of two optimizers, by the places of their runs in each stratum."""
     if not pairs:

@@ -26,7 +26,7 @@ separation has no p below 2^(1 - min(n, m)), and its interval reaches as far as 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -172,7 +172,7 @@ def standardised(chances: Floats, ratios: Floats, axis: int = 0) -> Floats:
         return np.asarray((chances - 0.5).sum(axis=axis) / number / (0.5 * np.sqrt(ratios.sum(axis=axis)) / number))
 
 
-def least_p(smaller: ArrayLike) -> Any:
+def least_p(smaller: ArrayLike) -> Floats:
     """Return the p of complete separation, the smallest there is, by the number of values of the smaller sample."""
     return np.minimum(2.0 ** (1 - np.asarray(smaller, dtype=np.float64)), 1.0)
 

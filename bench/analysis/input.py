@@ -21,7 +21,7 @@ KINDS: dict[str, tuple[type, str]] = {
 """By annotation: what an argument must be, and what to give."""
 
 
-def guarded(function: Callable[..., Any]) -> Callable[..., Any]:
+def guarded(function: Callable[..., object]) -> Callable[..., object]:
     """Wrap a function so that it raises BenchError for frames and traces of another kind or without a column.
 
     Functions without such arguments stay as they are. Whatever else raises within one does so as before.
@@ -32,7 +32,7 @@ def guarded(function: Callable[..., Any]) -> Callable[..., Any]:
         return function
 
     @wraps(function)
-    def with_sentences(*args: Any, **kwargs: Any) -> Any:
+    def with_sentences(*args: Any, **kwargs: Any) -> object:
         given = dict(zip(parameters, args, strict=False)) | kwargs
         for name, (kind, example) in kinds.items():
             if name in given and not isinstance(given[name], kind):

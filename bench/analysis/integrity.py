@@ -7,7 +7,7 @@ them and records what it finds in the study's folder.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -24,9 +24,10 @@ from bench.analysis.finished_trials import (
     percent,
     where,
 )
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count, listed
 
-Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
+Diagnoses = Mapping[str, Sequence[JsonObject]]
 
 
 WORST: tuple[Verdict, ...] = ("error", "warning", "pass", "not checked")
@@ -78,7 +79,7 @@ def integrity(
     boxes: Boxes | None = None,
     optima: Mapping[str, float] | None = None,
     diagnoses: Diagnoses | None = None,
-    verifications: Sequence[Mapping[str, Any]] = (),
+    verifications: Sequence[JsonObject] = (),
     stored: int = 0,
 ) -> pd.DataFrame:
     """Return one row a check, always the same checks in the same order: check, verdict, finding and cells.
@@ -176,7 +177,7 @@ def _storage(stored: int) -> CheckResult:
     return CheckResult("pass", f"All {stored:,} stored trials are as they were written.")
 
 
-def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
+def _repeatability(verifications: Sequence[JsonObject]) -> CheckResult:
     if not verifications or not all(verifications):
         return CheckResult("not checked", "Run 'bench verify' with this folder to repeat trials of each cell.")
     either = (part for noted in verifications for part in (noted.get("at_ends"), noted))

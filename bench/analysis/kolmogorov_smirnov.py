@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import warnings
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from scipy.stats import ks_2samp
 
-from bench.contract.typing import Floats
+from bench.contract.typing import Flags, Floats
 
 TIED = 0.10  # above this share of tied values the exact test is markedly conservative
 
@@ -32,7 +31,7 @@ def ks_distance(this: Floats, other: Floats) -> Floats:
     return np.asarray(np.abs(steps[..., :-1] * stepped).max(axis=-1) / (n * m))
 
 
-def ks_tests(these: Floats, others: Floats) -> dict[str, Any]:
+def ks_tests(these: Floats, others: Floats) -> dict[str, Floats | Flags]:
     """Test g pairs of samples, (g, n) and (g, m), n and m at least 1: ks_distance, ks_p and ks_tied, (g,) each.
 
     p is exact; where more than 10% of the values are tied (``ks_tied``), by the permutation distribution given the

@@ -105,7 +105,7 @@ def _directions(groups: Sequence[Samples], sizes: NDArray[np.int64], own: Flags,
     }  # fmt: skip
 
 
-def _distributions(samples: Samples, pairs: Pairs) -> dict[str, Any]:
+def _distributions(samples: Samples, pairs: Pairs) -> dict[str, Floats | Flags]:
     """Return the columns on whether the distributions of pairs of samples differ, as far as none is empty."""
     size = len(pairs[0])
     columns = {"ks_distance": np.full(size, np.nan), "ks_p": np.ones(size), "ks_tied": np.zeros(size, dtype=bool)}

@@ -29,7 +29,7 @@ HALFWAY = 0.25  # mean distance of a uniform coordinate from the centre, as a sh
 PUBLISHED = "in a published algorithm, report the bias and offer a corrected version under another name, never silently"
 
 
-def diagnose(optimizer: Optimizer | Subject, **settings: Any) -> list[Verdict]:
+def diagnose(optimizer: Optimizer | Subject, **settings: object) -> list[Verdict]:
     """Return the verdicts on one optimizer; the settings are those of :func:`diagnose_all`.
 
     Example:

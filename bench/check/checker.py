@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
-from typing import Any
+from typing import TypeVar
 
 from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.recording import LOST, explain_lost_process
@@ -13,6 +13,7 @@ from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, 
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.contract.optimizer import Optimizer
 from bench.contract.problem import Problem
+from bench.contract.typing import Options
 from bench.execution.job import MEMORY, sandbox, sandbox_of_optimizers
 from bench.execution.safe_runs import PRINTED
 from bench.helpers.errors import BenchError
@@ -20,6 +21,8 @@ from bench.helpers.text import printable
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process, RemoteError
+
+Examined = TypeVar("Examined", bound=AnySubject)
 
 
 def check_optimizer(
@@ -95,8 +98,8 @@ def check_problem(
 
 
 def _prepared(
-    kind: type[Any], plugin: object, options: dict[str, Any], seed: int, untrusted: bool
-) -> tuple[Any, Sandbox | None]:
+    kind: type[Examined], plugin: object, options: Options, seed: int, untrusted: bool
+) -> tuple[Examined, Sandbox | None]:
     """Return the subject of a check, made here once unless nobody trusts its code, and the sandbox for it, if any."""
     if not untrusted:
         return kind.of(plugin, options, seed), None
@@ -189,7 +192,7 @@ class Checker:
         if process is None:
             return None
         try:
-            limits: dict[str, Any] = {"seconds": rule.seconds, "memory": self._memory, "printed": PRINTED}
+            limits: dict[str, object] = {"seconds": rule.seconds, "memory": self._memory, "printed": PRINTED}
             answer = process.call(_judge, self._packed, rule.name, **limits)
             return None if answer is None else _read(rule, answer)
         except ValueError:
@@ -211,7 +214,7 @@ class Checker:
         if not self.unloadable:
             self._process = Process(hash_seed=0, sandbox=self._sandbox)
             try:
-                limits: dict[str, Any] = {"seconds": START_SECONDS, "memory": self._memory, "printed": PRINTED}
+                limits: dict[str, object] = {"seconds": START_SECONDS, "memory": self._memory, "printed": PRINTED}
                 refused = self._process.call(_load, self._packed, self._sandbox is not None, **limits)
                 if isinstance(refused, str):
                     raise BenchError(printable(refused, LONGEST))
@@ -233,7 +236,7 @@ def _load(packed: bytes, construct: bool) -> str | None:
     return None
 
 
-def _judge(packed: bytes, name: str) -> dict[str, Any] | None:
+def _judge(packed: bytes, name: str) -> dict[str, object] | None:
     subject = unpack(packed)
     verdict = judge(find_rule(name, subject.kind), subject)
     return None if verdict is None else verdict.as_dict()

@@ -7,7 +7,6 @@ import platform
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from bench.check import bias
 from bench.check.conformance.subject import Subject
@@ -42,7 +41,7 @@ class Diagnosis:
 
 
 def diagnose_folder(
-    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False, **settings: Any
+    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False, **settings: object
 ) -> Iterator[Diagnosis]:
     """Yield a diagnosis of every optimizer of a study, with its own options; each is noted in the folder for reports.
 
@@ -102,14 +101,14 @@ def key(entry: Entry, made: Inputs) -> str:
     """
     if not made or Present().changed(made):
         return ""
-    about: list[Any] = [
+    about: list[object] = [
         provenance.package(), platform.python_version(), package_versions(),
         {name: state for name, (state, _) in made.items()}, entry.name, entry.options,
     ]  # fmt: skip
     return short_hash(json.dumps(about, sort_keys=True, default=str))
 
 
-def _kept(noted: list[dict[str, Any]], code: str) -> list[Verdict]:
+def _kept(noted: list[dict[str, object]], code: str) -> list[Verdict]:
     """Return the noted verdicts where they are those of all checks of this code, else none."""
     if len(noted) == len(bias.CHECKS) and all(record.pop("code") == code for record in noted):
         with suppress(ValueError):  # the file was edited

@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from bench.contract.optimizer import CONDITIONS, Optimizer
 
 
-def alternatives(optimizer: Optimizer) -> dict[str, list[Any]]:
+def alternatives(optimizer: Optimizer) -> dict[str, list[object]]:
     """Return other values of each parameter of an optimizer but the conditions, up to four.
 
     They are the other choices; of a number, the ends of its range, twice and half of it, and the next whole numbers.
@@ -36,7 +36,7 @@ def alternatives(optimizer: Optimizer) -> dict[str, list[Any]]:
     return alternatives_of
 
 
-def _accepted(optimizer: Optimizer, name: str, value: Any) -> bool:
+def _accepted(optimizer: Optimizer, name: str, value: object) -> bool:
     try:
         replace(optimizer, **{name: value})  # type: ignore[type-var]
     except Exception:  # a plug-in checks its parameters as it likes

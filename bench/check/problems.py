@@ -45,7 +45,7 @@ class RecordingProblem(FunctionProblem):
         return np.asarray((x - self.lower) / (self.upper - self.lower))
 
 
-def bowl(dimension: int = 3, **naming: Any) -> RecordingProblem:
+def bowl(dimension: int = 3, **naming: object) -> RecordingProblem:
     """Return the ordinary problem: a paraboloid whose optimum is neither at the centre nor on the diagonal."""
     return _ordinary(lambda _, f: f, dimension, **naming)
 
@@ -75,7 +75,7 @@ def odd() -> dict[str, RecordingProblem]:
     return {name: _ordinary(values, 3, name=name) for name, values in kinds.items()}
 
 
-def _ordinary(values: Callable[[Floats, Floats], Floats], dimension: int, **naming: Any) -> RecordingProblem:
+def _ordinary(values: Callable[[Floats, Floats], Floats], dimension: int, **naming: object) -> RecordingProblem:
     """Return a problem of the shares ``u`` of the box and the paraboloid's values ``f`` in the ordinary box."""
     lower, upper, best = (np.resize(shares, dimension) for shares in (_LOWER, _UPPER, _BEST))
 

@@ -20,6 +20,7 @@ from bench.contract.typing import Floats
 from bench.execution.job import MEMORY, TIMEOUT
 from bench.execution.safe_runs import found, safe_call, safe_run
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.callers import Call, Callers
 from bench.sandbox.messages import describe_error
@@ -145,7 +146,7 @@ def _packed(optimizer: Optimizer | Subject) -> bytes | BenchError:
         return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
 
 
-def _collected(tasks: list[CheckRun], answers: Iterable[Any]) -> Runs | BenchError:
+def _collected(tasks: list[CheckRun], answers: Iterable[object]) -> Runs | BenchError:
     """Return the runs of one optimizer, or the error of the first that failed."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
@@ -161,7 +162,7 @@ def ready() -> None:
     scanner(FUNCTION_BUDGET, 1)
 
 
-def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
+def make_run(packed: bytes, task: CheckRun) -> dict[str, object]:
     """Make one run; return the fields of its summary. Its seed depends on its problem and number alone.
 
     Raises:
@@ -194,7 +195,7 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
     return np.asarray((x == 0) | (x == 1))
 
 
-def _summary(record: dict[str, Any]) -> RunSummary:
+def _summary(record: JsonObject) -> RunSummary:
     """Return the summary in a record; raises ValueError, TypeError or KeyError for what is none."""
     x, first = (np.array(record[name], np.float64) for name in ("x", "first"))
     made = RunSummary(float(record["best"]), x, first, float(record["clamped"]), str(record["course"]))

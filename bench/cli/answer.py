@@ -6,7 +6,6 @@ Nothing of :mod:`bench.report` is imported where a report of the same trials has
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
@@ -14,11 +13,11 @@ from rich.text import Text
 from bench.cli.console import table
 from bench.helpers.console import print_line
 from bench.helpers.errors import BenchError
-from bench.helpers.parsing import parse_json, read_text
+from bench.helpers.parsing import JsonObject, parse_json, read_text
 from bench.storage.folder import ANSWER, Folder
 
 
-def read(folder: Path) -> dict[str, Any]:
+def read(folder: Path) -> JsonObject:
     """Return the answer of the report in a folder; empty where there is none that can be read."""
     try:
         content = parse_json(read_text(folder / ANSWER))
@@ -42,13 +41,13 @@ def show(folder: Path, console: Console) -> None:
     warn_if_old(folder, noted, console)
 
 
-def warn_if_old(folder: Path, noted: dict[str, Any], console: Console | None = None) -> None:
+def warn_if_old(folder: Path, noted: JsonObject, console: Console | None = None) -> None:
     """Print a line where a report's answer, as noted, is of other trials than the folder holds now."""
     if noted and noted.get("state") not in ("", Folder(folder).store.state()):  # "" is of one with settings of its own
         print_line(f"the report is older than the trials; write it again: bench report {folder}", "yellow", console)
 
 
-def as_lines(content: dict[str, Any]) -> Group:
+def as_lines(content: JsonObject) -> Group:
     """Return an answer as lines for a terminal."""
     parts: list[RenderableType] = [Text(str(content.get("sentence", "")), style="bold")]
     parts += [Text(f"{label}: {text}") for label, text in content.get("lines", [])]

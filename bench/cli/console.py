@@ -94,7 +94,7 @@ Parameters = Annotated[
 ]
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], *, right: bool = False, title: str = "") -> Table:
+def table(heads: Sequence[str], rows: Iterable[Sequence[object]], *, right: bool = False, title: str = "") -> Table:
     """Return a table without borders for a terminal, whose cells are printed as they are.
 
     Args:
@@ -123,7 +123,7 @@ def usage(error: Any) -> str:
     return f"{error.param.opts[-1]} must be {number}{words}, not {value}"
 
 
-def _of_click(error: Any) -> tuple[str, str]:
+def _of_click(error: object) -> tuple[str, str]:
     """Return the type of number that click refused, "" for another error, and the value."""
     value, words, _ = getattr(error, "message", "").rpartition(" is not ")
     kind = getattr(getattr(getattr(error, "param", None), "type", None), "name", "") if words else ""

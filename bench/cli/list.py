@@ -7,7 +7,7 @@ import inspect
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -15,10 +15,11 @@ from rich.text import Text
 
 from bench.cli.console import table
 from bench.helpers.errors import BenchError, nearest
+from bench.helpers.parsing import JsonObject
 from bench.plugins import catalogue, registry
 from bench.study import Study
 
-Entry = dict[str, Any]
+Entry = JsonObject
 """A plug-in as JSON has it: its name, and what it is (``about`` or ``title``) or the ``error`` that it raised."""
 
 KINDS = ("optimizers", "problems", "studies", "commands")
@@ -236,7 +237,7 @@ def _archive_records(suite: str) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _tried(describe: Callable[..., Any], *arguments: Any) -> Entry:
+def _tried(describe: Callable[..., object], *arguments: object) -> Entry:
     """Describe a plug-in by a function, or by the error that this raises."""
     try:
         return {"about": describe(*arguments)}

@@ -9,6 +9,7 @@ import typer
 from rich.console import Console
 
 from bench.cli.console import Parameters, Untrusted, table
+from bench.contract.typing import Floats, Options
 from bench.helpers.console import pairs, print_error, print_line
 from bench.helpers.errors import BenchError, ProblemError
 from bench.helpers.text import said
@@ -19,7 +20,7 @@ from bench.trial.columns import Row, named
 from bench.trial.scoring.constraints import DEFAULT
 from bench.trial.trial import as_row
 
-Named = tuple[str, dict[str, Any]]  # a plug-in's name and its options
+Named = tuple[str, Options]  # a plug-in's name and its options
 
 
 def command(
@@ -69,7 +70,7 @@ def command(
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    limits: dict[str, Any] = {"evaluation_timeout": evaluation_timeout, "time": time}
+    limits: dict[str, object] = {"evaluation_timeout": evaluation_timeout, "time": time}
     if untrusted and output:
         raise BenchError("with --untrusted no --output is written: evaluations are noted by the code that is run")
     limits |= {"output": output} if output else {}
@@ -110,9 +111,9 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
     chosen.check_budget(spent, optimizer[0])
     if not loading.brings_code(optimizer[0]):
         warm(loaded, chosen, spent)
-    seen: list[tuple[int, Any, float]] = []
+    seen: list[tuple[int, Floats, float]] = []
 
-    def note(count: int, x: Any, f: float, lowest: float) -> None:
+    def note(count: int, x: Floats, f: float, lowest: float) -> None:
         if not seen or f <= lowest:
             seen[:] = [(count, x, f)]
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from time import sleep
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console, Group, RenderableType
@@ -17,9 +17,11 @@ from rich.text import Text
 
 from bench.cli.console import StudyFolder, table, too_early
 from bench.helpers.console import duration, print_line
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import shown
 from bench.study.cell import read
+from bench.trial.columns import Row
 
 if TYPE_CHECKING:
     from bench.storage.folder import Folder
@@ -143,7 +145,7 @@ def _kept(folder: Folder) -> Iterator[str]:
     yield from (f"kept of {label}, which the study does not name: {count(n, 'trial')}" for label, n in others.items())
 
 
-def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
+def _progress(folder: Folder, running: JsonObject, left: int) -> str:
     """Describe the run that is under way: its process, its speed and the time left."""
     text = f"running: process {running['pid']} on {running['host']} since {running['started']}"
     made = folder.store.made()
@@ -162,7 +164,7 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
 
 def _failures(folder: Folder) -> list[str]:
     """Return one line for each optimizer and reason of failure, at most ``SHOWN``."""
-    reasons: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    reasons: dict[tuple[str, str, str], list[Row]] = {}
     for row in folder.store.rows("status != 'ok'"):
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
@@ -181,7 +183,7 @@ def _killed(folder: Folder) -> Iterator[str]:
         yield f"a run was killed at {run['ended']} or later; under way were {'; '.join(trials)}"
 
 
-def _environment(record: dict[str, Any], made: int) -> list[str]:
+def _environment(record: JsonObject, made: int) -> list[str]:
     """Describe one run on one machine in a line, or where imported trials come from; environment.json has the rest."""
     trials = count(made, "trial")
     if source := record.get("imported"):

@@ -15,6 +15,7 @@ from bench.execution.job import Task
 from bench.execution.runner import Outcome, run
 from bench.execution.supervisor import check
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count, listed
 from bench.plugins.loading import OptimizerLike, ProblemLike, is_plugin
 from bench.storage.folder import Folder, default_path
@@ -69,7 +70,7 @@ def compare(
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
     settings = {key: study.pop(key) for key in study.keys() & {*signature(run).parameters} - {"study"}}
-    content: dict[str, Any] = {
+    content: JsonObject = {
         "name": NAME, "trials": trials, "budget": budget, "seed": seed,
         "problems": _listed(problems), "optimizers": _listed(optimizers),
     }  # fmt: skip
@@ -88,13 +89,13 @@ def compare(
     return results
 
 
-def _ran(content: Mapping[str, Any], output: str | PathLike[str] | None, **settings: Any) -> Outcome:
+def _ran(content: JsonObject, output: str | PathLike[str] | None, **settings: Any) -> Outcome:
     """Run the study of this content."""
     chosen = Study.from_dict(content, "to compare")
     return run(chosen, _place(chosen) if output is None else output, **settings)
 
 
-def _that_load(content: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
+def _that_load(content: JsonObject) -> tuple[list[object], list[str]]:
     """Return the optimizers that can be loaded beside the problems, and a sentence on each other one."""
     found, reasons = [], []
     for given in content["optimizers"]:
@@ -108,7 +109,7 @@ def _that_load(content: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
     return found, reasons
 
 
-def _listed(given: Any) -> list[Any]:
+def _listed(given: object) -> list[object]:
     """Return one name, object or table, several, or a mapping by label, as a list."""
     if isinstance(given, Mapping):
         return [

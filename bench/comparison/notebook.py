@@ -12,6 +12,7 @@ import pandas as pd
 
 from bench import analysis, plots
 from bench.helpers.errors import BenchError, nearest
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import html_table
 from bench.results.results import AnyPath, StoredResults
 from bench.topics.answer.facts import facts
@@ -46,7 +47,7 @@ class Results(StoredResults):
         return table + self._counts()
 
     @cached_property
-    def answer(self) -> dict[str, Any]:
+    def answer(self) -> JsonObject:
         """The verdict, its lines and its table, as a terminal shows them."""
         findings = Findings(self)
         return answer(findings, lines(findings))

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bench.contract.numbers import require_whole
 from bench.contract.optimizer import Optimizer, settings
@@ -111,12 +111,12 @@ def nearest_function(function: str, known: Iterable[str]) -> str:
     return nearest(function, names)
 
 
-Parameters = Mapping[str, tuple[Any, Any]]
+Parameters = Mapping[str, tuple[object, object]]
 """Type and default, or :func:`bench.parameter`, of each parameter by name."""
 
 
 def derive(
-    base: type[Optimizer], name: str, parameters: Parameters, load: Callable[..., Optimizer], **attributes: Any
+    base: type[Optimizer], name: str, parameters: Parameters, load: Callable[..., Optimizer], **attributes: object
 ) -> type[Optimizer]:
     """Return a frozen dataclass of optimizers that adds ``parameters`` and class attributes to ``base``.
 
@@ -131,7 +131,7 @@ def derive(
         attributes: class attributes, such as ``bibtex`` and ``code``.
     """
 
-    def reduce(self: Any) -> tuple[Callable[[], Optimizer], tuple[()]]:
+    def reduce(self: Optimizer) -> tuple[Callable[[], Optimizer], tuple[()]]:
         return partial(load, name, **settings(self)), ()
 
     fields = [(key, kind, value) for key, (kind, value) in parameters.items()]

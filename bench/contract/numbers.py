@@ -6,7 +6,7 @@ import math
 import re
 from contextlib import suppress
 from numbers import Integral, Real
-from typing import Any, TypeGuard
+from typing import TypeGuard
 
 from bench.helpers.errors import BenchError
 
@@ -40,9 +40,9 @@ def is_finite(value: object) -> TypeGuard[float]:
 
 
 def require_whole(
-    what: str, value: Any, minimum: int | None = None, maximum: int | None = None, *, also: str = ""
-) -> None:
-    """Raise BenchError unless the value is a whole number within the closed range.
+    what: str, value: object, minimum: int | None = None, maximum: int | None = None, *, also: str = ""
+) -> int:
+    """Return a whole number within the closed range; raises BenchError for any other value.
 
     Args:
         what: the subject of the sentence, such as ``"the seed"``.
@@ -54,14 +54,15 @@ def require_whole(
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
     if not is_whole(value) or not low <= value <= high:
         raise BenchError(f"{what} must be a whole number{span(minimum, maximum)}{also}, not {value!r}")
+    return int(value)
 
 
-def require_seed(what: str, value: Any) -> None:
+def require_seed(what: str, value: object) -> None:
     """Raise BenchError unless the value is a seed: a whole number from 0 to :data:`LARGEST_SEED`."""
     require_whole(what, value, 0, LARGEST_SEED)
 
 
-def require_jobs(what: str, value: Any) -> None:
+def require_jobs(what: str, value: object) -> None:
     """Raise BenchError unless the value is a number of jobs: from 1 to :data:`MOST_JOBS`, or -1 for every core."""
     if value != -1:
         require_whole(what, value, 1, MOST_JOBS, also=", or -1 for every core")
@@ -74,8 +75,8 @@ def span(minimum: float | None, maximum: float | None) -> str:
     return f" of at least {minimum}" if maximum is None else f" from {minimum} to {maximum}"
 
 
-def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: str = "") -> None:
-    """Raise BenchError unless the value is a finite number above 0 and at most ``maximum``.
+def require_positive(what: str, value: object, maximum: float = math.inf, *, unit: str = "") -> float:
+    """Return a finite number above 0 and at most ``maximum`` as a float; raises BenchError for any other value.
 
     Args:
         what: the subject of the sentence, such as ``"the timeout of a trial"``.
@@ -87,16 +88,17 @@ def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: 
         limit = "" if math.isinf(maximum) else f" of at most {maximum:g}"
         units = f" of {unit}" if unit else ""
         raise BenchError(f"{what} must be a positive number{units}{limit}, not {value!r}")
+    return float(value)
 
 
-def seconds(value: Any, what: str) -> float:
+def seconds(value: object, what: str) -> float:
     """Return a duration in seconds: a positive number of them, or a text such as ``"10 min"`` (s, min, h or d).
 
     Raises:
         BenchError: for anything else, with ``what`` as the subject of the sentence.
     """
     parts = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)?\s*", value) if isinstance(value, str) else None
-    number: Any = value
+    number = value
     with suppress(ValueError):
         number = float(parts[1]) * _SECONDS[parts[2] or "s"] if parts else value
     if not is_finite(number) or number <= 0:

@@ -49,7 +49,7 @@ class Log:
         self.values: Logs = {}
         self._steps: dict[str, tuple[int, int]] = {}  # by name: every how many-th is kept, and how many came
 
-    def add(self, evaluations: int, name: str, value: Any) -> None:
+    def add(self, evaluations: int, name: str, value: float) -> None:
         """Keep a value, unless it is thinned out; raises ValueError for a name too many, TypeError for no number."""
         if name not in self.values:
             if len(self.values) >= LOGGED // 10:

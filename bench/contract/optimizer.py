@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeVar, Uni
 
 import numpy as np
 
+from bench.contract.typing import Options
 from bench.helpers.errors import BenchError, nearest
 
 if TYPE_CHECKING:
@@ -136,12 +137,12 @@ def ask_and_tell(search: Search, objective: Objective, n: int) -> None:
         search.tell(x, objective(x))
 
 
-def settings(optimizer: Optimizer) -> dict[str, Any]:
+def settings(optimizer: Optimizer) -> Options:
     """Return the values of an optimizer's parameters, by name."""
     return {field.name: getattr(optimizer, field.name) for field in dataclasses.fields(optimizer)}  # type: ignore[arg-type]
 
 
-def defaults(optimizer: Optimizer) -> dict[str, Any]:
+def defaults(optimizer: Optimizer) -> Options:
     """Return the defaults of an optimizer's parameters, by name, without a parameter that has none."""
     values = {}
     for field in dataclasses.fields(optimizer):  # type: ignore[arg-type]
@@ -157,7 +158,7 @@ def is_frozen(cls: type) -> bool:
     return bool(getattr(getattr(cls, "__dataclass_params__", None), "frozen", False))
 
 
-def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer:
+def build(cls: type[Optimizer], name: str, options: Options) -> Optimizer:
     """Return ``cls(**options)``; raises BenchError for an option that is no parameter, naming the nearest one."""
     if not is_frozen(cls) or getattr(cls, "__abstractmethods__", None):
         raise BenchError(f"optimizer {name!r} ({cls.__name__}) must be a frozen dataclass that implements minimize")
@@ -175,7 +176,7 @@ _hints = lru_cache(maxsize=512)(get_type_hints)
 """Return the types of a class's fields; cached, because their evaluation takes longer than a short trial."""
 
 
-def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> None:
+def _check(owner: str, field: dataclasses.Field[object], hint: object, value: object) -> None:
     """Raise BenchError unless ``value`` is of the hinted type and inside the field's range."""
     where = f"parameter {field.name!r} of {owner}"
     if not _fits(hint, value):
@@ -189,7 +190,7 @@ def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> 
         raise BenchError(f"{where} must be {wanted}, not {value!r}")
 
 
-def _fits(hint: Any, value: Any) -> bool:
+def _fits(hint: object, value: object) -> bool:
     if hint is Any:  # a class since Python 3.11
         return True
     if get_origin(hint) is Literal:
@@ -203,10 +204,10 @@ def _fits(hint: Any, value: Any) -> bool:
     return isinstance(value, hint) if isinstance(hint, type) else True
 
 
-def _spell(hint: Any) -> str:
+def _spell(hint: object) -> str:
     if get_origin(hint) is Literal:
         return "one of " + ", ".join(repr(choice) for choice in get_args(hint))
     if get_origin(hint) in (Union, types.UnionType):
         return " or ".join(_spell(option) for option in get_args(hint))
     names = {int: "a whole number", float: "a number", bool: "true or false", str: "a text", type(None): "nothing"}
-    return names.get(hint, str(hint))
+    return names.get(hint, str(hint)) if isinstance(hint, type) else str(hint)

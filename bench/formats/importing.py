@@ -12,13 +12,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from bench.formats import FORMATS, IMPORTABLE, naming
 from bench.formats.runs import ImportedRun, Reading
 from bench.formats.source import opened
 from bench.helpers.atomic import replacing
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins.loading import IMPORTED
 from bench.storage import provenance
@@ -167,7 +167,7 @@ def _numbered(runs: Iterable[ImportedRun]) -> list[ImportedRun]:
     return results
 
 
-def _write(folder: Path, study: Study, runs: Iterable[ImportedRun], record: dict[str, Any]) -> None:
+def _write(folder: Path, study: Study, runs: Iterable[ImportedRun], record: JsonObject) -> None:
     """Write a study's folder in which every row refers to the one environment, ``record``.
 
     Raises:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ from bench.formats.source import Source
 from bench.helpers.errors import BenchError
 from bench.helpers.text import is_formula, printable
 from bench.study.entries import LONGEST_LABEL
-from bench.trial.columns import COLUMNS
+from bench.trial.columns import COLUMNS, Row
 
 LARGEST_DIMENSION = 1_000_000
 
@@ -77,7 +77,7 @@ class ImportedRun:
     nfev: int
     trace: Trace
     number: int | None = None
-    columns: Mapping[str, Any] = field(default_factory=dict)
+    columns: Row = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Raise BenchError for a number that no run has, and that a store or a report could not hold."""
@@ -118,7 +118,9 @@ def improvements(evaluations: NDArray[np.int64], values: Floats) -> Trace:
     return Trace(evaluations[new], best[new])
 
 
-def by_run(table: pd.DataFrame, keys: Sequence[str]) -> tuple[pd.DataFrame, Iterator[tuple[tuple[Any, ...], slice]]]:
+def by_run(
+    table: pd.DataFrame, keys: Sequence[str]
+) -> tuple[pd.DataFrame, Iterator[tuple[tuple[str, str, int], slice]]]:
     """Return a table with the rows of each run together, and the key and the rows of each run.
 
     Runs stand in order of their first rows. All are brought together at once: a table may hold as many runs as rows.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -74,7 +74,7 @@ def by_function(results: StoredResults, places: Mapping[str, Any]) -> list[tuple
     finished = results.frame[results.frame["status"] == "ok"]
     if finished.empty:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
-    logs: dict[Any, dict[str, Trace]] = {}
+    logs: dict[tuple[Hashable, ...], dict[str, Trace]] = {}
     for (*key, name), rows in results.logs.dropna().groupby(["problem", "optimizer", "trial", "name"], sort=False):
         logged = Trace(rows["evaluations"].to_numpy(np.int64), rows["value"].to_numpy(np.float64))
         logs.setdefault(tuple(key), {})[str(name)] = logged

@@ -15,7 +15,7 @@ import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import closing, suppress
 from pathlib import Path, PurePosixPath
-from typing import IO, Any
+from typing import IO
 
 from bench.helpers.errors import BenchError
 from bench.helpers.text import printable
@@ -122,7 +122,7 @@ class _Bounded(io.RawIOBase):
     def __init__(self, path: Path) -> None:
         self._name, self._most = path.name, max(HARMLESS, BOMB * path.stat().st_size)
         for opened in (gzip.open, bz2.open, lzma.open, open):
-            self._content: Any = opened(path, "rb")
+            self._content: io.BufferedIOBase = opened(path, "rb")
             with suppress(OSError, EOFError, *_DAMAGED):
                 self._content.read(1)
                 break

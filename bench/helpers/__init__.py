@@ -3,11 +3,11 @@
 from bench.helpers.atomic import replacing
 from bench.helpers.bibtex import read
 from bench.helpers.console import pairs, print_error, print_line, quiet
-from bench.helpers.parsing import parse_toml, read_text
+from bench.helpers.parsing import Json, JsonObject, parse_toml, read_text
 from bench.helpers.programs import ProgramCommand, Talk, short
 from bench.helpers.text import count, file_name, printable, unique
 
 __all__ = [
-    "ProgramCommand", "Talk", "count", "file_name", "pairs", "parse_toml", "print_error", "print_line", "printable",
-    "quiet", "read", "read_text", "replacing", "short", "unique",
+    "Json", "JsonObject", "ProgramCommand", "Talk", "count", "file_name", "pairs", "parse_toml", "print_error",
+    "print_line", "printable", "quiet", "read", "read_text", "replacing", "short", "unique",
 ]  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 
 @cache
-def compiled(function: Callable[..., Any], signature: Any) -> Callable[..., Any]:
+def compiled(function: Callable[..., object], signature: str) -> Callable[..., Any]:
     """Return a function compiled for a numba signature, or loaded from numba's cache on disk.
 
     With ``NUMBA_DISABLE_JIT`` it is the function itself.

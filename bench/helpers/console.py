@@ -5,10 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from bench.helpers.errors import BenchError
-from bench.helpers.parsing import parse_toml
+from bench.helpers.parsing import JsonObject, parse_toml
 from bench.helpers.text import printable
 
 if TYPE_CHECKING:
@@ -74,9 +75,9 @@ def duration(seconds: float) -> str:
     return f"{hours // 24} d {hours % 24} h"
 
 
-def pairs(items: list[str] | None) -> dict[str, Any]:
+def pairs(items: list[str] | None) -> JsonObject:
     """Parse KEY=VALUE texts into options; a value that is not TOML is a text."""
-    options: dict[str, Any] = {}
+    options: JsonObject = {}
     for item in items or []:
         key, equals, value = item.partition("=")
         if not equals or not key.strip():
@@ -89,7 +90,7 @@ def pairs(items: list[str] | None) -> dict[str, Any]:
 
 
 @contextmanager
-def quiet(optuna: Any) -> Iterator[None]:
+def quiet(optuna: ModuleType) -> Iterator[None]:
     """Let optuna print and warn of nothing; its level of messages is as before afterwards."""
     level = optuna.logging.get_verbosity()
     optuna.logging.set_verbosity(optuna.logging.ERROR)

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from math import inf
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 Kinds = type[BaseException] | tuple[type[BaseException], ...]
 
@@ -106,7 +106,7 @@ def explained(what: str, kinds: Kinds = OSError) -> Iterator[None]:
         raise BenchError(f"{what}: {reason(error)}") from error
 
 
-def require(module: str, extra: str, needed: str) -> Any:
+def require(module: str, extra: str, needed: str) -> ModuleType:
     """Import and return a module that an extra of this package installs.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Generator, Iterable
-from typing import Any, TypeVar
+from typing import Literal, TypeVar
 
 from joblib import Parallel, delayed
 
@@ -31,7 +31,7 @@ def side_by_side(
         in_order: whether to yield in the order of the items; otherwise as calls end.
         end: has the calls under way end, where the caller takes no more or is interrupted.
     """
-    order: Any = "generator" if in_order else "generator_unordered"
+    order: Literal["generator", "generator_unordered"] = "generator" if in_order else "generator_unordered"
     made = Parallel(n_jobs=n_jobs, backend="threading", return_as=order)(delayed(function)(item) for item in items)
     return _ended(made, end)
 

@@ -12,6 +12,11 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+Json = Any
+"""A value of JSON or TOML as a text has it: whoever reads it checks its type."""
+
+JsonObject = dict[str, Json]
+
 DEEPEST = 100
 """Levels of lists and tables; the parsers, and all that copies or prints a value, call themselves for each."""
 
@@ -36,20 +41,20 @@ def read_text(path: Path) -> str:
         raise ValueError("it is not UTF-8 text") from None
 
 
-def parse_json(text: str | bytes) -> Any:
+def parse_json(text: str | bytes) -> Json:
     """Return the value of a JSON text; raises ValueError for any other text, and for one that is nested too deeply."""
     return _parsed(json.loads, text)
 
 
-def parse_toml(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> JsonObject:
     """Return the tables of a TOML text; raises ValueError for any other text, and for one that is nested too deeply."""
     if _DOTTED.search(text):
         raise ValueError(_TOO_DEEP)
-    tables: dict[str, Any] = _parsed(tomllib.loads, text)
+    tables: JsonObject = _parsed(tomllib.loads, text)
     return tables
 
 
-def _parsed(parser: Callable[[Any], Any], text: str | bytes) -> Any:
+def _parsed(parser: Callable[[Any], Json], text: str | bytes) -> Json:
     try:
         value = parser(text)
     except RecursionError:

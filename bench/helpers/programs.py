@@ -13,9 +13,10 @@ from os import PathLike
 from pathlib import Path
 from select import select
 from threading import Thread
-from typing import IO, Any, NamedTuple, cast
+from typing import IO, NamedTuple, cast
 
 from bench.helpers.errors import BenchError, explained
+from bench.helpers.parsing import Json
 
 LONGEST = 2**26  # bytes of a line
 GRACE = 1.0  # seconds in which a program may end by itself
@@ -110,14 +111,14 @@ class Talk(AbstractContextManager["Talk"]):
         finally:
             os.set_blocking(self._stdout.fileno(), True)
 
-    def say(self, **message: Any) -> None:
+    def say(self, **message: object) -> None:
         """Send one line, with 1e999 for +inf; a program that does not read any more is not an error here."""
         text = json.dumps(message).replace("Infinity", "1e999")  # JSON has no infinity, but any reader makes one of it
         with suppress(BrokenPipeError):
             self._stdin.write(text.encode() + b"\n")
             self._stdin.flush()
 
-    def hear(self, seconds: float | None = None) -> Any:
+    def hear(self, seconds: float | None = None) -> Json:
         """Return the next line as JSON, None after the last; raises BenchError for another line, or a failure.
 
         With ``seconds``, a program that writes nothing for as long has failed, where that can be seen (not on Windows).
@@ -157,7 +158,7 @@ class Talk(AbstractContextManager["Talk"]):
         return f"; it complained: {short(' '.join(said.split()))}" if said else ""
 
 
-def short(value: Any) -> str:
+def short(value: object) -> str:
     """Return a program's words as one printable line that is not long."""
     text = value if isinstance(value, str) else json.dumps(value)
     text = "".join(letter if letter.isprintable() else "?" for letter in text.strip()[: SHOWN + 1])

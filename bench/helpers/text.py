@@ -7,7 +7,6 @@ import html
 import json
 import re
 from collections.abc import Container, Iterable, Sequence
-from typing import Any
 
 
 def file_name(name: str) -> str:
@@ -68,7 +67,7 @@ def said(value: object) -> str:
         return f"<{type(value).__name__}>"
 
 
-def option(value: Any) -> str:
+def option(value: object) -> str:
     """Return the value of a plug-in's option as text: a text as it is, others as JSON where they have such a form."""
     return value if isinstance(value, str) else json.dumps(value, default=str)
 
@@ -78,20 +77,20 @@ def count(number: int, noun: str, plural: str = "") -> str:
     return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
 
 
-def html_table(caption: str, rows: Iterable[Sequence[Any]], heads: Sequence[str] = ()) -> str:
+def html_table(caption: str, rows: Iterable[Sequence[object]], heads: Sequence[str] = ()) -> str:
     """Return a small table for a notebook; all texts are escaped, and colours are left to the notebook's theme.
 
     The first cell of a row is its head.
     """
 
-    def cell(tag: str, text: Any, scope: str = "") -> str:
+    def cell(tag: str, text: object, scope: str = "") -> str:
         return f'<{tag}{scope} style="text-align: left">{html.escape(str(text))}</{tag}>'
 
     columns = "".join(cell("th", head, ' scope="col"') for head in heads)
     head = f"<thead><tr>{columns}</tr></thead>" if heads else ""
     lines = []
-    for first, *cells in rows:
-        cells = [cell("th", first, ' scope="row"'), *(cell("td", text) for text in cells)]
+    for first, *others in rows:
+        cells = [cell("th", first, ' scope="row"'), *(cell("td", text) for text in others)]
         lines.append(f"<tr>{''.join(cells)}</tr>")
     title = f'<caption style="text-align: left; caption-side: top">{html.escape(caption)}</caption>'
     return f"<table>{title}{head}<tbody>{''.join(lines)}</tbody></table>"

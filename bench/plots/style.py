@@ -22,6 +22,7 @@ import matplotlib
 import matplotlib.figure
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.font_manager import FontProperties
@@ -29,6 +30,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
 from matplotlib.ticker import FixedFormatter, FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.typing import LineStyleType
 from numpy.typing import ArrayLike, NDArray
 
 from bench.helpers.errors import BenchError, nearest
@@ -51,7 +53,7 @@ PALETTE = (
 )  # fmt: skip
 GREY = "#BDBDBD"  # of optimizers in the background
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-LINES = ("-", "--", "-.", ":", (0, (5, 1)))
+LINES: tuple[LineStyleType, ...] = ("-", "--", "-.", ":", (0, (5, 1)))
 HATCHES = ("", "///")
 REFERENCE = "#D55E00"  # expected values and limits
 DARK = "#111111"  # of text on colours, which a dark page leaves as it is, unlike black
@@ -63,7 +65,7 @@ MANY_NAMES = 30  # nobody can read a longer legend
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 # A user's own settings must not change a report, except the backend: a report opens no window.
-DEFAULTS: dict[str, Any] = {key: value for key, value in matplotlib.rcParamsDefault.items() if "backend" not in key}
+DEFAULTS: dict[str, object] = {key: value for key, value in matplotlib.rcParamsDefault.items() if "backend" not in key}
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Pen:
 
     color: str
     marker: str
-    line: Any
+    line: LineStyleType
     background: bool = False
     width: float = 1.0  # of lines, times that of the plot
 
@@ -323,7 +325,7 @@ def handles(pens: Pens) -> list[Line2D]:
     return entries
 
 
-def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> None:
+def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Artist]) -> None:
     """Put a legend of labelled artists above all panels of a figure."""
     columns = _legend_columns([str(entry.get_label()) for entry in entries], figure.get_figwidth())
     figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)

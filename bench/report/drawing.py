@@ -59,7 +59,7 @@ class Drawer:
         self._others = min(MOST, effective_n_jobs(n_jobs) - 1)
         self._callers = Callers(self._others, ready) if self._others else None
         self._sent: dict[int, _Sent] = {}  # by the identity of their figures, which have no hash
-        self._under_way: list[Generator[None]] = []
+        self._under_way: list[Generator[object]] = []
         if self._callers is not None:  # start now, while the first figures are prepared
             self._begin(self._callers.answer, [Call(0, ready) for _ in range(self._others)])
 
@@ -100,7 +100,7 @@ class Drawer:
                 return sent.drawing
         return draw(figure)
 
-    def _begin(self, function: Callable[[Any], Any], items: Sequence[Any]) -> None:
+    def _begin(self, function: Callable[[Any], object], items: Sequence[Any]) -> None:
         """Have calls begin, in threads beside this one also where there is but one other process."""
         if items:
             self._under_way.append(side_by_side(function, items, self._others + 1))

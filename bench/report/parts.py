@@ -115,7 +115,7 @@ class Table:
         decimals = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
         return usual_decimals(values) if decimals is None and _is_number(values) else decimals
 
-    def _styles(self, like_frame: pd.DataFrame | None, column: Any) -> list[Any]:
+    def _styles(self, like_frame: pd.DataFrame | None, column: object) -> list[object]:
         return [None] * len(self.frame) if like_frame is None or column not in like_frame else list(like_frame[column])
 
 
@@ -142,7 +142,7 @@ class Figure:
     figure: matplotlib.figure.Figure
     data: pd.DataFrame
     shown: pd.DataFrame | Table | None = None
-    live: Mapping[str, Any] | None = None
+    live: Mapping[str, object] | None = None
 
     @property
     def table(self) -> Table:
@@ -261,7 +261,7 @@ class Section:
         return replace(self, lost=lost, lists_files=self.lists_files or other.lists_files, **parts)
 
 
-def _sequence(several: Any) -> Sequence[Any]:
+def _sequence(several: object) -> Sequence[object]:
     """Return a tuple or list; raise for others: a text is a sequence of letters, a generator can be read only once."""
     if not isinstance(several, tuple | list):
         raise TypeError(f"a section's parts come in tuples, not in a {type(several).__name__}")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from bench.contract.typing import Options
 from bench.helpers.text import count as count
 from bench.helpers.text import listing as listing
 from bench.helpers.text import option
@@ -34,7 +35,7 @@ def cell_text(value: Any, decimals: int | None = None) -> str:
     return str(value)
 
 
-def usual_decimals(values: Any) -> int | None:
+def usual_decimals(values: object) -> int | None:
     """Return the decimals for four significant digits of a column's values, None where their sizes differ too much."""
     sizes = np.abs(np.asarray(values, dtype=float))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
@@ -93,7 +94,7 @@ def leaders(marks: pd.DataFrame, feature: str) -> str:
     return f"{listing(parts)}{ties}"
 
 
-def options(values: Mapping[str, Any]) -> str:
+def options(values: Options) -> str:
     """Return options of a plug-in as ``"agents = 300, handling = repair"``."""
     return ", ".join(f"{key} = {option(value)}" for key, value in values.items())
 

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
-from typing import Any
 
 from bench.contract.problem import Problem
 from bench.formats import naming
 from bench.helpers.errors import BenchError, nearest
+from bench.helpers.parsing import JsonObject
 from bench.plugins import loading, registry
 from bench.reproduce.table import PaperCell, PaperTable, plain
 
 
 def problem_of(table: PaperTable, cell: PaperCell) -> str:
     """Return the name of the problem that a cell is about; raises BenchError where the table leaves it open."""
-    functions: Mapping[str, Any] = table.settings.get("functions", {})
+    functions: JsonObject = table.settings.get("functions", {})
     if cell.function in functions:
         return str(functions[cell.function])
     if not cell.suite:
@@ -50,7 +49,7 @@ def load_problem(table: PaperTable, cell: PaperCell) -> Problem:
     return loading.load_problem(problem_of(table, cell), **table.settings.get("problem", {}))
 
 
-def optimizer_of(table: PaperTable, printed: str) -> dict[str, Any]:
+def optimizer_of(table: PaperTable, printed: str) -> JsonObject:
     """Return name, label and options of the optimizer that a printed name means, as a study has them.
 
     Raises:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import slug
 from bench.plugins import loading
 from bench.reproduce.names import load_problem, optimizer_of, problem_of
@@ -49,7 +49,7 @@ def protocol_of(
     made = Protocol()
     budgets: dict[int, tuple[int, PaperCell]] = {}
     problems: dict[str, int] = {}
-    optimizers: dict[str, dict[str, Any]] = {}
+    optimizers: dict[str, JsonObject] = {}
     runs = 0
     for cell in table.cells:
         try:
@@ -89,7 +89,7 @@ def protocol_of(
     return made
 
 
-def _optimizer(table: PaperTable, printed: str, beside: StoredResults | None) -> dict[str, Any]:
+def _optimizer(table: PaperTable, printed: str, beside: StoredResults | None) -> JsonObject:
     """Return a study's table of an optimizer; raises BenchError for one that is not installed or not in results."""
     if beside is not None:
         known = {entry.name: entry.label for entry in beside.study.optimizers}

@@ -14,11 +14,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bench.contract.numbers import is_finite, require_positive
 from bench.helpers.errors import BenchError, nearest
-from bench.helpers.parsing import parse_toml, read_text
+from bench.helpers.parsing import JsonObject, parse_toml, read_text
 from bench.helpers.text import printable
 from bench.study.budget import Budget
 
@@ -134,7 +134,7 @@ class PaperTable:
     name: str
     cells: tuple[PaperCell, ...]
     averages: tuple[PaperCell, ...] = ()
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    settings: JsonObject = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @property
@@ -181,7 +181,7 @@ def plain(text: str) -> str:
     return re.sub(r"[^a-z0-9]", "", text.lower())
 
 
-def _known(settings: dict[str, Any], where: str, notes: list[str]) -> dict[str, Any]:
+def _known(settings: JsonObject, where: str, notes: list[str]) -> JsonObject:
     """Return the settings that are known; the others are noted."""
     notes += [f"{where}: unknown key {key!r}{nearest(key, KEYS)}" for key in settings if key not in KEYS]
     for key, known in (("values", ("objective", "error")), ("counts", (True, False))):
@@ -197,7 +197,7 @@ def _known(settings: dict[str, Any], where: str, notes: list[str]) -> dict[str, 
     return {key: value for key, value in settings.items() if key in KEYS}
 
 
-def _csv(text: str, where: str, notes: list[str]) -> tuple[dict[str, Any], list[dict[str, str]]]:
+def _csv(text: str, where: str, notes: list[str]) -> tuple[JsonObject, list[dict[str, str]]]:
     lines = text.splitlines()
     head = next((place for place, line in enumerate(lines) if not line.startswith("#")), len(lines))
     try:
@@ -224,7 +224,7 @@ def _csv(text: str, where: str, notes: list[str]) -> tuple[dict[str, Any], list[
     return settings, rows
 
 
-def _cells(rows: list[dict[str, str]], settings: dict[str, Any], where: str, notes: list[str]) -> Iterator[PaperCell]:
+def _cells(rows: list[dict[str, str]], settings: JsonObject, where: str, notes: list[str]) -> Iterator[PaperCell]:
     """Yield the cells of rows, which have a column for each optimizer or one of optimizers."""
     headers = list(dict.fromkeys(header for row in rows for header in row if header != "line"))
     columns: dict[str, str] = {}

@@ -24,7 +24,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -33,6 +33,7 @@ from scipy import stats
 
 from bench.analysis import ALPHA, holm
 from bench.contract.typing import Floats
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count, listed
 from bench.reproduce.criticism import contradiction
 from bench.reproduce.table import NEAR, PaperCell, PaperTable, Printed
@@ -262,7 +263,7 @@ def _before(ours: int, theirs: int, place: int) -> Floats:
 
 def frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
     """Return the verdicts as a table, a row for each cell."""
-    rows: list[dict[str, Any]] = []
+    rows: list[JsonObject] = []
     for each in judgements:
         cell, ours = each.cell, each.values
         printed = {name: cell.numbers[name].value for name in cell.numbers if name not in ("rank", "success")}

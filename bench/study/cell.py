@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from bench.helpers.parsing import JsonObject
 
 Labels = tuple[str, str]
 """The labels of a problem and of an optimizer."""
@@ -51,13 +53,13 @@ class Cell(NamedTuple):
         return Cell(with_inputs(self.problem, 1), with_inputs(self.optimizer, 1), *self.conditions)
 
 
-def record(**content: Any) -> str:
+def record(**content: object) -> str:
     """Return the record of a problem or an optimizer: equal content has equal texts."""
     return json.dumps({"inputs": 1} | content, sort_keys=True, default=str)
 
 
 @cache
-def read(text: str) -> dict[str, Any]:
+def read(text: str) -> JsonObject:
     """Return the content of a record, which must not be changed; of a damaged one nothing is known."""
     content = None
     with suppress(ValueError):
@@ -96,6 +98,6 @@ def differences(before: str, now: str) -> Iterator[str]:
             yield f"{key} = {new.get(key)!r}, not {old.get(key)!r}"
 
 
-def names_that_differ(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+def names_that_differ(before: JsonObject, now: JsonObject) -> list[str]:
     """Return the names that are new, gone or changed."""
     return [name for name in {**before, **now} if before.get(name) != now.get(name)]

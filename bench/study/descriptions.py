@@ -6,12 +6,12 @@ report starts no process and loads no stranger's code.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from bench.contract.optimizer import CONDITIONS, defaults, settings
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import option, printable
 from bench.plugins import loading
 from bench.study.entries import Entry
@@ -40,7 +40,7 @@ class Description:
 Descriptions = dict[str, Description]  # by label
 
 
-def noted(study: Study, note: Mapping[str, Any]) -> Descriptions:
+def noted(study: Study, note: JsonObject) -> Descriptions:
     """Return the descriptions in the note of a folder; built-in optimizers that it lacks are read in this process."""
     labels = [entry.label for entry in study.optimizers]
     described = read(note, labels)
@@ -55,13 +55,13 @@ def _here(study: Study) -> Descriptions:
     return empty | read(describe(study, built_in), built_in)
 
 
-def describe(study: Study, labels: list[str]) -> dict[str, Any]:
+def describe(study: Study, labels: list[str]) -> JsonObject:
     """Return BibTeX, parameters and defaults of optimizers by label, without those that cannot be loaded.
 
     ``values`` and ``defaults`` are texts by name of the parameter. A class attribute of the name of a condition that
     reports compare (:data:`bench.contract.optimizer.CONDITIONS`) counts as a parameter without a choice.
     """
-    described: dict[str, Any] = {}
+    described: JsonObject = {}
     for label in labels:
         with suppress(Exception):  # a plug-in may raise anything
             optimizer = study.optimizer(label)
@@ -77,7 +77,7 @@ def describe(study: Study, labels: list[str]) -> dict[str, Any]:
     return described
 
 
-def read(answer: Any, labels: Iterable[str]) -> Descriptions:
+def read(answer: object, labels: Iterable[str]) -> Descriptions:
     """Return the descriptions in an answer or a note, which may hold anything."""
     described = answer if isinstance(answer, dict) else {}
     return {
@@ -91,7 +91,7 @@ def read(answer: Any, labels: Iterable[str]) -> Descriptions:
     }
 
 
-def _texts(texts: Any) -> Values | None:
+def _texts(texts: object) -> Values | None:
     if not isinstance(texts, dict):
         return None
     return {

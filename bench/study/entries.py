@@ -6,9 +6,10 @@ import shlex
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
 
+from bench.contract.typing import Options
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import Json, JsonObject
 from bench.helpers.text import is_formula
 from bench.plugins import loading, objects, selection
 from bench.study.initial import known_points
@@ -28,7 +29,7 @@ class Entry:
 
     name: str
     label: str
-    options: dict[str, Any] = field(default_factory=dict)
+    options: Options = field(default_factory=dict)
     files: tuple[str, ...] = ()
     initial: tuple[tuple[float, ...], ...] = ()
 
@@ -36,7 +37,7 @@ class Entry:
         """Turn tuples among the options into lists, as a study's file holds them."""
         object.__setattr__(self, "options", _as_lists(self.options))
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Return the entry as a table of a study file."""
         label = {} if self.label == self.name else {"label": self.label}
         files = {"files": [*self.files]} if self.files else {}
@@ -44,7 +45,7 @@ class Entry:
         return {"name": self.name, **label, **self.options, **files, **initial}
 
 
-def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
+def read_entries(items: object, key: str, where: str) -> tuple[Entry, ...]:
     """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list, in which a text is a table with that name.
 
     In place of a name a dict from Python may have a problem or an optimizer itself (:mod:`bench.plugins.objects`).
@@ -88,7 +89,7 @@ def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-def _is_entry(item: Any) -> bool:
+def _is_entry(item: object) -> bool:
     return isinstance(item, dict | str) or loading.is_plugin(item)
 
 
@@ -111,7 +112,7 @@ def check_labels(entries: Iterable[Entry], key: str, where: str) -> None:
         raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
 
 
-def _command(key: str, words: Any, where: str) -> str:
+def _command(key: str, words: object, where: str) -> str:
     """Return the name of a plug-in that is a program, from the words of its command."""
     if not isinstance(words, list) or not words or not all(isinstance(word, str) and word for word in words):
         raise BenchError(
@@ -120,7 +121,7 @@ def _command(key: str, words: Any, where: str) -> str:
     return f"command:{shlex.join(words)}"
 
 
-def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
+def _swept(options: Options, where: str) -> Options:
     """Take the table ``options`` out of an optimizer's keys and return it; empty where there is none."""
     values = options.pop("options", {})
     if not isinstance(values, dict):
@@ -132,7 +133,7 @@ def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
     return values
 
 
-def _as_lists(value: Any) -> Any:
+def _as_lists(value: Json) -> Json:
     if isinstance(value, dict):
         return {key: _as_lists(inner) for key, inner in value.items()}
     return [_as_lists(inner) for inner in value] if isinstance(value, list | tuple) else value

@@ -20,7 +20,7 @@ from bench.contract.optimizer import Optimizer
 from bench.contract.problem import Problem
 from bench.contract.seeds import trial_seed
 from bench.helpers.errors import BenchError, nearest
-from bench.helpers.parsing import parse_toml, read_text
+from bench.helpers.parsing import JsonObject, parse_toml, read_text
 from bench.helpers.text import html_table, listed, short_hash
 from bench.plugins import loading, registry
 from bench.study import entries
@@ -42,9 +42,8 @@ TRIALS = 30
 """The usual number of trials of an optimizer on a problem."""
 
 
-def _whole(value: Any, what: str, *, least: int, most: int) -> int:
-    require_whole(what, value, least, most)
-    return int(value)
+def _whole(value: object, what: str, *, least: int, most: int) -> int:
+    return require_whole(what, value, least, most)
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,7 @@ class Study:
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         lists = {key: entries.read_entries(data.get(key), key, where) for key in ("problems", "optimizers")}
-        content: dict[str, Any] = {**data, **lists}
+        content: JsonObject = {**data, **lists}
         try:
             study = cls(**content)
         except BenchError as error:
@@ -339,7 +338,7 @@ class Study:
                 del entry["initial"]
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 
-    def _handling(self) -> dict[str, Any]:
+    def _handling(self) -> JsonObject:
         """Return the handlings of constraints and of evaluations where they are not the default ones."""
         return {key: getattr(self, key) for key, default in _USUAL.items() if getattr(self, key) != default}
 
@@ -350,7 +349,7 @@ _USUAL = {
 }  # fmt: skip
 
 
-def _about(entry: Entry) -> dict[str, Any]:
+def _about(entry: Entry) -> JsonObject:
     known = {"initial": entry.initial} if entry.initial else {}
     return {"label": entry.label, "name": entry.name, "options": entry.options} | known
 

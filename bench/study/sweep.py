@@ -6,11 +6,11 @@ of a sweep: a frozen study, and results that were exported and read again, need 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from itertools import product
 from math import prod
-from typing import Any
 
+from bench.contract.typing import Options
 from bench.helpers.errors import BenchError
 from bench.helpers.text import option
 
@@ -18,7 +18,7 @@ MOST = 1_000
 """The largest number of combinations of one sweep: each is an optimizer of the study."""
 
 
-def expanded(label: str, fixed: Mapping[str, Any], options: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+def expanded(label: str, fixed: Options, options: Options) -> list[tuple[str, Options]]:
     """Return label and options of each combination of the values that ``options`` lists; those of ``fixed`` are kept.
 
     The last list varies fastest. A value that is no list is the same in all combinations and no part of the label.
@@ -43,7 +43,7 @@ def expanded(label: str, fixed: Mapping[str, Any], options: Mapping[str, Any]) -
     return combinations
 
 
-def swept(label: str, options: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
+def swept(label: str, options: Options) -> tuple[str, tuple[str, ...]]:
     """Return the name before the bracket of a combination's label, and the parameters in it; none of other labels.
 
     The bracket holds the last of the optimizer's own options. Combinations of one sweep have both in common.

@@ -9,7 +9,6 @@ parent makes of it once it is checked, the row of the store, and that of the fra
 
 import json
 import struct
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import inf
 from typing import Any
@@ -57,7 +56,7 @@ class Column:
     repeats: bool = True
 
 
-def _column(meaning: str, **about: Any) -> Any:
+def _column(meaning: str, **about: object) -> Any:
     return field(metadata={"meaning": meaning} | about)
 
 
@@ -143,7 +142,7 @@ RESERVED = frozenset(column.name for column in (*FRAME, PRECISION))
 """What no metric may be called."""
 
 
-def packed(row: Mapping[str, Any]) -> Row:
+def packed(row: Row) -> Row:
     """Return a row as a store keeps it, of one whose point and metrics are by name and whose trace is a trace.
 
     Raises:
@@ -160,7 +159,7 @@ def packed(row: Mapping[str, Any]) -> Row:
     return packed_row
 
 
-def named(row: Mapping[str, Any], name: str) -> Any:
+def named(row: Row, name: str) -> Any:
     """Return a value of a row for people: a point and metrics by name, other values as they are."""
     names = next((column.names for column in VECTORS if column.name == name), "")
     if not names or row.get(name) is None:

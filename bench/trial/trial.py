@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan
 from time import perf_counter, process_time
-from typing import Any
 
 if sys.platform == "win32":
     import psutil
@@ -235,7 +234,7 @@ def measured(result: Result) -> Row:
 
 
 def finished(
-    measured: Mapping[str, Any],
+    measured: Row,
     variables: tuple[str, ...],
     x: Floats,
     metrics: Mapping[str, float],
@@ -257,6 +256,6 @@ def finished(
     return packed({"status": "ok", **measured, **logged, "x": point, "metrics": metrics, "trace": trace})
 
 
-def numbers(metrics: Mapping[Any, Any]) -> dict[str, float]:
+def numbers(metrics: Mapping[str, float]) -> dict[str, float]:
     """Return metrics, as a problem describes them, as floats by text; raises ValueError or TypeError for no number."""
     return {str(name): float(value) for name, value in dict(metrics).items()}

@@ -75,7 +75,7 @@ class _Compiled:
         update_wrapper(self, function)
         self.function = function
 
-    def __call__(self, *args: Any) -> Any:
+    def __call__(self, *args: object) -> object:
         return self.dispatcher(*args)
 
     @cached_property
@@ -85,6 +85,6 @@ class _Compiled:
         return njit(self.function, cache=True, error_model="numpy")
 
     @property
-    def _numba_type_(self) -> Any:
+    def _numba_type_(self) -> object:
         """The type of this function for numba where another compiled function calls it."""
         return self.dispatcher._numba_type_

@@ -5,21 +5,23 @@ from __future__ import annotations
 import random
 import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from types import ModuleType
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.contract.families import derive
+from bench.contract.families import Parameters, derive
 from bench.contract.objective import Objective
 from bench.contract.optimizer import Optimizer, build, parameter
-from bench.contract.typing import Floats
+from bench.contract.typing import Floats, Options
+from bench.helpers import JsonObject
 from bench.helpers.errors import BenchError, nearest, require
 from optimizers.common.base import Handling, confine, works
 
@@ -44,7 +46,7 @@ class Adapter(Optimizer):
     member: ClassVar[str]  # its name in the library
     own: ClassVar[tuple[str, ...]]  # its parameters that the library takes, by the library's names
 
-    def options(self) -> dict[str, Any]:
+    def options(self) -> Options:
         """Return the parameters that the library takes, by its names."""
         return {name: getattr(self, AGENTS.get(name, name)) for name in self.own}
 
@@ -77,19 +79,19 @@ class Constructed(Adapter):
             raise BenchError(f"{library} refuses these parameters of {name}: {error}") from error
 
 
-def table(family: str) -> dict[str, Any]:
+def table(family: str) -> JsonObject:
     """Return the facts about a family's library that ``optimizers/<family>.toml`` holds."""
     return tomllib.loads((Path(__file__).parents[1] / f"{family}.toml").read_text(encoding="utf-8"))
 
 
-def declared(default: Any, facts: Mapping[str, Any]) -> tuple[Any, Any]:
+def declared(default: object, facts: JsonObject) -> tuple[object, object]:
     """Return type and default of a parameter, by the facts of a table: ``choices``, ``minimum``, ``maximum``.
 
     A ``kind`` ("int", "float" or "bool") is the type of a parameter whose default is None.
     """
     if "choices" in facts:
         return Literal[tuple(facts["choices"])], default
-    kinds: dict[str, Any] = {"int": int | None, "float": float | None, "bool": bool | None}
+    kinds: dict[str, object] = {"int": int | None, "float": float | None, "bool": bool | None}
     kind, default = (kinds[facts["kind"]], None) if "kind" in facts else (type(default), default)
     return kind, parameter(default, minimum=facts.get("minimum"), maximum=facts.get("maximum"))
 
@@ -108,7 +110,7 @@ class Family(ABC):
     name: ClassVar[str]
     module: ClassVar[str]
     extra: ClassVar[str] = ""
-    facts: ClassVar[Mapping[str, Any]] = {}
+    facts: ClassVar[JsonObject] = {}
 
     def __reduce__(self) -> str:
         """Pickle by reference, as ``mealpy`` of optimizers.mealpy: a process then makes each member's class once."""
@@ -126,10 +128,10 @@ class Family(ABC):
         self,
         base: type[Adapter],
         member: str,
-        parameters: Mapping[str, tuple[Any, Any]],
+        parameters: Parameters,
         keys: Iterable[str],
         *others: str,
-        **attributes: Any,
+        **attributes: object,
     ) -> type[Optimizer]:
         """Return the optimizer class of a member, for ``derive``.
 
@@ -154,7 +156,7 @@ class Family(ABC):
         self.require()
         return [f"{self.name}:{member}" for member in _members(self)]
 
-    def load(self, name: str, **options: Any) -> Optimizer:
+    def load(self, name: str, **options: object) -> Optimizer:
         """Return the optimizer of the full name; raises BenchError for an unknown name or parameter."""
         self.require()
         member = name.partition(":")[2]
@@ -173,7 +175,7 @@ class Family(ABC):
         reasons = (why for why, names in left_out if any(fnmatchcase(member, n) for n in names))
         return next(reasons, "")
 
-    def require(self) -> Any:
+    def require(self) -> ModuleType:
         """Return the library's module; raises BenchError, with the extra to install, for a missing library."""
         return require(self.module, self.extra, f"the {self.name} optimizers need")
 

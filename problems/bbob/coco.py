@@ -50,7 +50,7 @@ def bbob_function(name: str, number: int, dimension: int, instance: int) -> Call
     return evaluate
 
 
-def evaluated(function: Any) -> Callable[[Floats], Floats]:
+def evaluated(function: Callable[[Floats], float]) -> Callable[[Floats], Floats]:
     """Return a function object of COCO, which evaluates one point a call, as a function of (n, d) points."""
     return lambda x: np.fromiter(map(function, x), np.float64, len(x))
 

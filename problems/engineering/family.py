@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from bench.helpers.errors import BenchError, nearest
 from problems.engineering.design import DesignProblem
 from problems.engineering.machines import GEAR_TRAIN, PRESSURE_VESSEL, SPEED_REDUCER, SPRING
@@ -29,7 +27,7 @@ class Family:
         """Return the names of all design problems."""
         return list(DESIGNS)
 
-    def load(self, name: str, /, **options: Any) -> DesignProblem:
+    def load(self, name: str, /, **options: object) -> DesignProblem:
         """Return the design problem of that name; raises BenchError where there is none, and for any option."""
         if name not in DESIGNS:
             raise BenchError(f"unknown problem {name!r}{nearest(name, DESIGNS)}")

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
 from types import BuiltinFunctionType
-from typing import Any
 
 from bench.check.conformance.recording import expect_same
 from bench.check.conformance.subject import AnySubject
@@ -36,7 +35,7 @@ def fast_clocks(plugin: object) -> Iterator[None]:
     """Make the clocks of Python gain an hour a reading, but for the harness and Python's own modules."""
     readings = count(1)
 
-    def fast(clock: Callable[[], Any]) -> Callable[[], Any]:
+    def fast(clock: Callable[[], float]) -> Callable[[], float]:
         hour = 3600 * 10**9 if clock.__name__.endswith("_ns") else 3600
         return lambda: clock() + hour * next(readings)
 

@@ -84,14 +84,14 @@ def check_parameters_in_use(subject: Subject) -> str:
     optimizer = subject.fresh()
     course = subject.run(instance=optimizer).course()
     idle = []
-    tried: dict[str, list[Any]] = alternatives(optimizer) if is_dataclass(optimizer) else {}
+    tried: dict[str, list[object]] = alternatives(optimizer) if is_dataclass(optimizer) else {}
     for name, others in tried.items():
         if all(course == made for made in _courses(subject, optimizer, name, others)):
             idle.append(f"{name} (tried {', '.join(map(repr, others))})")
     return f"without effect on an ordinary run: {joined(idle)}" if idle else "every parameter that was tried has effect"
 
 
-def _courses(subject: Subject, optimizer: Any, name: str, others: Sequence[Any]) -> Iterator[list[int]]:
+def _courses(subject: Subject, optimizer: Any, name: str, others: Sequence[object]) -> Iterator[list[int]]:
     for other in others:
         try:
             yield subject.run(instance=replace(optimizer, **{name: other})).course()

@@ -17,7 +17,7 @@ from itertools import count
 from math import inf
 from pathlib import Path
 from time import monotonic, sleep
-from typing import IO, Any
+from typing import IO
 
 import cloudpickle
 import numpy as np
@@ -69,7 +69,7 @@ def _own_states(subject: Subject, seed: int) -> set[bytes]:
     return {state for states in seen.values() if len(set(states)) > 1 for state in states}
 
 
-def _generators() -> list[Any]:
+def _generators() -> list[object]:
     kinds = (np.random.Generator, np.random.RandomState, random.Random)
     return [each for each in gc.get_objects() if issubclass(type(each), kinds)]
 

@@ -88,7 +88,7 @@ def _run_with(subject: Subject, agents: int) -> None:
     subject.run(instance=dataclasses.replace(optimizer, agents=agents))
 
 
-def _wrong_values(cls: type[Optimizer], names: list[str]) -> Iterator[tuple[str, Any]]:
+def _wrong_values(cls: type[Optimizer], names: list[str]) -> Iterator[tuple[str, object]]:
     """Yield values that do not fit a parameter's declared type, and population sizes below 1."""
     hints = get_type_hints(cls)
     for name in names:
@@ -98,7 +98,7 @@ def _wrong_values(cls: type[Optimizer], names: list[str]) -> Iterator[tuple[str,
             yield from ((name, 0), (name, -1))
 
 
-def _is_plain(hint: Any) -> bool:
+def _is_plain(hint: object) -> bool:
     if get_origin(hint) in (Union, types.UnionType):
         return all(_is_plain(alternative) for alternative in get_args(hint))
     return get_origin(hint) is Literal or hint in (int, float, bool, str, type(None))

@@ -18,6 +18,7 @@ from bench.contract.objective import Objective
 from bench.contract.optimizer import Optimizer
 from bench.contract.seeds import global_states
 from bench.contract.typing import Floats
+from bench.helpers.parsing import Json
 from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, TimeExceededError
 from bench.sandbox.server import STILL_ASKING, note
 
@@ -77,7 +78,7 @@ LOST = (TimeExceededError, PrintedTooMuchError, DiedError, LostError)
 
 
 def explain_lost_process(
-    error: TimeExceededError | PrintedTooMuchError | DiedError | LostError, noted: Any
+    error: TimeExceededError | PrintedTooMuchError | DiedError | LostError, noted: Json
 ) -> tuple[str, str]:
     """Return the finding on an optimizer that hung, printed too much or ended its process, and how to fix it.
 
@@ -161,11 +162,11 @@ class _ObjectiveProxy:
             self._reached.add(name)
         return value
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         self._reached.add(name)
         setattr(self._objective, name, value)
 
-    def __call__(self, x: ArrayLike) -> Any:
+    def __call__(self, x: ArrayLike) -> object:
         values = self._objective(x)
         self._progress.report(self._objective.nfev)
         return values

@@ -15,6 +15,7 @@ from bench.check.conformance.recording import ObservedOptimizer, Progress, Recor
 from bench.check.problems import RecordingProblem, bowl
 from bench.contract.numbers import require_seed
 from bench.contract.optimizer import Optimizer, build, settings
+from bench.contract.typing import Options
 from bench.helpers.errors import BenchError
 from bench.plugins import packing
 from bench.plugins.loading import load_optimizer, title
@@ -42,13 +43,13 @@ class AnySubject(ABC):
 
     kind: ClassVar[str]
     base: ClassVar[type]
-    source: Any
-    options: dict[str, Any] = dataclasses.field(default_factory=dict)
+    source: object
+    options: Options = dataclasses.field(default_factory=dict)
     seed: int = 0
     packed: bytes | None = None
 
     @classmethod
-    def of(cls, plugin: object, options: dict[str, Any], seed: int) -> Self:
+    def of(cls, plugin: object, options: Options, seed: int) -> Self:
         """Return the subject of a name, a class or an instance; what a name stands for is made once.
 
         Raises:
@@ -65,7 +66,7 @@ class AnySubject(ABC):
             raise BenchError(
                 f"{next(iter(options))!r} cannot be set: the {cls.kind} is made already; give its class or name"
             )
-        kind: Any = type(plugin) if made else plugin
+        kind = type(plugin) if made else plugin
         if isinstance(kind, type) and "plugin" in vars(kind):  # made at run time, so it is loaded by its name
             plugin, options = vars(kind)["plugin"], settings(plugin) if isinstance(plugin, Optimizer) else options
         subject = cls(plugin, options, seed)

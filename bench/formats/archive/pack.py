@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from bench.formats.archive.contents import NOTES, PAGE, SUMS, report_files
 from bench.helpers.atomic import replacing
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
 from bench.storage.store import Store
@@ -124,7 +124,7 @@ def _notes(folder: Folder, study: Study, trials: int, *, reported: bool) -> Iter
         yield f"the report is older than the last run; 'bench report {folder.path}' writes it again"
 
 
-def _ended(environments: Sequence[dict[str, Any]]) -> float:
+def _ended(environments: Sequence[JsonObject]) -> float:
     """Return when the last run ended, in seconds since 1970; 0 where it is not known."""
     try:
         return datetime.fromisoformat(str(environments[-1]["ended"])).timestamp()

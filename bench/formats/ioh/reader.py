@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import PurePosixPath
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,8 @@ from bench.formats.runs import (
 )
 from bench.formats.source import Source
 from bench.helpers.errors import BenchError
-from bench.helpers.parsing import parse_json
+from bench.helpers.parsing import JsonObject, parse_json
+from bench.trial.columns import Row
 
 FIRST, VALUE = "evaluations", "raw_y"
 DECIMALS = 1e-9  # to which a log and the JSON file of a run must agree
@@ -59,11 +60,11 @@ class _Data(NamedTuple):
     """A dimension of a JSON file."""
 
     file: PurePosixPath
-    head: dict[str, Any]
+    head: JsonObject
     algorithm: str
     dimension: int
     log: PurePosixPath
-    runs: list[dict[str, Any]]
+    runs: list[JsonObject]
 
 
 def is_index(source: Source, file: PurePosixPath) -> bool:  # noqa: ARG001 - as of every format
@@ -168,7 +169,7 @@ def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Blo
     return evaluations, values
 
 
-def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> ImportedRun:
+def _run(data: _Data, algorithm: str, run: JsonObject, block: Block, where: str) -> ImportedRun:
     exported = "trial" in run and "seed" in run  # this package's export
     name = str(data.head.get("function_name", ""))
     if exported and F_OPT not in run:  # of no suite
@@ -180,7 +181,7 @@ def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: 
     trace = _exact(improvements(*block), run.get("best") or {}, where)
     trace = improvements(trace.evaluations, trace.values + less)
     last = int(block[0][-1]) if len(block[0]) else 0
-    columns: dict[str, Any] = {"x": _point(run.get("best") or {}, problem)}
+    columns: Row = {"x": _point(run.get("best") or {}, problem)}
     if exported and is_whole(run["seed"]):
         columns["seed"] = run["seed"]
     number = run["trial"] if exported and is_whole(run["trial"]) and run["trial"] >= 0 else None
@@ -227,9 +228,9 @@ def _problem_of(
     )
 
 
-def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:
+def _exact(trace: Trace, best: JsonObject, where: str) -> Trace:
     """Return a trace that ends at the best value as the JSON file has it; refuse a log that ends before it."""
-    y: Any = best.get("y")
+    y = best.get("y")
     if not is_finite(y):
         return trace
     last = float(trace.values[-1]) if len(trace.values) else math.inf
@@ -241,7 +242,7 @@ def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:
     return improvements(trace.evaluations, np.append(trace.values[:-1], float(y)))
 
 
-def _point(best: dict[str, Any], problem: str) -> dict[str, float]:
+def _point(best: JsonObject, problem: str) -> dict[str, float]:
     """Return the best point by variable, empty where the file has none."""
     x = best.get("x")
     if not isinstance(x, list) or not x:

@@ -18,7 +18,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from bench.formats.trials import (
     readme,
 )
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import file_name
 from bench.results.results import StoredResults
 
@@ -145,7 +146,7 @@ def _function_files(
         yield logs[dimension], "".join(_log(*run, names) for run in runs)
 
 
-def _run(place: IohIdentity, trial: ExportedTrial) -> dict[str, Any]:
+def _run(place: IohIdentity, trial: ExportedTrial) -> JsonObject:
     """Return the entry of a trial."""
     trace = _above(place, trial)
     reached = len(trace.values) > 0
@@ -180,7 +181,7 @@ def _log(place: IohIdentity, trial: ExportedTrial, names: list[str]) -> str:
     return "".join([f"{' '.join([*COLUMNS, *names])}\n", *(f"{row}\n" for row in rows)])
 
 
-def _experiment_attributes(environments: list[dict[str, Any]]) -> list[dict[str, str]]:
+def _experiment_attributes(environments: list[JsonObject]) -> list[dict[str, str]]:
     """Return the commits of the code that made the trials, where they are known."""
     states = [environment.get("git") or {} for environment in environments]
     commits = [f"{git['commit']}{'-dirty' if git.get('dirty') else ''}" for git in states if git.get("commit")]

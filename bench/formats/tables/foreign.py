@@ -8,7 +8,6 @@ from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Mapping, Sequence
 from io import BytesIO
 from pathlib import PurePosixPath
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +17,9 @@ from bench.formats import naming
 from bench.formats.runs import FormatReader, ImportedRun, Reading, by_run, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import Json
 from bench.results.foreign import Table, are_problems, recognised
+from bench.trial.columns import Row
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".parquet", ".jsonl", ".json")
 
@@ -48,7 +49,7 @@ def runs(source: Source, files: Sequence[PurePosixPath], reading: Reading) -> It
     values, seeds = rows["value"].to_numpy(float), rows.get("seed")
     evaluations = rows["evaluations"].to_numpy(np.int64) if "evaluations" in rows else None
     for (problem, optimizer, number), run in runs_of:
-        columns: dict[str, Any] = {} if seeds is None else {"seed": int(seeds.iloc[run.start])}
+        columns: Row = {} if seeds is None else {"seed": int(seeds.iloc[run.start])}
         nfev, trace = 0, NO_TRACE
         if evaluations is not None:
             require_increasing(evaluations[run], range(run.start + 2, run.stop + 2), str(files[0]))
@@ -118,7 +119,7 @@ def _headed(cells: pd.DataFrame) -> pd.DataFrame:
     return cells.iloc[1:].set_axis(names, axis=1).reset_index(drop=True)
 
 
-def _records(found: Any) -> pd.DataFrame:
+def _records(found: Json) -> pd.DataFrame:
     """Return records, columns, or the runs of dictionaries of optimizers and problems."""
     values = [*found.values()] if isinstance(found, Mapping) else []
     if len(values) == 1 and isinstance(values[0], list) and values[0] and isinstance(values[0][0], Mapping):
@@ -131,7 +132,7 @@ def _records(found: Any) -> pd.DataFrame:
     return runs.rename_axis(roles).explode().map(_value).reset_index(name="value")
 
 
-def _value(found: Any) -> Any:
+def _value(found: object) -> object:
     """Return the value of a run that may be a pair of a point and its value."""
     if isinstance(found, Mapping):
         return next((found[name] for name in ("fun", "fitness", "best_fitness", "value", "f") if name in found), None)

@@ -22,7 +22,7 @@ from bench.formats import naming
 from bench.formats.runs import FormatReader, ImportedRun, Reading, by_run, improvements, label, require_increasing
 from bench.formats.source import Source
 from bench.helpers.errors import BenchError
-from bench.trial.columns import FEATURES, RESERVED, STORED
+from bench.trial.columns import FEATURES, RESERVED, STORED, Row
 
 COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
@@ -137,7 +137,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
     known |= {name: [_known(each) for each in measured.pop(name)] for name in _NUMBERS if name in measured}
     known |= {name: [text or None for text in table[name]] for name in ("status", *_TEXTS) if name in table}
     for place, key in enumerate(zip(*(table[name] for name in KEYS), strict=True)):
-        columns: dict[str, Any] = {name: column[place] for name, column in known.items()}
+        columns: Row = {name: column[place] for name, column in known.items()}
         if columns["status"] == "ok":
             given = {name: column[place] for name, column in measured.items() if not np.isnan(column[place])}
             columns["x"] = {name[2:]: number for name, number in given.items() if name.startswith("x_")}

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
+from bench.helpers.parsing import JsonObject
 from bench.report.wording import count
 from bench.topics.findings import Findings
-
-Record = Mapping[str, Any]
 
 
 class Changes(NamedTuple):
@@ -59,7 +58,7 @@ def changes(findings: Findings) -> Changes:
     return Changes(known, tuple(dict.fromkeys(made)))
 
 
-def extended(history: Sequence[Record]) -> tuple[int, int] | None:
+def extended(history: Sequence[JsonObject]) -> tuple[int, int] | None:
     """Return the trials that the first run of a history was asked for, and the most of a later one; None for no more.
 
     Only runs with the seed of the last one count: another seed makes other trials.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from typing import Any
 
+from bench.helpers.parsing import JsonObject
 from bench.plots import style
 from bench.report.parts import File, Line, Section
 from bench.report.wording import count, percent
@@ -23,7 +23,7 @@ def answer_file(findings: Findings, first: Section) -> File:
     return File(ANSWER, "The answer in a few lines, as JSON.", json.dumps(content, ensure_ascii=False, indent=1))
 
 
-def answer(findings: Findings, lines: Iterable[Line]) -> dict[str, Any]:
+def answer(findings: Findings, lines: Iterable[Line]) -> JsonObject:
     """Return the answer of a report that the terminal shows, as JSON holds it: headline, lines, and a short table."""
     nothing = nothing_to_compare(findings)
     rows: list[list[str]] = []

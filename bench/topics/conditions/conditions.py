@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
@@ -84,7 +83,7 @@ def names_differing(study: Study, descriptions: Mapping[str, Description], leade
     return [name for names in _differing(study, descriptions, leader) for name in names]
 
 
-def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:
+def by_value(values: pd.Series[str]) -> dict[str, list[str]]:
     """Return the labels of the optimizers by what is said of their value, without those whose value is not known."""
     groups: dict[str, list[str]] = {}
     for label, value in values[values != UNKNOWN].items():

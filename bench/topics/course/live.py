@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from math import prod
-from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.typing import LineStyleType
 
+from bench.helpers.parsing import JsonObject
 from bench.plots import style
 from bench.plots.curves import AXES
 from bench.topics.course.curves import Compared, compared, curves, span
@@ -18,7 +19,9 @@ from bench.topics.findings import Findings
 MOST_ROWS = 100_000  # of the data inside the page, about 2 MB
 EVERY = -1  # in place of the number of a problem or of a target
 INK = "#000000"  # drawn in the colour of the page's text, so that it can be seen on a dark page
-DASHES: dict[Any, list[int]] = {"-": [1, 0], "--": [6, 3], "-.": [6, 3, 2, 3], ":": [2, 3], (0, (5, 1)): [9, 2]}
+DASHES: dict[LineStyleType, list[int]] = {
+    "-": [1, 0], "--": [6, 3], "-.": [6, 3, 2, 3], ":": [2, 3], (0, (5, 1)): [9, 2],
+}  # fmt: skip
 """The line styles of :mod:`bench.plots.style` in Vega's terms."""
 TITLE = "The same curves, of a problem and a target"
 HINT = [
@@ -27,7 +30,7 @@ HINT = [
 ]
 
 
-def targets_reached(findings: Findings) -> dict[str, Any] | None:
+def targets_reached(findings: Findings) -> JsonObject | None:
     """Return the specification; None where no problem has targets, or too much data would be inside the page."""
     found = findings.of(compared)
     table, grid = _counts(findings, found), [float(f"{each:.4g}") for each in found.grid]
@@ -79,12 +82,12 @@ def targets_reached(findings: Findings) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def _choice(name: str, title: str, options: Mapping[str, int]) -> dict[str, Any]:
+def _choice(name: str, title: str, options: Mapping[str, int]) -> JsonObject:
     bind = {"input": "select", "name": title, "options": list(options.values()), "labels": list(options)}
     return {"name": name, "value": EVERY, "bind": bind}
 
 
-def _pens(pens: style.Pens) -> dict[str, Any]:
+def _pens(pens: style.Pens) -> JsonObject:
     """Return the colours and lines of optimizers, which the data have by number, with one legend for both."""
     labels = [style.plain(label).replace("\\$", "$") for label in pens]
     legend = {"title": None, "labelExpr": f"{json.dumps(labels)}[datum.value]", "symbolType": "stroke"}

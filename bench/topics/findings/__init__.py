@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 from bench.contract.families import function_of
 from bench.results.results import StoredResults
@@ -54,7 +54,7 @@ class Findings:
     asked: Checked[Targets | None] = Checked(Targets.read)
     beside_best: bool = False
     asked_subject: str | None = None
-    _computed: dict[Callable[[Findings], Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _computed: dict[object, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def of(self, compute: Callable[[Findings], Found]) -> Found:
         """Return the result of a function of these findings, which is called once, however many topics ask for it."""

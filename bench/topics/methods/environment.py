@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import pandas as pd
 
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import listed
 from bench.plugins.inputs import shown
 from bench.report.parts import File, Line, Table, warning
@@ -33,12 +33,12 @@ class Environments:
     results: StoredResults
 
     @property
-    def records(self) -> Sequence[Mapping[str, Any]]:
+    def records(self) -> Sequence[JsonObject]:
         """What each run recorded on each machine."""
         return self.results.environments
 
     @property
-    def numbers(self) -> pd.Series[Any]:
+    def numbers(self) -> pd.Series[int]:
         """The record that each trial belongs to, counted from 1."""
         return self.results.origins
 
@@ -146,7 +146,7 @@ def _letter(number: int) -> str:
     return (_letter(number // 26 - 1) if number >= 26 else "") + chr(ord("A") + number % 26)
 
 
-def _items(record: Mapping[str, Any]) -> dict[str, str]:
+def _items(record: JsonObject) -> dict[str, str]:
     """Return machine, versions and code of a record, by name."""
     memory = record.get("memory_gb")
     items = {
@@ -163,17 +163,17 @@ def _items(record: Mapping[str, Any]) -> dict[str, str]:
     return {item: str(value) for item, value in items.items() if value}
 
 
-def _blas(noted: Mapping[str, Any]) -> str:
+def _blas(noted: JsonObject) -> str:
     threads = noted.get("threads")
     return f"{noted.get('library')} {noted.get('version')}" + (f", {count(threads, 'thread')}" if threads else "")
 
 
-def _state(git: Mapping[str, Any] | None) -> str:
+def _state(git: JsonObject | None) -> str:
     """Return a commit, and whether there were uncommitted changes."""
     return f"{git.get('commit')}" + " with uncommitted changes" * bool(git.get("dirty")) if git else ""
 
 
-def _text(value: Any, key: str) -> str | None:
+def _text(value: object, key: str) -> str | None:
     """Return a value of a record as text, times without their zone; None where it is missing."""
     if value is None:
         return None

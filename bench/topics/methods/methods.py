@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from bench.analysis import ALPHA
 from bench.analysis.cells import scores, stopped_early
 from bench.helpers.bibtex import Work, parse, read
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.report.latex import prose
 from bench.report.wording import count, listing, options
 from bench.study import Study
@@ -162,7 +162,7 @@ def reached(findings: Findings) -> list[Piece]:
     return [f"We report the share of targets reached over the budget{bands}", *times, targets]
 
 
-def machine(environments: Sequence[Mapping[str, Any]]) -> list[Piece]:
+def machine(environments: Sequence[JsonObject]) -> list[Piece]:
     """Return the sentence on versions and processors."""
     records = [{"Python": each.get("python"), **(each.get("packages") or {})} for each in environments]
     versions = {name: _distinct(each.get(name) for each in records) for record in records for name in record}
@@ -205,7 +205,7 @@ def _written(pieces: Sequence[Piece], plain: Callable[[str], str], cite: Callabl
     return written
 
 
-def _distinct(values: Iterable[Any]) -> list[str]:
+def _distinct(values: Iterable[object]) -> list[str]:
     return list(dict.fromkeys(map(str, filter(None, values))))
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
 from bench.analysis.comparison import shared_by
 from bench.contract.objective import ON_TARGET, OUT_OF_TIME
+from bench.helpers.parsing import Json, JsonObject
 from bench.report.parts import Card, File, Line, Section, Table, warning
 from bench.report.wording import count, listing, unfinished_trials
 from bench.topics.answer.changes import changes
@@ -119,9 +119,9 @@ def _data(findings: Findings) -> Iterator[Line]:
         yield warning("crowded", words.crowded())
 
 
-def crowded(records: Sequence[Mapping[str, Any]]) -> bool:
+def crowded(records: Sequence[JsonObject]) -> bool:
     """Return whether more trials ran at a time than there were cores; False where that was not recorded."""
-    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine of a run
+    runs: dict[tuple[Json, ...], dict[Json, tuple[Json, Json]]] = {}  # jobs and cores of each machine of a run
     for record in records:
         run = tuple(record.get(key) for key in ("folder", "started", "command", "shard"))
         runs.setdefault(run, {})[record.get("host")] = record.get("jobs"), record.get("cores")

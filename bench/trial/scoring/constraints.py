@@ -23,8 +23,6 @@ References:
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from bench.contract.typing import Floats
@@ -56,7 +54,7 @@ def visible_values(handling: str, values: Floats, total: Floats) -> Floats:
     return np.where(feasible, values, np.inf)
 
 
-def read_handling(handling: Any, what: str = "'constraints'") -> str:
+def read_handling(handling: object, what: str = "'constraints'") -> str:
     """Return the handling; raises BenchError for an unknown one, naming it ``what``."""
     if handling not in HANDLINGS:
         hint = nearest(handling, HANDLINGS) if isinstance(handling, str) else ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import inf, nextafter
-from typing import Any
 
 from bench.contract.numbers import is_finite, require_positive
 from bench.contract.problem import Problem
@@ -34,13 +33,12 @@ def goal(problem: Problem, final_target: float | None = None, stop_at: float | N
     return max(near, value)
 
 
-def read_final_target(value: Any, what: str = "'final_target'") -> float:
+def read_final_target(value: object, what: str = "'final_target'") -> float:
     """Return a difference to the optimum; raises BenchError unless it is a positive number, naming it ``what``."""
-    require_positive(what, value)
-    return float(value)
+    return require_positive(what, value)
 
 
-def read_stop_at(value: Any, what: str = "'stop_at'") -> float:
+def read_stop_at(value: object, what: str = "'stop_at'") -> float:
     """Return a value that is good enough; raises BenchError unless it is a finite number, naming it ``what``."""
     if not is_finite(value):
         raise BenchError(f"{what} must be a number, the value that is good enough, not {value!r}")

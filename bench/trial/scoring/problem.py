@@ -238,7 +238,7 @@ def violations_of(problem: Problem, x: Floats) -> Floats:
     return excess
 
 
-def require_on_error(value: Any, what: str = "'on_error'") -> str:
+def require_on_error(value: object, what: str = "'on_error'") -> str:
     """Return one of :data:`ON_ERROR`; raises BenchError for anything else, naming it ``what``."""
     if value not in ON_ERROR:
         raise BenchError(f'{what} must be "fail" or "worst", not {value!r}')

@@ -6,10 +6,11 @@ import re
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bench.contract.typing import Options
 from bench.helpers import print_line, replacing
 from bench.helpers.errors import BenchError
 from problems.backlash import TRUTH
@@ -94,7 +95,7 @@ def simulate(
         raise BenchError("--worn is the gap of the last month of --wear MONTHS; give that too")
     made = joints.load_joint(joint)
     at_rest = 0.0 if encoder_bits is None else SAMPLE  # an encoder's first speed needs the sample before
-    options: dict[str, Any] = {
+    options: Options = {
         "duration": duration if duration is not None else 12 * made.turn,
         "settle": 1.2 if sweep is None else at_rest, "encoder_bits": encoder_bits, "sweep": sweep,
     }  # fmt: skip
@@ -132,7 +133,7 @@ def simulate(
         )
 
 
-def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
+def _write_months(folder: Path, force: bool, joint: Joint, options: Options) -> None:
     """Write the folder of a wear curve, complete or not at all."""
     from rich.console import Console
     from rich.progress import track

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from math import inf, pi, radians, sin
 from pathlib import Path
-from typing import Any
 
 from bench.contract.numbers import is_finite, require_positive
-from bench.helpers import parse_toml, read_text
+from bench.helpers import JsonObject, parse_toml, read_text
 from bench.helpers.errors import BenchError, nearest
 from problems.backlash import LEVELS
 
@@ -19,7 +18,7 @@ LARGEST = 1e100  # larger numbers are no property of a joint, and a float cannot
 PAYLOAD, LEVER = 5.0, 0.2943
 
 
-def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any:
+def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> float:
     """Return a field with its meaning and unit, which joint files repeat, and whether it may be zero."""
     return field(default=default, metadata={"meaning": meaning, "may_be_zero": may_be_zero})
 
@@ -192,7 +191,7 @@ def described(joint: Joint) -> str:
     return "joint with " + ", ".join(f"{name} = {value:.6g}" for name, value in differing.items())
 
 
-def read_toml(path: str | Path, where: str) -> dict[str, Any]:
+def read_toml(path: str | Path, where: str) -> JsonObject:
     """Return the content of a TOML file; raises BenchError, which begins with ``where``, if it cannot be read."""
     try:
         return parse_toml(read_text(Path(path)))

@@ -11,7 +11,7 @@ from importlib.metadata import version
 from io import BytesIO
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -141,7 +141,8 @@ def _text(path: Path) -> Table:
             frame = pd.read_csv(
                 path, sep=separator or r"\s+", decimal="," if separator != "," and "," in middle else ".",
                 header=None, names=range(width), index_col=False, skiprows=above, skip_blank_lines=False,
-                skipinitialspace=True, encoding=encoding, encoding_errors="replace", low_memory=False, **_exact(),
+                skipinitialspace=True, encoding=encoding, encoding_errors="replace", low_memory=False,
+                float_precision=_precision(),
             )  # fmt: skip
         except pd.errors.ParserError as error:
             raise BenchError(f"{str(error).strip()}; mend or cut that line") from error
@@ -160,10 +161,10 @@ def _encoding(raw: bytes) -> str:
 
 
 @cache
-def _exact() -> dict[str, Any]:
-    """Return the options with which ``pandas.read_csv`` reads every number to the last bit, the default from 3.1 on."""
+def _precision() -> Literal["round_trip"] | None:
+    """Return the ``float_precision`` with which pandas reads every number to the last bit, the default from 3.1 on."""
     major, minor = version("pandas").split(".")[:2]
-    return {} if (int(major), int(minor)) >= (3, 1) else {"float_precision": "round_trip"}
+    return None if (int(major), int(minor)) >= (3, 1) else "round_trip"
 
 
 def _xlsx(path: Path) -> Table:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pandas as pd
 
 from bench.topics import StoredResults
@@ -56,7 +54,7 @@ def with_truth(data: pd.DataFrame) -> pd.DataFrame:
     return _of_problems(data, data.loc[data["expected"].notna(), "problem"])
 
 
-def _of_problems(data: pd.DataFrame, problems: pd.Series[Any]) -> pd.DataFrame:
+def _of_problems(data: pd.DataFrame, problems: pd.Series[str]) -> pd.DataFrame:
     data = data[data["problem"].isin(set(problems))]
     return data.assign(problem=data["problem"].cat.remove_unused_categories())
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
@@ -31,7 +30,7 @@ def found_by_runs(
 
     ``found`` has the values of each metric beside the true ones (:func:`problems.backlash.report.accuracy.estimates`).
     """
-    columns: dict[str, pd.Series[Any]] = {}
+    columns: dict[str, pd.Series[str] | pd.Series[float]] = {}
     said, problems = [], signature_problems(results, frame)
     if problems:
         trials, fits, constrained = compared(results, frame, problems)

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
@@ -174,7 +174,7 @@ def _locator(trends: Sequence[Trend]) -> Locator:
 
 def _legend(figure: Figure) -> None:
     """Put a legend with one entry a label above all panels, unless it has too many entries to help."""
-    entries: dict[str, Any] = {}
+    entries: dict[str, Artist] = {}
     for ax in figure.axes:
         handles, labels = ax.get_legend_handles_labels()
         entries |= dict(zip(labels, handles, strict=True))

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Iterable
-from typing import Any
 
+from bench.helpers import Json, JsonObject
 from problems.backlash.sensor.batch import Estimated, Failed, Outcome
 from problems.backlash.sensor.trend import JointHistory
 
@@ -15,18 +15,18 @@ AFTER = (
 """The keys of an estimate in JSON before and after its variables."""
 
 
-def json_objects(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[dict[str, Any]]:
+def json_objects(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[JsonObject]:
     """Return outcomes, and what is known of their joints, as JSON objects; unknown values are null."""
     places = {id(one): (joint, at) for joint in joints for one, at in zip(joint.outcomes, joint.series.at, strict=True)}
     return [_failure(one) if isinstance(one, Failed) else _finite(_content(one, *places[id(one)])) for one in outcomes]
 
 
-def _failure(outcome: Failed) -> dict[str, Any]:
+def _failure(outcome: Failed) -> JsonObject:
     joint = {"joint": outcome.joint} if outcome.joint else {}
     return {"file": str(outcome.path), **joint, "error": outcome.error}
 
 
-def _content(outcome: Estimated, joint: JointHistory, at: float) -> dict[str, Any]:
+def _content(outcome: Estimated, joint: JointHistory, at: float) -> JsonObject:
     estimate = outcome.estimate
     return {
         "file": str(outcome.path),
@@ -40,7 +40,7 @@ def _content(outcome: Estimated, joint: JointHistory, at: float) -> dict[str, An
     }
 
 
-def _trend(joint: JointHistory) -> dict[str, Any] | None:
+def _trend(joint: JointHistory) -> JsonObject | None:
     """Return the slope of a joint's half-gap (rad) or amplitude (rps) a month, recording, or number in the names."""
     if joint.trend is None or (line := joint.trend.line) is None:
         return None
@@ -54,7 +54,7 @@ def _trend(joint: JointHistory) -> dict[str, Any] | None:
     }
 
 
-def _limit(joint: JointHistory) -> dict[str, Any]:
+def _limit(joint: JointHistory) -> JsonObject:
     """Return when a joint reaches the limit; see :attr:`problems.backlash.sensor.trend.JointHistory.outlook`."""
     status, when, ends = joint.outlook
     return {"status": status, "date": _date(joint, when), "interval": [_date(joint, end) for end in ends]}
@@ -64,14 +64,14 @@ def _date(joint: JointHistory, at: float) -> str | None:
     return joint.series.label(at) if joint.series.unit == "month" and math.isfinite(at) else None
 
 
-def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[dict[str, Any]]:
+def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> list[JsonObject]:
     """Return a row for each outcome with the keys of :func:`json_objects`: trend, limit and intervals as columns.
 
     Notes are joined.
     """
     rows = []
     for content in json_objects(outcomes, joints):
-        row: dict[str, Any] = {}
+        row: JsonObject = {}
         for part in ("trend", "limit"):
             content |= {f"{part}_{key}": value for key, value in (content.pop(part, None) or {}).items()}
         for key, value in content.items():
@@ -85,7 +85,7 @@ def csv_rows(outcomes: Iterable[Outcome], joints: Iterable[JointHistory]) -> lis
     return rows
 
 
-def _finite(value: Any) -> Any:
+def _finite(value: Json) -> Json:
     """Return a value with null for every number that is not finite, as JSON has none."""
     if isinstance(value, dict):
         return {key: _finite(inner) for key, inner in value.items()}

@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import tomli_w
@@ -23,7 +22,7 @@ from scipy.interpolate import PchipInterpolator
 
 from bench.contract.numbers import is_finite, require_positive
 from bench.contract.typing import Floats
-from bench.helpers import replacing
+from bench.helpers import JsonObject, replacing
 from bench.helpers.errors import BenchError, nearest
 from problems.backlash.joint import Joint
 from problems.backlash.joint.parameters import described, read_toml
@@ -333,7 +332,7 @@ def load_calibration(path: str | Path) -> Calibration:
         BenchError: for a file that cannot be read or is not a calibration.
     """
     where = f"calibration {path}"
-    content = {"name": path, "amplitude_rpm": None, "half_gap_rad": None} | read_toml(path, where)
+    content: JsonObject = {"name": path, "amplitude_rpm": None, "half_gap_rad": None} | read_toml(path, where)
     for key in content:
         if key not in ENTRIES:
             raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, ENTRIES)}")
@@ -345,7 +344,7 @@ def load_calibration(path: str | Path) -> Calibration:
         raise BenchError(f"{where}: {error}") from error
 
 
-def _numbers(values: Any, key: str, where: str) -> Floats:
+def _numbers(values: object, key: str, where: str) -> Floats:
     if not isinstance(values, list) or any(
         isinstance(value, bool) or not isinstance(value, (int, float)) or abs(value) > 1e100 for value in values
     ):
