@@ -149,8 +149,8 @@ def run_anew(page: Path) -> None:
 
 def packages() -> Iterator[str]:
     """Yield the folders of this repository that hold the code of a run: those imported here or in its processes."""
-    files = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
-    imported = {Path(file).parent for file in files if file and Path(file).is_relative_to(ROOT / "bench")}
+    places = [ROOT.joinpath(*name.split(".")) for name in sys.modules if name.partition(".")[0] == "bench"]
+    imported = {place if place.is_dir() else place.parent for place in places}
     for top in IN_PROCESSES:
         imported |= {path.parent for path in (ROOT / top).rglob("*.py")}
     yield from sorted(str(path.relative_to(ROOT)) for path in imported)

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import bench
+
 ROOT = Path(__file__).resolve().parents[2]
 _spec = importlib.util.spec_from_file_location("blocks", ROOT / "docs" / "blocks.py")
 blocks = importlib.util.module_from_spec(_spec)
@@ -14,6 +16,7 @@ sys.modules["blocks"] = blocks  # dataclasses look their module up
 _spec.loader.exec_module(blocks)
 
 PAGES = {str(page.relative_to(ROOT)): page for page in blocks.PAGES}
+IN_THE_CLONE = "docs/explanation/thesis.md"  # it reads the committed results
 RUNNABLE = [name for name, page in PAGES.items() if any(block.reason is None for block in blocks.blocks(page))]
 
 
@@ -23,7 +26,12 @@ def test_the_blocks_of_a_page_run(name, tmp_path, monkeypatch):
     if "BENCH_SITE" in os.environ and blocks.has_run(PAGES[name]):
         pytest.skip("the build of the site has run this page as it is")
     monkeypatch.setenv("MPLBACKEND", "agg")
-    blocks.run(PAGES[name], tmp_path)
+    blocks.run(PAGES[name], ROOT if name == IN_THE_CLONE else tmp_path)
+
+
+@pytest.mark.skipif("BENCH_SITE" not in os.environ, reason="'nox -s docs' installs a copy and runs the pages with it")
+def test_the_pages_run_with_an_installed_copy():
+    assert not Path(bench.__file__).is_relative_to(ROOT / "bench")
 
 
 @pytest.mark.parametrize(
