@@ -45,7 +45,7 @@ def _write(reference: Path) -> None:
 
 def listed(kind: str = "all") -> list[Record]:
     """Return the records that the command prints; of all kinds: the optimizers."""
-    command = (sys.executable, "-m", "bench", "list", kind, "--json")
+    command = (sys.executable, "-P", "-m", "bench", "list", kind, "--json")  # not the checkout's
     records: list[Record] = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
     return records
 
