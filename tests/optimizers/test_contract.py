@@ -8,7 +8,9 @@ import pickle
 import random
 import threading
 import warnings
+from importlib.metadata import distribution
 from importlib.util import find_spec
+from inspect import isclass
 
 import numpy as np
 import pytest
@@ -20,7 +22,8 @@ from bench.helpers.errors import ProblemError
 from optimizers import minion, optuna, pymoo, scipy
 from tests.optimizers.observed import BEST, LOWER, UPPER, Capped, Recorded, bowl
 
-OWN = ["alo", "bipop-cma-es", "cma-es", "cma-es-fast", "da", "goa", "gwo", "random-search"]
+REGISTERED = distribution("backlash-bench").entry_points.select(group="bench.optimizers")
+OWN = sorted(entry.name for entry in REGISTERED if isclass(entry.load()))  # the others are families
 MEMBERS = {
     "scipy": list(scipy.MEMBERS),
     "pymoo": list(pymoo.TABLE["members"]),
