@@ -28,11 +28,11 @@ from bench.analysis import holm
 from bench.analysis.finished_trials import CLAMPED
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.check.bias import FLOOR, LIMIT, mean_log_error
+from bench.check.conformance.single import single_run
 from bench.check.idle import alternatives
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.contract.seeds import trial_seed
-from bench.execution.safe_runs import safe_run
 from bench.helpers.markdown import table
 from bench.plugins.loading import default_label, load_optimizer, package
 from bench.report.wording import cell_text
@@ -151,7 +151,7 @@ def run(name: str, options: Mapping[str, Any], task: Sequence[Any]) -> dict[str,
     label, budget, seed, generation = task
     function, place = label.rsplit(" ", 1)
     problem = classic(function, DIMENSION, moved=place == "moved")
-    result = safe_run(problem, load_optimizer(name, **options), budget=budget, seed=seed)
+    result = single_run(problem, load_optimizer(name, **options), budget, seed)
     points = problem.points[:budget]
     values = np.asarray(problem.noiseless(points), dtype=float)
     generation = min(generation, len(values))

@@ -9,13 +9,13 @@ from typing import TypeVar
 from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.recording import LOST, explain_lost_process
 from bench.check.conformance.rules import APART, RULES, SEARCH, TABLES, Rule, failed, find_rule, judge
+from bench.check.conformance.single import PRINTED
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.verdict import LONGEST, Checkup, Verdict
 from bench.contract.optimizer import Optimizer
 from bench.contract.problem import Problem
 from bench.contract.typing import Options
 from bench.execution.job import MEMORY, sandbox, sandbox_of_optimizers
-from bench.execution.safe_runs import PRINTED
 from bench.helpers.errors import BenchError
 from bench.helpers.text import printable
 from bench.sandbox.bubblewrap import Sandbox

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.check.conformance.single import PRINTED, single_run
 from bench.check.conformance.subject import Subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.contract.objective import scanner
@@ -18,9 +19,9 @@ from bench.contract.optimizer import Optimizer
 from bench.contract.seeds import trial_seed
 from bench.contract.typing import Floats
 from bench.execution.job import MEMORY, TIMEOUT
-from bench.execution.safe_runs import found, safe_call, safe_run
+from bench.execution.supervisor import row_of
 from bench.helpers.errors import BenchError
-from bench.helpers.parsing import JsonObject
+from bench.helpers.text import printable
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.callers import Call, Callers
 from bench.sandbox.messages import describe_error
@@ -28,6 +29,8 @@ from bench.sandbox.messages import describe_error
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
 FUNCTION_BUDGET = 10_000  # evaluations of a function, at least
 NOISE_BUDGET = 1_000  # evaluations of noise, at least: without a field ``agents`` a generation counts as one evaluation
+
+LONGEST = 4_000  # characters of a sentence on a failure
 
 BOXES = {"[0, 1]": (0.0, 1.0), "[-1, 1]": (-1.0, 1.0)}
 """The boxes of the noise. The origin is a corner of the first, the box of the toolbox BIAS, and the centre of the
@@ -116,7 +119,9 @@ def make_runs(
         for run in range(runs)
     ]
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
-    limits: dict[str, Any] = {"seconds": TIMEOUT, "memory": MEMORY} if sandbox else {}
+    limits: dict[str, Any] = {"printed": PRINTED}
+    if sandbox:
+        limits |= {"seconds": TIMEOUT, "memory": MEMORY}
     packed = [_packed(optimizer) for optimizer in optimizers]
     failed: set[int] = set()  # whose other runs are given up
 
@@ -124,7 +129,7 @@ def make_runs(
         for group, each in enumerate(packed):
             for task in tasks if isinstance(each, bytes) else ():
                 if group not in failed:
-                    yield safe_call(group, make_run, each, task, **limits)
+                    yield Call(group, make_run, (each, task), limits)
 
     with callers(n_jobs, ready, sandbox) as processes:
         groups = groupby(processes.answers(calls()), lambda answered: answered[0].group)
@@ -151,7 +156,7 @@ def _collected(tasks: list[CheckRun], answers: Iterable[object]) -> Runs | Bench
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
         for task, answer in zip(tasks, answers, strict=True):
-            made[task.kind].setdefault(task.name, []).append(found(answer, _summary))
+            made[task.kind].setdefault(task.name, []).append(summary(answer))
     except BenchError as error:
         return error
     return Runs(**made)
@@ -163,10 +168,9 @@ def ready() -> None:
 
 
 def make_run(packed: bytes, task: CheckRun) -> dict[str, object]:
-    """Make one run; return the fields of its summary. Its seed depends on its problem and number alone.
+    """Make one run; return the fields of its summary as JSON values, or the ``error`` that it ended with.
 
-    Raises:
-        BenchError: when the optimizer fails.
+    Its seed depends on its problem and number alone.
     """
     optimizer = unpack(packed).fresh()
     if task.kind == "noise":
@@ -178,13 +182,16 @@ def make_run(packed: bytes, task: CheckRun) -> dict[str, object]:
         problem = classic(task.name, task.dimension, moved=task.kind == "moved")
         seed = trial_seed(task.seed, label, "centre bias", task.run)
     generation = optimizer.minimum_budget
-    result = safe_run(problem, optimizer, budget=max(task.budget, GENERATIONS * generation), seed=seed)
+    try:
+        result = single_run(problem, optimizer, max(task.budget, GENERATIONS * generation), seed)
+    except BenchError as error:
+        return {"error": str(error)}
     points = problem.points
     shares = problem.share(points)
     return {
         "best": result.fun,
-        "x": problem.share(result.x),
-        "first": shares[:generation],
+        "x": problem.share(result.x).tolist(),
+        "first": shares[:generation].tolist(),
         "clamped": float(on_bound(shares).mean()),
         "course": hashlib.sha256(points.tobytes()).hexdigest(),
     }
@@ -195,10 +202,17 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
     return np.asarray((x == 0) | (x == 1))
 
 
-def _summary(record: JsonObject) -> RunSummary:
-    """Return the summary in a record; raises ValueError, TypeError or KeyError for what is none."""
-    x, first = (np.array(record[name], np.float64) for name in ("x", "first"))
-    made = RunSummary(float(record["best"]), x, first, float(record["clamped"]), str(record["course"]))
-    if (made.first.ndim, made.x.shape) != (2, made.first.shape[1:]):
-        raise ValueError("no points of one dimension")
+def summary(answer: Any) -> RunSummary:
+    """Return the summary that a process answers; raises BenchError where the run failed, and for what is none."""
+    if isinstance(answer, Exception):
+        raise BenchError(f"the optimizer failed: {printable(str(row_of(answer)['error']), LONGEST)}")
+    if isinstance(answer, dict) and "error" in answer:
+        raise BenchError(printable(str(answer["error"]), LONGEST))
+    try:
+        x, first = (np.array(answer[name], np.float64) for name in ("x", "first"))
+        made = RunSummary(float(answer["best"]), x, first, float(answer["clamped"]), str(answer["course"]))
+        if (made.first.ndim, made.x.shape) != (2, made.first.shape[1:]):
+            raise ValueError("no points of one dimension")
+    except (TypeError, ValueError, KeyError) as error:
+        raise BenchError("the process of the optimizer gave an answer that is no record of a run") from error
     return made

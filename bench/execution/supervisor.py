@@ -12,7 +12,7 @@ from typing import Any
 
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
-from bench.execution.job import LOADING, PRINTED, Job, Task, root
+from bench.execution.job import LOADING, Job, Task, root
 from bench.helpers.errors import PROBLEM_FAILED, BenchError
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
@@ -233,7 +233,7 @@ def row_of(error: Exception, doing: str = "", cut: Callable[[str], str] = str) -
         case MemoryExceededError():
             return failed(f"{error} (--memory)")
         case PrintedTooMuchError():
-            return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
+            return failed(f"{error}; have it print less, as by verbose=False")
         case RefusedError():
             return failed(f"its answer is refused: {error}")
         case RemoteError():

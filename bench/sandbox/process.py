@@ -284,7 +284,7 @@ class Process(AbstractContextManager["Process"]):
     def _check_printed(self, most: int | None) -> None:
         if most is not None and self.printed > most:
             self.close()
-            raise PrintedTooMuchError
+            raise PrintedTooMuchError(f"printed more than {most / 1e6:g} MB")
 
     def _check_state(self, memory: int | None) -> None:
         """End a process that has grown too large, and detect one that has ended silently."""

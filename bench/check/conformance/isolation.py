@@ -23,10 +23,10 @@ import cloudpickle
 import numpy as np
 
 from bench.check.conformance.recording import LOST, ViolationError, expect_same, explain_lost_process
+from bench.check.conformance.single import PRINTED
 from bench.check.conformance.subject import START_SECONDS, AnySubject, Subject, pack, unpack
 from bench.check.problems import bowl
 from bench.contract.typing import Floats
-from bench.execution.safe_runs import PRINTED
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Process
 

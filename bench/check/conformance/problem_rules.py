@@ -17,11 +17,11 @@ from bench.check.conformance.problem_subject import (
     true_values,
 )
 from bench.check.conformance.recording import ViolationError
+from bench.check.conformance.single import single_run
 from bench.contract.numbers import is_finite
 from bench.contract.objective import as_values, integer_flags, repaired
 from bench.contract.problem import Problem
 from bench.contract.typing import Flags, Floats
-from bench.execution.safe_runs import safe_run
 from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
 from bench.plugins import registry
@@ -268,7 +268,7 @@ def check_search(
             missing.append(f"; not searched by {name}: {error}")
             continue
         handled = scored(problem, constraints.DEFAULT)
-        found = safe_run(handled, optimizer, budget=budget, seed=subject.seed, name=name)
+        found = single_run(handled, optimizer, budget, subject.seed, name)
         value = float(feasible_values(problem, found.x[None])[0])
         if value < _least(problem.optimum):
             raise ViolationError(

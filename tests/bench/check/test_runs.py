@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError
-from bench.check.runs import BOXES, Runs, make_runs
+from bench.check.runs import BOXES, Runs, make_runs, summary
 from tests.bench.check import biased, faulty, unrepeatable
 from tests.bench.check.biased import LITTLE, SHORT, Chains, Clipping
 
@@ -44,7 +44,15 @@ def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
         biased.Exiting(), Chains(), biased.Raising(), faulty.Endless(), unrepeatable.Locked(), Chains(agents=5)
     )
     assert [each is None for each in found] == [False, True, False, False, False, True]
-    assert found[0] == "the optimizer ended its process (exit code 1)"
+    assert found[0] == "the optimizer failed: its process ended with exit code 1"
     assert found[2] == "the optimizer failed on sphere: ZeroDivisionError: boom"
-    assert found[3] == "the optimizer went on asking for values after its budget was spent"
+    assert "failed: went on asking for values after its budget was spent; let BudgetExhausted pass" in found[3]
     assert "cannot be sent to another process: TypeError: cannot pickle" in found[4]
+
+
+@pytest.mark.parametrize(
+    "answer", [None, 5, [], "x", {}, {"x": [1], "first": [1], "best": 1, "clamped": 0, "course": ""}]
+)
+def test_what_is_no_record_is_refused(answer):
+    with pytest.raises(BenchError, match="gave an answer that is no record of a run"):
+        summary(answer)
