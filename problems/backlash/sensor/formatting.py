@@ -258,22 +258,16 @@ def _verdict(estimate: Estimate, settings: Settings) -> str:
 
 def _limit(trend: Trend) -> str:
     """Return the end of the sentence on when the limit is reached."""
-    series = trend.series
-    if trend.since is not None:
-        return f"has been passed in {_when(series, trend.since)}"
-    if trend.reached is None:
-        return f"is not predicted to be reached: the latest {trend.latest} recordings show no significant growth"
-    if trend.is_distant:
-        return (
-            f"is not reached within {HORIZON / 12:g} years if the growth of the latest {trend.latest} recordings "
-            "continues"
-        )
-    when, (early, late) = trend.reached
+    status, when, (early, late) = trend.outlook
+    series, latest = trend.series, f"the latest {trend.latest} recordings"
+    if status == "passed":
+        return f"has been passed in {_when(series, when)}"
+    if status in ("no growth", "unknown"):
+        return f"is not predicted to be reached: {latest} show no significant growth"
+    if status == "distant":
+        return f"is not reached within {HORIZON / 12:g} years if the growth of {latest} continues"
     until = f"to {series.label(late)}" if math.isfinite(late) else "or never"
-    return (
-        f"is reached in {_when(series, when)} ({series.label(early)} {until}) if the growth of the latest "
-        f"{trend.latest} recordings continues"
-    )
+    return f"is reached in {_when(series, when)} ({series.label(early)} {until}) if the growth of {latest} continues"
 
 
 def _when(series: Series, at: float) -> str:

@@ -24,6 +24,10 @@ FEWEST = 3  # recordings that a slope needs
 HORIZON = 120.0  # months from the last recording, beyond which a prediction says nothing of a joint
 LATEST = 6  # recordings that predict a limit at least, where there are as many: five cannot be significant at 1%
 
+Outlook = tuple[str, float, Interval]
+NOWHERE = (math.nan, math.nan)
+UNKNOWN: Outlook = ("unknown", math.nan, NOWHERE)
+
 
 @dataclass(frozen=True)
 class StraightLine:
@@ -65,9 +69,10 @@ class Trend:
         line: through all recordings, None where there are fewer than three.
         significant: whether there is a trend.
         latest: how many of the latest recordings predict the limit.
-        since: the time from which on all recordings are above the limit, None where the last one is not.
-        reached: when the limit is reached, and the range of that time, which may end at infinity; None where that
-            cannot be predicted.
+        outlook: a word on the limit, the time at which it is reached and the range of that time, NaN if unknown. It is
+            "passed", from the time on from which all recordings are above it; "predicted", with a range that may end at
+            infinity; "distant", likewise but not within ``HORIZON`` months; "no growth" beyond chance in the latest
+            recordings; or "unknown": there is no half-gap, or fewer than three times.
     """
 
     series: Series
@@ -79,14 +84,7 @@ class Trend:
     line: StraightLine | None
     significant: bool
     latest: int
-    since: float | None
-    reached: tuple[float, Interval] | None
-
-    @property
-    def is_distant(self) -> bool:
-        """Whether the limit is reached more than ``HORIZON`` months after the last recording."""
-        months = self.series.unit == "month"
-        return months and self.reached is not None and self.reached[0] > self.series.at[-1] + HORIZON
+    outlook: Outlook
 
 
 def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float) -> Trend:
@@ -104,7 +102,7 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float) -> 
         [estimate.interval_rad if has_gaps else estimate.amplitude_interval_rps for estimate in estimates]
     )
     line = fit_line(joint.at, values)
-    latest = max(-(-len(values) // 2), LATEST)
+    latest = min(max(-(-len(values) // 2), LATEST), len(values))
     return Trend(
         series=joint,
         quantity="backlash" if has_gaps else "amplitude",
@@ -114,9 +112,8 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float) -> 
         change_interval=_difference(values[-1], intervals[-1], values[0], intervals[0]),
         line=line,
         significant=line is not None and line.p_value < 1 - CONFIDENCE,
-        latest=min(latest, len(values)),
-        since=_since(joint.at, values, limit_rad) if has_gaps else None,
-        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad) if has_gaps else None,
+        latest=latest,
+        outlook=_outlook(joint, values, latest, limit_rad) if has_gaps else UNKNOWN,
     )
 
 
@@ -140,19 +137,9 @@ class JointHistory:
         return self.outcomes[-1].estimate
 
     @property
-    def outlook(self) -> tuple[str, float, Interval]:
-        """The outlook: a word on the limit, the time at which it is reached and the range of that time, NaN if unknown.
-
-        It is "passed", "predicted", "distant" (not within ``HORIZON`` months), "no growth" beyond chance in the latest
-        recordings, or "unknown": there is no half-gap, or fewer than three times.
-        """
-        one, nowhere = self.trend, (math.nan, math.nan)
-        if one is not None and one.since is not None:
-            return "passed", one.since, nowhere
-        if one is not None and one.reached is not None:
-            return "distant" if one.is_distant else "predicted", *one.reached
-        known = one is not None and one.line is not None and one.quantity == "backlash"
-        return "no growth" if known else "unknown", math.nan, nowhere
+    def outlook(self) -> Outlook:
+        """That of the trend; unknown without one."""
+        return UNKNOWN if self.trend is None else self.trend.outlook
 
 
 def joints_of(estimated: Sequence[Estimated], settings: Settings) -> list[JointHistory]:
@@ -191,18 +178,15 @@ def _difference(last: float, last_interval: Floats, first: float, first_interval
     return float(last - first - down), float(last - first + up)
 
 
-def _since(time: Floats, values: Floats, limit: float) -> float | None:
-    """Return the time of the first recording after which none is at or below the limit."""
+def _outlook(joint: Series, values: Floats, latest: int, limit: float) -> Outlook:
+    """Return the outlook of a joint whose half-gaps (n,) are known; see :class:`Trend`."""
     below = np.flatnonzero(values <= limit)
     first = int(below[-1]) + 1 if len(below) else 0
-    return float(time[first]) if first < len(values) else None
-
-
-def _reached(time: Floats, values: Floats, limit: float) -> tuple[float, Interval] | None:
-    """Return when a line through (n,) values reaches the limit, and its range; None where they do not grow to it."""
-    line = fit_line(time, values)
-    if line is None or not line.p_value < 1 - CONFIDENCE or line.slope <= 0 or values[-1] > limit:
-        return None
-    slopes = (line.slope, *reversed(line.interval))
-    when, early, late = (max(line.reaches(limit, slope), float(time[-1])) for slope in slopes)
-    return when, (early, late)
+    if first < len(values):
+        return "passed", float(joint.at[first]), NOWHERE
+    line = fit_line(joint.at[-latest:], values[-latest:])
+    if line is None or not line.p_value < 1 - CONFIDENCE or line.slope <= 0:
+        return UNKNOWN if len(np.unique(joint.at)) < FEWEST else ("no growth", math.nan, NOWHERE)
+    end = float(joint.at[-1])
+    when, early, late = (max(line.reaches(limit, slope), end) for slope in (line.slope, *reversed(line.interval)))
+    return "distant" if joint.unit == "month" and when > end + HORIZON else "predicted", when, (early, late)

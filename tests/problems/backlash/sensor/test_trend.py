@@ -40,24 +40,23 @@ def test_the_slope_is_the_median_of_all_pairs_slopes_and_the_p_value_is_kendalls
 def test_growth_is_significant_and_its_limit_is_foreseen_with_a_range(trend_of):
     made = trend_of(GAPS)
     assert made.significant
-    when, (early, late) = made.reached
+    status, when, (early, late) = made.outlook
+    assert (status, made.latest) == ("predicted", 6)
     assert 7 < early <= when <= late
     assert when == pytest.approx(11, abs=0.5)  # 4e-4 rad after the last, at 1e-4 rad a month
-    assert (made.since, made.latest) == (None, 6)
 
 
 def test_what_does_not_grow_beyond_chance_has_no_forecast(trend_of):
     for gaps in (GAPS[::-1], np.full(8, 0.001), GAPS[[3, 1, 4, 0, 7, 2, 5, 6]]):
-        assert trend_of(gaps).reached is None
+        assert trend_of(gaps).outlook[0] == "no growth"
     assert not trend_of(np.full(8, 0.001)).significant
     assert trend_of(GAPS[::-1]).significant  # it falls
 
 
 def test_a_limit_that_was_passed_is_passed_since_the_first_recording_that_stays_above(trend_of):
     made = trend_of(GAPS, limit=0.00125)
-    assert made.since == 4.0  # 0.0013 in the third did not stay
-    assert made.reached is None
-    assert trend_of(GAPS, limit=0.0001).since == 0.0
+    assert made.outlook[:2] == ("passed", 4.0)  # 0.0013 in the third did not stay
+    assert trend_of(GAPS, limit=0.0001).outlook[:2] == ("passed", 0.0)
 
 
 def test_the_later_half_foretells_the_limit_of_wear_that_runs_in_fast(trend_of):
@@ -65,4 +64,4 @@ def test_the_later_half_foretells_the_limit_of_wear_that_runs_in_fast(trend_of):
     true = float(np.interp(0.0021, gaps, np.arange(36)))
     made = trend_of(gaps[:13])
     assert made.latest == 7
-    assert abs(made.reached[0] - true) < 3 < true - made.line.reaches(0.0021)
+    assert abs(made.outlook[1] - true) < 3 < true - made.line.reaches(0.0021)
