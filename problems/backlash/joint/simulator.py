@@ -40,8 +40,6 @@ class Trajectory:
         load_angle: theta_l, rad, without reduction to one turn; 0 hangs down.
         dtheta: angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where it is smaller
             than the half-gap.
-        domega: speed across the transmission, seen from the load, rad/s (eq. 4.2).
-        load_torque: tau_l, the torque that the transmission applies to the load, N m (eq. 4.6).
     """
 
     time: Floats
@@ -51,8 +49,6 @@ class Trajectory:
     current: Floats
     load_angle: Floats
     dtheta: Floats
-    domega: Floats
-    load_torque: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,7 +259,7 @@ def simulate(
 
     path = travel(skip - lead, keep, step, stroke, ramp)
     path[:, 0] -= path[lead, 0]
-    fine = _trajectory(joint, half_gap, start_angle, step, path[lead:], states[lead:])
+    fine = _trajectory(joint, start_angle, step, path[lead:], states[lead:])
     speed, position = fine.speed[::stride].copy(), fine.position[::stride].copy()
     if encoder_bits is not None:
         turns = (joint.omega_ref * path[::stride, 0] + states[::stride, 0]) / (2 * pi)
@@ -322,20 +318,16 @@ def _stroke(omega_l: float, sweep: float | None, ramp: float) -> float:
     return sweep / omega_l
 
 
-def _trajectory(
-    joint: Joint, delta: float, start_angle: float, step: float, path: Floats, states: Floats
-) -> Trajectory:
+def _trajectory(joint: Joint, start_angle: float, step: float, path: Floats, states: Floats) -> Trajectory:
     """Turn the reference motion (m, 3) and the states (m, 5) into physical signals."""
-    q, dq, p, dp, z = states.T
+    q, dq, p, _, z = states.T
     gone, shape, acceleration = path.T
     N, omega_ref = joint.gear_ratio, joint.omega_ref
     time = step * np.arange(len(states), dtype=np.float64)
     asked = joint.nominal_speed * shape
     torque_m = joint.speed_gain * (joint.integral_gain * z - dq - joint.position_gain * q)
     torque_m += (joint.motor_inertia + joint.load_inertia / N**2) * omega_ref * acceleration
-    dtheta, domega = q / N - p, dq / N - dp  # (4.1), (4.2)
-    torque = gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness)
     return Trajectory(
         time, asked + dq / (2 * pi), asked, omega_ref * gone + q, torque_m / joint.torque_constant,
-        start_angle + omega_ref / N * gone + p, dtheta, domega, torque,
+        start_angle + omega_ref / N * gone + p, q / N - p,
     )  # fmt: skip
