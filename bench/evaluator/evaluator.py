@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import ast
 import json
-import warnings
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from itertools import islice
 from os import PathLike
 from pathlib import Path
 from threading import Lock
@@ -19,36 +20,26 @@ from bench.analysis.comparison import compare
 from bench.analysis.target_sets import area_over_curve
 from bench.contract.numbers import require_positive, require_whole, seconds
 from bench.contract.objective import Trace
-from bench.contract.seeds import trial_seed
 from bench.evaluator import found as words
 from bench.evaluator.found import LEAST, Final, Found
-from bench.evaluator.workers import WARMING, Candidate, Workers
-from bench.execution.job import Task
+from bench.evaluator.workers import KEY, LABEL, NAME, STAND_IN, Candidate, Source, Workers
+from bench.execution.job import Task, sandbox_of
 from bench.execution.warming import warm_problem
 from bench.helpers.errors import BenchError, explained
 from bench.helpers.text import listing
 from bench.plugins import objects
-from bench.plugins.from_file import SOURCE, located
-from bench.plugins.loading import OBJECT, OptimizerLike, ProblemLike, is_plugin
+from bench.plugins.loading import ProblemLike, is_plugin
 from bench.study import Study
 from bench.trial.columns import Row
 from bench.trial.trial import Trial
 
 BASELINES = ("cma-es", "random-search")
-LABEL = "candidate"
-LONGEST = 1_000_000  # characters of a source
-PARSED = 50_000  # those of a source that is worth parsing here, before any process is started for it
-_NAME = f"{OBJECT}{LABEL}"
-_KEY = f"optimizers {_NAME}"
 _COLUMNS = [
     "problem", "optimizer", "trial", "seed", "status", "error", "fun", "nfev", "stop", "wall_s", "cpu_s", "aocc",
 ]  # fmt: skip
 
-Source = OptimizerLike | PathLike[str]
-"""A candidate: Python source, a path to a file of it, or an optimizer, a class or a function."""
 
-
-class Evaluator:
+class Evaluator(AbstractContextManager["Evaluator"]):
     """Judges optimizers by the same trials on the same problems, in a sandbox and side by side.
 
     Every candidate has the same seeds. Its trials count in the processes of the problems, which it cannot reach. The
@@ -69,7 +60,6 @@ class Evaluator:
         seed: from which the seeds of all trials derive.
         sandbox: whether candidates run in a sandbox of bubblewrap. False has them run in processes of their own, with
             the limits, but with your files, your network and your environment's variables at hand.
-        baselines: optimizers that candidates are compared with; each is run once.
 
     Raises:
         BenchError: without bubblewrap, for problems of ``train`` among those of ``test``, and for what no study takes.
@@ -87,42 +77,43 @@ class Evaluator:
         n_jobs: int = -1,
         seed: int = 0,
         sandbox: bool = True,
-        baselines: Sequence[str] = BASELINES,
     ) -> None:
         require_whole("n_jobs", n_jobs, -1)
         require_positive("the memory of a trial", memory, unit="gigabytes")
-        optimizers = [{"name": _NAME, "label": LABEL}, *dict.fromkeys((*baselines, WARMING))]
+        optimizers = [{"name": NAME, "label": LABEL}, *BASELINES]
         common = {"name": "evaluator", "trials": trials, "budget": budget, "seed": seed, "optimizers": optimizers}
-        parts = [
-            Study.from_dict(common | {"problems": chosen}, "of the evaluator").problems if chosen else ()
-            for chosen in map(_listed, (train, test))
-        ]
-        self._train, self._test = ([entry.label for entry in part] for part in parts)
-        seen = {(entry.name, repr(entry.options)) for entry in parts[0]}
-        if twice := [entry.label for entry in parts[1] if (entry.name, repr(entry.options)) in seen]:
+        study = Study.from_dict(common | {"problems": _listed(train)}, "of the evaluator")
+        held_out = replace(study, problems=()).beside(problems=_listed(test)).problems if test else ()
+        seen = [(entry.name, entry.options) for entry in study.problems]
+        if twice := [entry.label for entry in held_out if (entry.name, entry.options) in seen]:
             raise BenchError(f"problems of train cannot be held out for the final: {listing(twice, 5)}")
-        self._study = Study.from_dict(common | {"problems": [*_listed(train), *_listed(test)]}, "of the evaluator")
+        self._train, self._test = ([entry.label for entry in part] for part in (study.problems, held_out))
+        self._study = replace(study, problems=(*study.problems, *held_out))
         self._optima, self._budgets = dict[str, float](), dict[str, int]()
-        self._load()
-        self._assumed = [label for label in [*self._train, *self._test] if label not in self._optima]
-        limits: dict[str, Any] = {"timeout": seconds(timeout, "timeout"), "memory": round(memory * 1e9)}
-        held = objects.among([], [entry.name for part in parts for entry in part])
-        task = Task(self._study, **limits, apart=True, untrusted=sandbox, objects=held)
+        for entry in self._study.problems:  # they are trusted, and what they compile no sandbox can write
+            problem = self._study.problem(entry.label)
+            self._budgets[entry.label] = self._study.evaluations(problem.dimension)
+            warm_problem(problem, self._budgets[entry.label])
+            if problem.optimum is not None:
+                self._optima[entry.label] = problem.optimum
+        self._assumed = [label for label in self._budgets if label not in self._optima]
+        held = objects.among([], [entry.name for entry in self._study.problems])
+        task = Task(
+            self._study, timeout=seconds(timeout, "timeout"), memory=round(memory * 1e9), apart=True, untrusted=sandbox,
+            objects=held | Candidate.read(STAND_IN).held,
+        )  # fmt: skip
         try:
-            self._workers = Workers(task, n_jobs)
+            sandbox_of(task)
         except BenchError as error:
             reason = str(error).removeprefix("--untrusted needs ").removeprefix("--untrusted ")
             raise BenchError(
                 f"candidates are run in a sandbox: {reason}; or say sandbox=False to run them without one"
             ) from error
-        self._baselines = [*dict.fromkeys(baselines)]
-        self._known = dict[str, pd.DataFrame]()  # trials of the baselines, by the problems
+        self._workers = Workers(task, n_jobs)
+        self._known = dict[tuple[Any, ...], pd.DataFrame]()  # trials of the baselines, by their problems and number
         self._judged: list[dict[str, Any]] = []
         self._finals, self._lock = 0, Lock()
         self._end = finalize(self, self._workers.close)
-
-    def __enter__(self) -> Evaluator:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -144,12 +135,9 @@ class Evaluator:
 
     def map(self, sources: Iterable[Source]) -> list[Found]:
         """Judge candidates side by side; return what is found of each, in their order."""
-        candidates, each = [_read(source) for source in sources], len(self._train) * self._study.trials
-        trials = self._trials(LABEL, self._train, self._study.trials)
-        tasks = [(candidate, trial) for candidate in candidates for trial in trials]
-        baselines = self._of_baselines("train", self._train, self._study.trials)
-        rows = [*self._workers.rows(tasks)]
-        frames = [self._frame(trials, rows[i : i + each]) for i in range(0, len(tasks), each)]
+        candidates = [Candidate.read(source) for source in sources]
+        baselines = self._of_baselines(self._train, self._study.trials)
+        frames = self._frames(candidates, [LABEL], self._train, self._study.trials)
         return [self._found(*made, baselines) for made in zip(candidates, frames, strict=True)]
 
     def final(self, source: Source, *, trials: int = 10) -> Final:
@@ -161,10 +149,8 @@ class Evaluator:
         if not self._test:
             raise BenchError("there are no held-out problems: give some as 'test'")
         require_whole("trials", trials, 2)
-        candidate, made = _read(source), self._trials(LABEL, self._test, trials)
-        baselines = self._of_baselines(f"test {trials}", self._test, trials)
-        rows = self._workers.rows((candidate, trial) for trial in made)
-        frame = pd.concat([self._frame(made, rows), baselines], ignore_index=True)
+        candidate, baselines = Candidate.read(source), self._of_baselines(self._test, trials)
+        frame = pd.concat([*self._frames([candidate], [LABEL], self._test, trials), baselines], ignore_index=True)
         with self._lock:
             self._finals += 1
             finals, judged = self._finals - 1, len({each["hash"] for each in self._judged})
@@ -191,53 +177,39 @@ class Evaluator:
         texts = {"feedback": found.feedback, "error": found.error}
         return {"combined_score": found.score, "error_bar": bar, "artifacts": {k: v for k, v in texts.items() if v}}
 
-    def _load(self) -> None:
-        """Load the problems, which are trusted; what they compile is kept in files, which no sandbox can write."""
-        for label in (*self._train, *self._test):
-            problem = self._study.problem(label)
-            self._budgets[label] = self._study.evaluations(problem.dimension)
-            warm_problem(problem, self._budgets[label])
-            if problem.optimum is not None:
-                self._optima[label] = problem.optimum
-
-    def _trials(self, optimizer: str, problems: Sequence[str], trials: int) -> list[Trial]:
-        """Return the trials of an optimizer, all problems first."""
-        seed = self._study.seed
-        return [
-            Trial(problem, optimizer, number, trial_seed(seed, problem, optimizer, number))
-            for number in range(trials)
-            for problem in problems
-        ]
-
-    def _of_baselines(self, key: str, problems: Sequence[str], number: int) -> pd.DataFrame:
-        """Return the trials of the baselines on these problems, which are made once, and set the optima."""
+    def _of_baselines(self, problems: Sequence[str], number: int) -> pd.DataFrame:
+        """Return the trials of the baselines on these problems, which are made once."""
         if not self._end.alive:
             raise BenchError("the evaluator is closed: make another one")
         with self._lock:
-            if key not in self._known:
-                trials = [each for label in self._baselines for each in self._trials(label, problems, number)]
-                installed = Candidate({})
-                rows = [*self._workers.rows((installed, trial) for trial in trials)]
+            if (key := (number, *problems)) not in self._known:
+                (frame,) = self._frames([installed := Candidate({})], BASELINES, problems, number)
                 if installed.error:
-                    raise BenchError(f"a baseline failed: {installed.error}")
-                for label in set(problems) & {*self._assumed}:
-                    values = [row["fun"] for trial, row in zip(trials, rows, strict=True) if trial.problem == label]
-                    if not values:
-                        raise BenchError(f"the optimum of {label} is unknown, and no baseline stands for it")
-                    self._optima.setdefault(label, min(values))
-                self._known[key] = self._frame(trials, rows)
+                    raise BenchError(f"a baseline failed: {installed.reason}")
+                self._known[key] = frame
             return self._known[key]
 
+    def _frames(
+        self, candidates: Sequence[Candidate], optimizers: Sequence[str], problems: Sequence[str], number: int
+    ) -> list[pd.DataFrame]:
+        """Return the trials of each candidate as a tidy frame, with the AOCC of each trial."""
+        planned = self._study.override(trials=number).plan()
+        trials = [trial for trial in planned if trial.optimizer in optimizers and trial.problem in problems]
+        trials.sort(key=lambda trial: (optimizers.index(trial.optimizer), trial.number, problems.index(trial.problem)))
+        rows = self._workers.rows((candidate, trial) for candidate in candidates for trial in trials)
+        return [self._frame(trials, islice(rows, len(trials))) for _ in candidates]
+
     def _frame(self, trials: Sequence[Trial], rows: Iterable[Row]) -> pd.DataFrame:
-        """Return trials as a tidy frame with the AOCC of each."""
-        made = []
-        for trial, row in zip(trials, rows, strict=True):
-            area = 0.0
-            if row["status"] == "ok":
-                optimum, budget = self._optima[trial.problem], self._budgets[trial.problem]
-                area = area_over_curve(Trace.unpacked(row["trace"]), optimum, budget)[0]
-            made.append({"error": "", **trial.columns, **row, "aocc": area})
-        return pd.DataFrame(made).reindex(columns=_COLUMNS)
+        """Return trials as a tidy frame; those of the baselines come first and set the optima that are unknown."""
+        empty = {"error": "", "fun": np.nan, "trace": b""}
+        made = [trial.columns | empty | row for trial, row in zip(trials, rows, strict=True)]
+        frame = pd.DataFrame(made)
+        self._optima = frame.groupby("problem")["fun"].min().dropna().to_dict() | self._optima
+        frame["aocc"] = [
+            area_over_curve(Trace.unpacked(each["trace"]), self._optima.get(label, np.nan), self._budgets[label])[0]
+            for label, each in zip(frame["problem"], made, strict=True)
+        ]
+        return frame.reindex(columns=_COLUMNS)
 
     def _found(self, candidate: Candidate, frame: pd.DataFrame, baselines: pd.DataFrame) -> Found:
         """Return what the trials of a candidate show, and keep it in the record."""
@@ -252,7 +224,7 @@ class Evaluator:
             used = frame["nfev"] / frame["problem"].map(self._budgets)
             feedback = words.feedback(score, bar, by_problem, float(used.mean()))
             notes = words.notes(frame, self._optima, self._assumed)
-        kept = {"hash": candidate.held[_KEY].digest, "score": score, "error_bar": None if np.isnan(bar) else bar}
+        kept = {"hash": candidate.held[KEY].digest, "score": score, "error_bar": None if np.isnan(bar) else bar}
         with self._lock:
             self._judged.append(kept | {"error": candidate.reason})
         return Found(score, bar, candidate.reason, feedback, frame, by_problem, notes)
@@ -260,23 +232,3 @@ class Evaluator:
 
 def _listed(problems: ProblemLike | Iterable[ProblemLike]) -> list[Any]:
     return [problems] if isinstance(problems, str) or is_plugin(problems) else [*problems]  # type: ignore[misc]
-
-
-def _read(source: Source) -> Candidate:
-    """Return a candidate as its processes take it; it is not run here."""
-    if isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source and source.endswith(".py")):
-        with explained(f"the candidate {source} cannot be read", (OSError, ValueError)):
-            source = Path(source).read_text(encoding="utf-8")
-    text = source if isinstance(source, str) else ""
-    if len(text) > LONGEST:
-        raise BenchError(f"a candidate may have {LONGEST:,} characters, not {len(text):,}")
-    candidate = Candidate({_KEY: objects.packed(source)}, text)
-    if len(text) <= PARSED:
-        try:
-            with warnings.catch_warnings(action="ignore"):
-                ast.parse(text, SOURCE)
-        except SyntaxError as error:
-            candidate.error = located(error)
-        except (ValueError, RecursionError, MemoryError):  # of a NUL byte, or of what is nested too deeply
-            pass
-    return candidate

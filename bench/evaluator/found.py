@@ -79,14 +79,13 @@ def feedback(score: float, bar: float, by_problem: pd.DataFrame, used: float) ->
     """Return the score, where it is strong and weak against the baselines, and the share of evaluations used."""
     own, rivals = by_problem["candidate"], by_problem.drop(columns="candidate")
     means = ", ".join(f"{label} {mean:.3f}" for label, mean in rivals.mean().items())
+    lead = own - rivals.max(axis=1)
+    best, worst = str(lead.idxmax()), str(lead.idxmin())
     spread = "" if pd.isna(bar) else f" ± {bar:.3f}"
-    parts = [f"AOCC {score:.3f}{spread} (higher is better; {means})." if means else f"AOCC {score:.3f}{spread}."]
-    if len(rivals.columns):
-        lead = own - rivals.max(axis=1)
-        best, worst = str(lead.idxmax()), str(lead.idxmin())
-        parts += [f"Strongest against the baselines: {best} ({lead[best]:+.3f})."] if lead[best] > 0 else []
-        parts += [f"Weakest: {worst} ({lead[worst]:+.3f})."] if lead[worst] < 0 else []
-        parts.append(f"Better than all baselines on {int((lead > 0).sum())} of {len(lead)} problems.")
+    parts = [f"AOCC {score:.3f}{spread} (higher is better; {means})."]
+    parts += [f"Strongest against the baselines: {best} ({lead[best]:+.3f})."] if lead[best] > 0 else []
+    parts += [f"Weakest: {worst} ({lead[worst]:+.3f})."] if lead[worst] < 0 else []
+    parts.append(f"Better than all baselines on {int((lead > 0).sum())} of {len(lead)} problems.")
     parts.append(f"Used {used:.0%} of the evaluations.")
     return shortened(" ".join(parts))
 

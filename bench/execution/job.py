@@ -77,7 +77,7 @@ class Task:
         """Return the call with which a process begins; it may hold nothing of the study's problems."""
         arguments = self.study, self.objects, self.output, self.known
         if without_problems:
-            held = objects.among([entry.name for entry in self.study.optimizers], [])
+            held = {key: each for key, each in self.objects.items() if key.startswith("optimizers ")}
             arguments = replace(self.study, problems=()), held, self.output, {}
         return trial_process.begin, *arguments
 
@@ -104,7 +104,7 @@ class Job:
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.optimizers}
         self._root = root(task)
-        self._alone = root(task, without_problems=True) if task.untrusted else self._root
+        self._alone = root(task, without_problems=True) if task.apart else self._root
         self._boxes: dict[str, Box | str] = {}
         self._read: dict[str, dict[str, Observed]] = {}  # what processes have read, by its digest
         self._inputs: dict[tuple[str, str, str], str] = {}  # of it as JSON, by problem and optimizer
@@ -145,10 +145,13 @@ class Job:
             oldest.server.close()
         return ready
 
-    def make(self, trial: Trial, ready: _Ready) -> Any:
-        """Have a trial made; return what its process answers, which is not to be believed."""
+    def make(self, trial: Trial, ready: _Ready, held: Objects) -> Any:
+        """Have a trial made, by what is ``held`` in the place of its plug-ins, where the problem is kept apart.
+
+        Return what its process answers, which is not to be believed.
+        """
         if self._task.apart:
-            return self._make_apart(trial, ready)
+            return self._make_apart(trial, ready, held)
         began = monotonic()
         if trial.again:
             ready.end_process()
@@ -171,11 +174,16 @@ class Job:
             ready.process.close()
         return answer
 
-    def _make_apart(self, trial: Trial, ready: _Ready) -> Any:
-        """Have a trial made by :func:`make_apart`; return the answer, with what both processes have read."""
+    def _make_apart(self, trial: Trial, ready: _Ready, held: Objects) -> Any:
+        """Have a trial made by :func:`make_apart`; return the answer, with what both processes have read.
+
+        What a ``held`` optimizer has read is not kept: another one takes its place.
+        """
         with self._with_problem(trial.problem).process() as server, ready.server.process() as process:
+            if held:
+                process.call(trial_process.hold, held, **self._limits)
             kept = make_apart(trial, self._boxes[trial.problem], server, process, self._limits)
-        if isinstance(kept, dict) and "error" not in kept:
+        if isinstance(kept, dict) and "error" not in kept and not held:
             optimizer = kept.pop("beside")
             for answer in (kept, optimizer):
                 self._note(answer, trial)

@@ -16,6 +16,7 @@ from bench.execution.job import LOADING, Job, Task, root
 from bench.helpers.errors import PROBLEM_FAILED, BenchError
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
+from bench.plugins.packing import Objects
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
     FAILURES,
@@ -155,10 +156,14 @@ class Supervisor:
             if self._job is not None:
                 self._job.kill()
 
-    def make(self, trial: Trial) -> Row:
+    def make(self, trial: Trial, held: Objects | None = None) -> Row:
         """Have a trial made; return its row, whether it finishes, fails or times out.
 
         A trial is begun once more where a process that it needs is killed from outside, as that may not be its fault.
+
+        Args:
+            trial: the trial.
+            held: what takes the place of its plug-ins in the process of this trial alone.
 
         Raises:
             KilledError: after :meth:`kill`.
@@ -169,7 +174,7 @@ class Supervisor:
             except BenchError as error:  # there is no sandbox here
                 return failed(str(error))
             try:
-                return self._made(trial, job)
+                return self._made(trial, job, held or {})
             except LostError:
                 lost = "its process or one that it was forked from was ended or stopped"
             except (*FAILURES, RefusedError, ValueError) as error:
@@ -193,7 +198,7 @@ class Supervisor:
                 self._job = Job(self._task)
             return self._job
 
-    def _made(self, trial: Trial, job: Job) -> Row:
+    def _made(self, trial: Trial, job: Job, held: Objects) -> Row:
         """Have a trial made; return its row once its answer is checked.
 
         The row's ``beside`` is what no column holds: ``after`` is that of
@@ -207,7 +212,7 @@ class Supervisor:
         server = job.prepare(trial)
         job.doing = ""
         after = server.before(trial.problem)
-        answer = job.make(trial, server)
+        answer = job.make(trial, server, held)
         if reason := answers.error(answer):
             return failed(self._cut(reason))
         row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))

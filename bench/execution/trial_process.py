@@ -8,10 +8,8 @@ from __future__ import annotations
 import base64
 import contextlib
 import traceback
-from collections.abc import Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
-from importlib import import_module
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -59,14 +57,6 @@ def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, 
 def hold(held: Objects) -> None:
     """Take further objects in the place of names of the study."""
     packing.held.update(held)
-
-
-def import_modules(names: Sequence[str]) -> None:
-    """Import modules that optimizers may need, where they are installed."""
-    for name in names:
-        with contextlib.suppress(Exception):
-            import_module(name)
-    _settle()
 
 
 def check_problems() -> dict[str, Any]:

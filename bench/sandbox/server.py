@@ -191,6 +191,7 @@ class _Server:
                 _reap(pid, _REAP)
         del self._copies[pid]
         if self._process == 1:  # of its own namespaces: those of the copy have ended with it
+            self._reap_orphans()
             return ["value", code]
         until = monotonic() + _REAP
         while (strays := children() - self._before - {*self._copies.values()}) and monotonic() < until:
@@ -199,6 +200,17 @@ class _Server:
                     os.kill(stray, signal.SIGKILL)
                 _reap(stray, _PAUSE)
         return ["value", code]
+
+    def _reap_orphans(self) -> None:
+        """Wait for adopted processes that have ended, such as the first one of a copy's namespaces, until a copy has.
+
+        At most those that are ending right now stay until the next time.
+        """
+        with suppress(ChildProcessError):
+            while ended := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+                if ended.si_pid in self._copies:  # its code is asked for later
+                    return
+                os.waitpid(ended.si_pid, 0)
 
 
 def _reap(pid: int, seconds: float) -> int | None:

@@ -65,7 +65,7 @@ class Mine(Optimizer):
 
 @pytest.fixture(scope="module")
 def judge():
-    with Evaluator(TRAIN, TEST, budget=60, timeout=60, n_jobs=1, sandbox=False, baselines=["random-search"]) as made:
+    with Evaluator(TRAIN, TEST, budget=60, timeout=60, n_jobs=1, sandbox=False) as made:
         yield made
 
 
@@ -76,7 +76,7 @@ def test_every_shape_has_a_score_which_is_the_same_again(judge, source):
     assert 0 < found.score == again.score < 1
     assert found.frame["nfev"].tolist() == [60] * 4
     assert found.score == pytest.approx(found.frame["aocc"].mean())
-    assert [*found.by_problem.columns] == ["candidate", "random-search"]
+    assert [*found.by_problem.columns] == ["candidate", "cma-es", "random-search"]
 
 
 def test_objects_are_taken_and_score_as_their_source_does(judge):
@@ -126,7 +126,7 @@ def test_a_failed_candidate_scores_0_with_the_line_at_fault_and_costs_no_other(j
 
 def test_no_process_is_started_for_a_candidate_that_is_no_python(judge, monkeypatch):
     judge(FUNCTION)
-    monkeypatch.setattr("bench.evaluator.workers._Worker.row", lambda *_: pytest.fail("a process"))
+    monkeypatch.setattr("bench.evaluator.workers.Supervisor.make", lambda *_: pytest.fail("a process"))
     assert judge("x = '\\d'\nfor for\n").error == "line 2: SyntaxError: invalid syntax (<candidate>, line 2) (for for)"
     assert "left out" in judge("for for\n").frame["error"][0]
 
@@ -146,7 +146,7 @@ def f(objective, rng):
 
 
 def test_an_endless_candidate_ends_at_the_time_limit():
-    with Evaluator(TRAIN[0], budget=20, timeout=0.5, n_jobs=1, sandbox=False, baselines=[]) as judge:
+    with Evaluator(TRAIN[0], budget=20, timeout=0.5, n_jobs=1, sandbox=False) as judge:
         judge(FUNCTION)
         found = judge("while True:\n    pass\n")
         assert (found.score, found.error) == (0, "stopped after 0.5 s, the limit of a trial")
@@ -155,7 +155,7 @@ def test_an_endless_candidate_ends_at_the_time_limit():
 def test_feedback_is_short_and_compares_with_the_baselines(judge):
     found = judge(CALLED)
     assert found.feedback.startswith(f"AOCC {found.score:.3f} ± ")
-    assert "random-search" in found.feedback
+    assert "cma-es" in found.feedback
     assert "Used 100% of the evaluations." in found.feedback
     long = judge("def f(objective, rng):\n    raise ValueError('word ' * 50)\n")
     assert max(len(each.feedback.split()) for each in (found, long)) <= LONGEST
@@ -163,7 +163,7 @@ def test_feedback_is_short_and_compares_with_the_baselines(judge):
 
 def test_the_final_is_a_test_once_and_counts(judge):
     first, second = (judge.final(CALLED, trials=3) for _ in range(2))
-    assert first.table["rival"].tolist() == ["random-search"]
+    assert first.table["rival"].tolist() == ["cma-es", "random-search"]
     assert (first.finals, second.finals) == (0, 1)
     assert first.judged == second.judged > 0
     assert "spent" not in str(first)
@@ -181,7 +181,7 @@ def test_problems_of_train_are_not_held_out():
 def test_an_optimum_that_is_unknown_or_beaten_is_said():
     unknown = FunctionProblem(lambda x: x[0] ** 2, [-1.0], [1.0], name="unknown")
     beaten = FunctionProblem(lambda x: x[0] ** 2, [-1.0], [1.0], name="beaten", optimum=5.0)
-    with Evaluator([unknown, beaten], budget=20, n_jobs=1, sandbox=False, baselines=["random-search"]) as judge:
+    with Evaluator([unknown, beaten], budget=20, n_jobs=1, sandbox=False) as judge:
         said = " ".join(judge(FUNCTION).notes)
     assert "The optimum of unknown is unknown" in said
     assert "beaten" in said
@@ -247,7 +247,7 @@ def test_in_the_sandbox_the_score_is_the_same_and_no_file_is_reached(judge, tmp_
     secret = tmp_path / "secret"
     secret.write_text("x")
     thief = f"open({str(secret)!r})\n{FUNCTION}"
-    with Evaluator(TRAIN, budget=60, timeout=60, n_jobs=1, baselines=["random-search"]) as safe:
+    with Evaluator(TRAIN, budget=60, timeout=60, n_jobs=1) as safe:
         sound, failed = safe.map([FUNCTION, thief])
     assert sound.score == judge(FUNCTION).score
     assert failed.error.startswith("line 1: FileNotFoundError")

@@ -10,6 +10,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pandas as pd
+import psutil
 import pytest
 
 from bench import BenchError, Results, Study, load_optimizer, load_results, run
@@ -18,6 +19,7 @@ from bench.check.conformance.subject import Subject
 from bench.execution.job import MEMORY, TIMEOUT, Task, root, sandbox
 from bench.execution.verify import verify
 from bench.sandbox import bubblewrap, namespaces
+from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import Process
 from bench.storage.folder import SUMS
 
@@ -240,6 +242,18 @@ def inside(tmp_path_factory):
             return process.call(eval, code, seconds=60.0)
 
         yield evaluate
+
+
+@needed
+def test_what_copies_of_a_copy_leave_is_waited_for():
+    def ended():
+        return [each for each in psutil.Process().children(recursive=True) if each.status() == psutil.STATUS_ZOMBIE]
+
+    with ForkServer(sandbox=sandbox([])) as server:
+        branch, before = server.branch(), len(ended())
+        for _ in range(8):
+            branch.process().close()
+        assert len(ended()) <= before + 2  # one may be ending
 
 
 HONEST = """

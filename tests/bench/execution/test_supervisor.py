@@ -35,7 +35,7 @@ class Job:
     def before(self, problem):
         return 0
 
-    def make(self, trial, server):
+    def make(self, trial, server, held):
         Job.made += 1
         if Job.losses:
             Job.losses -= 1
