@@ -204,7 +204,8 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         empty = {"error": "", "fun": np.nan, "trace": b""}
         made = [trial.columns | empty | row for trial, row in zip(trials, rows, strict=True)]
         frame = pd.DataFrame(made)
-        self._optima = frame.groupby("problem")["fun"].min().dropna().to_dict() | self._optima
+        lowest: dict[Any, float] = frame.groupby("problem")["fun"].min().dropna().to_dict()
+        self._optima = lowest | self._optima
         frame["aocc"] = [
             area_over_curve(Trace.unpacked(each["trace"]), self._optima.get(label, np.nan), self._budgets[label])[0]
             for label, each in zip(frame["problem"], made, strict=True)

@@ -105,7 +105,7 @@ class Workers:
         if candidate.error:
             return failed("left out, as the candidate has failed")
         try:
-            row = self._local.supervisor.make(trial, candidate.held)
+            row: Row = self._local.supervisor.make(trial, candidate.held)
         except KilledError:
             row = failed("the evaluator was closed")
         if row["status"] != "ok" and not candidate.error:
