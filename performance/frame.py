@@ -56,7 +56,7 @@ def make(folder: Folder, trials: int) -> None:
     folder.claim(Study.from_dict(STUDY | {"trials": trials // CELLS}))
     rng = random.Random(1)
     with folder.store.writer() as writer, writer.transaction():
-        number = writer.environment({"host": "here"})
+        number = writer.record("environments", {"host": "here"})
         for place in range(trials):
             trial, row = made(rng, place % CELLS, place // CELLS)
             writer.put(packed(row) | trial.columns | {"environment": number})

@@ -332,7 +332,7 @@ def _commit(
                     return
                 trial, row, machine = answer
                 if machine not in numbers:
-                    numbers[machine] = writer.environment(json.loads(machine) | about)
+                    numbers[machine] = writer.record("environments", json.loads(machine) | about)
                     folder.write_environments()
                 beside = row.pop("beside", {})
                 outcome.journal.update(beside.get("journal", {}))

@@ -109,7 +109,7 @@ def verify(
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
     outcome = Verification(cells, len(chosen), pool.jobs, different, notes, store.sentence)
-    about = {"strict": FORKS, "sentence": outcome.sentence, "different": [*outcome.lines()]}
+    about = {"sentence": outcome.sentence, "different": [*outcome.lines()]}
     kept = {key: value for key, value in folder.noted(VERIFICATION).items() if key == AT_ENDS}
     with suppress(BenchError):  # of a folder that cannot be written to, the verdict is what is returned
         folder.note(VERIFICATION, kept | {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | about)

@@ -181,7 +181,7 @@ def _write(folder: Path, study: Study, runs: Iterable[ImportedRun], record: Json
         target.claim(study)
         target.note_selected(study)
         with target.store.writer() as writer:
-            number = writer.environment(record)
+            number = writer.record("environments", record)
             with writer.transaction():
                 for run in runs:
                     writer.put(_row(run) | {"environment": number})

@@ -12,6 +12,7 @@ from bench import analysis
 from bench.analysis.cells import labels, variables
 from bench.analysis.comparable import Comparable, comparable
 from bench.study import Entry, Study
+from bench.study.budget import Budget
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,14 @@ class Compared:
     @cached_property
     def budgets(self) -> dict[str, int]:
         """The evaluations that a trial on each problem was allowed."""
-        study = self.results.study
-        if study.budget.number:
-            return dict.fromkeys(self.problems, study.budget.number)
-        by_dimension = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
-        return {label: by_dimension.get(label, max(by_dimension.values(), default=1)) for label in self.problems}
+        return self._evaluations(self.results.study.budget)
+
+    def _evaluations(self, budget: Budget) -> dict[str, int]:
+        """Return the evaluations of a budget on each problem, the most of any where its dimension is not known."""
+        if budget.number:
+            return dict.fromkeys(self.problems, budget.number)
+        known = {label: budget.evaluations(dimension) for label, dimension in self.dimensions.items()}
+        return {label: known.get(label, max(known.values(), default=1)) for label in self.problems}
 
     @cached_property
     def allowed(self) -> analysis.Budgets:
@@ -87,10 +91,5 @@ class Compared:
         budgets = self.results.budgets
         if all(budget == self.results.study.budget for budget in budgets.values()):
             return self.budgets
-        return {
-            (label, optimizer): budget.evaluations(self.dimensions.get(label, 0))
-            if label in self.dimensions or budget.number
-            else self.budgets[label]
-            for label in self.problems
-            for optimizer, budget in budgets.items()
-        }
+        by_optimizer = {optimizer: self._evaluations(budget) for optimizer, budget in budgets.items()}
+        return {(label, optimizer): most[label] for label in self.problems for optimizer, most in by_optimizer.items()}

@@ -31,21 +31,20 @@ def united(studies: Sequence[Study], names: Sequence[str], stored: Callable[[str
         BenchError: when studies that were run here differ in budget or in the handling of constraints, when a problem's
             label has different options, and when imported results share no problem with the others.
     """
-    first = studies[0]
-    if len(studies) == 1:
+    first, *others = sorted(studies, key=lambda study: bool(study.imported))
+    if not others:
         return first
-    run_here = [study for study in studies if not study.imported]
-    problems: dict[str, Entry] = {}
-    for study in [*run_here, *(study for study in studies if study.imported)]:
+    problems = {entry.label: entry for entry in first.problems}
+    for study in others:
         if not study.imported:
-            _require_alike(run_here[0], study)
+            _require_alike(first, study)
         for entry in study.problems:
             if problems.setdefault(entry.label, entry) != entry and not study.imported:
                 raise BenchError(
                     f"problem {entry.label!r} has other options in {study.name!r} than in the studies before it; "
                     "only runs on the same problem can be compared"
                 )
-    if len(run_here) < len(studies):
+    if any(study.imported for study in studies):
         shared = compared(studies)
         problems = {label: entry for label, entry in problems.items() if label in shared}
         if not problems:
@@ -54,7 +53,7 @@ def united(studies: Sequence[Study], names: Sequence[str], stored: Callable[[str
                 f"{studies[-1].problems[0].label!r}; imported results can be compared on the same problems only"
             )
     return dataclasses.replace(
-        (run_here or [first])[0],
+        first,
         name="-".join(dict.fromkeys(study.name for study in studies))[:LONGEST_NAME],
         title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies))[:LONGEST_TITLE],
         trials=max(study.trials for study in studies),
@@ -103,16 +102,15 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
 
 
 def _require_alike(first: Study, study: Study) -> None:
-    if study.budget != first.budget:
-        raise BenchError(
-            f"study {first.name!r} has a budget of {first.budget_words} and {study.name!r} one of "
-            f"{study.budget_words}; only runs of one budget can be compared"
-        )
-    if study.constraints != first.constraints:
-        raise BenchError(
-            f"study {first.name!r} handles constraints by {first.constraints!r} and {study.name!r} by "
-            f"{study.constraints!r}; only runs of one handling can be compared"
-        )
+    for what, one, other in (
+        ("budget", first.budget, study.budget),
+        ("handling of constraints", first.constraints, study.constraints),
+    ):
+        if one != other:
+            raise BenchError(
+                f"study {first.name!r} has the {what} {one!r}, and {study.name!r} {other!r}; only runs of one {what} "
+                "can be compared"
+            )
 
 
 def compared(studies: Sequence[Study]) -> dict[str, str]:

@@ -133,7 +133,8 @@ class Folder:
     def note_selected(self, study: Study) -> None:
         """Add what a run selects to the history of this folder, which must be locked."""
         with self.store.writer() as writer:
-            writer.history(
+            writer.record(
+                "history",
                 {
                     "when": provenance.now(),
                     "study": study.identity(),
@@ -143,7 +144,7 @@ class Folder:
                     "subject": study.subject,
                     "problems": [entry.label for entry in study.problems],
                     "optimizers": [entry.label for entry in study.optimizers],
-                }
+                },
             )
 
     def save(self, path: Path) -> Path:
@@ -197,7 +198,7 @@ class Folder:
     def note_look(self, look: dict[str, Any]) -> None:
         """Add a comparison and its outcome to the history; raises BenchError where a run holds the folder."""
         with self.lock(), self.store.writer() as writer:
-            writer.history({"look": look})
+            writer.record("history", {"look": look})
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.
@@ -205,16 +206,13 @@ class Folder:
         Raises:
             BenchError: where it is damaged.
         """
-        try:
-            noted = parse_json((self.path / name).read_bytes())
-        except FileNotFoundError:
-            return {}
-        except OSError as error:
-            raise BenchError(f"{self.path / name} cannot be read: {error.strerror}") from error
-        except ValueError as error:
-            raise self._damaged(name) from error
+        path, noted = self.path / name, None
+        with explained(f"{path} cannot be read"):
+            content = path.read_bytes() if path.exists() else b"{}"
+        with suppress(ValueError):
+            noted = parse_json(content)
         if not isinstance(noted, dict):
-            raise self._damaged(name)
+            raise BenchError(f"{path} is damaged; restore it from a copy, or remove it")
         return noted
 
     def note(self, name: str, content: Mapping[str, Any]) -> None:
@@ -323,9 +321,6 @@ class Folder:
     def _taken(self, holder: dict[str, Any] | None) -> BenchError:
         who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""
         return BenchError(f"another run {who}is writing to {self.path}; wait for its end or give another --output")
-
-    def _damaged(self, name: str) -> BenchError:
-        return BenchError(f"{self.path / name} is damaged; restore it from a copy, or remove it")
 
     def _write(self, name: str, text: str) -> None:
         with replacing(self.path / name) as temporary:

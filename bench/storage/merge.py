@@ -10,6 +10,7 @@ from os import PathLike
 from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import Present, shown
+from bench.storage.cells import Cells
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.rows import disagreement
 from bench.storage.selection import Selection
@@ -44,7 +45,7 @@ def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
     sources, target = [Folder(path) for path in folders], Folder(output)
     if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
         raise BenchError("a folder is given twice; give folders that differ, and another one to write")
-    study, cells = _common([(source, source.study()) for source in sources])
+    study, cells = _common(sources)
     for source in sources:
         source.require_sound()
     with target.lock():
@@ -59,26 +60,24 @@ def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
     return Merged(rows, added, same)
 
 
-def _common(studies: list[tuple[Folder, Study]]) -> tuple[Study, dict[Labels, Cell]]:
+def _common(sources: Sequence[Folder]) -> tuple[Study, dict[Labels, Cell]]:
     """Return the study of all folders, with the largest number of trials, and its cells."""
-    (first, study), *_ = studies
-    known = first.store.held()
-    cells = known.by_labels
-    for folder, other in studies[1:]:
-        held = folder.store.held()
-        different = other.identity() != study.identity()
+    studies = [source.study() for source in sources]
+    cells, known = dict[Labels, Cell](), Cells()
+    for source, study in zip(sources, studies, strict=True):
+        held = source.store.held()
+        different = study.identity() != studies[0].identity()
         for labels, cell in held.by_labels.items():
-            theirs = held.made_from(cell)
-            cells.setdefault(labels, fits := known.fitting(cell.bare, theirs, cells.get(labels, cell)))
-            different = different or cells[labels] != fits
-            known.add(fits, theirs)
+            first, theirs = cells.setdefault(labels, cell), held.made_from(cell)
+            different = different or first.bare != cell.bare or bool(known.conflicts(first, theirs))
+            known.add(first, theirs)
         if different:
             raise BenchError(
-                f"{folder.path} holds another study than {first.path}, or trials of other code or data; only parts of "
-                "one study can be merged: run the study with --reuse to take the trials that it shares with others"
+                f"{source.path} holds another study than {sources[0].path}, or trials of other code or data; only "
+                "parts of one study can be merged: run the study with --reuse to take the trials that it shares with "
+                "others"
             )
-        study = study.override(trials=max(study.trials, other.trials))
-    return study, cells
+    return studies[0].override(trials=max(study.trials for study in studies)), cells
 
 
 @dataclass(frozen=True)
@@ -146,30 +145,28 @@ def take(source: Folder, writer: Writer, wanted: Mapping[Cell, Cell] | None = No
     Raises:
         BenchError: when a trial has two outcomes.
     """
-    mark, added, same = {"reused": where} if where else {}, 0, 0
+    mark, counts = {"reused": where} if where else {}, Counter[bool]()
     with source.store.reader() as reader:
-        there = reader.cells
         chosen: dict[int, Cell] = {}
-        for number, cell in there.all.items():
+        for number, cell in reader.cells.all.items():
             if wanted is None or cell in wanted:
-                theirs = there.made_from(cell)
+                theirs = reader.cells.made_from(cell)
                 chosen[number] = writer.cells.fitting(cell.bare, theirs, cell) if wanted is None else wanted[cell]
                 writer.cells.add(chosen[number], theirs)
-        made = {environment for place, environment in reader.made_by() if place in chosen}
+        made = {environment for number, environment in reader.made_by() if number in chosen}
         environments = {n: each for n, each in reader.records("environments").items() if each and n in made}
         numbers = {
-            "environment": {n: writer.environment(each | mark) for n, each in environments.items()},
-            "inputs": {n: writer.inputs(each) for n, each in reader.records("inputs").items() if each},
+            "environment": {n: writer.record("environments", each | mark) for n, each in environments.items()},
+            "inputs": {n: writer.record("inputs", each) for n, each in reader.records("inputs").items() if each},
         }
         for record in reader.records("history").values():
-            writer.history(record | mark)
+            writer.record("history", record | mark)
         with writer.transaction():
-            for place, row in reader.sound():
-                if place in chosen:
-                    renumbered = {name: known.get(row[name]) for name, known in numbers.items()}
-                    new = _add(row | renumbered, writer.number(chosen[place]), writer, source)
-                    added, same = added + new, same + (not new)
-    return added, same
+            for number, row in reader.sound():
+                if number in chosen:
+                    renumbered = {column: known.get(row[column]) for column, known in numbers.items()}
+                    counts[_add(row | renumbered, writer.number(chosen[number]), writer, source)] += 1
+    return counts[True], counts[False]
 
 
 def _add(row: Row, number: int, writer: Writer, source: Folder) -> bool:

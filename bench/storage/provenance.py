@@ -78,7 +78,6 @@ def run(
         "study": study.identity(),
         "timeout": timeout,
         "shard": shard,
-        "strict": untrusted,  # two keys, as there were two modes
         "sandbox": "bwrap" if untrusted else None,
         "trials": study.trials,
         "subject": study.subject,

@@ -61,8 +61,8 @@ class Store:
     Values are stored as 8-byte floats, nothing is rounded and nothing is ever unpickled.
     """
 
-    def __init__(self, folder: Path, file: str = FILE) -> None:
-        self.path = folder / file
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / FILE
 
     @property
     def exists(self) -> bool:

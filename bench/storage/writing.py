@@ -66,7 +66,7 @@ class Writer:
             return None, [{}, {}]
         if made_from not in self._inputs:
             record = json.loads(made_from)
-            self._inputs[made_from] = self.inputs(record), split(record)
+            self._inputs[made_from] = self.record("inputs", record), split(record)
         return self._inputs[made_from]
 
     @contextmanager
@@ -149,30 +149,19 @@ class Writer:
             self._connection.execute("INSERT INTO study VALUES (?, ?)", values)
         self._read()
 
-    def environment(self, record: Mapping[str, Any]) -> int:
-        """Commit an environment's record and return its number; equal records have one number."""
-        return self._number("environments", record)
-
-    def inputs(self, record: Mapping[str, Any]) -> int:
-        """Commit what trials were made from, likewise."""
-        return self._number("inputs", record)
-
-    def history(self, record: Mapping[str, Any]) -> None:
-        """Commit what a run selected, unless that is known."""
-        self._number("history", record)
-
-    def change(self, number: int, record: Mapping[str, Any]) -> None:
-        """Commit a changed record of an environment."""
-        with self.transaction():
-            self._record("environments", number, json.dumps(record))
-
-    def _number(self, table: str, record: Mapping[str, Any]) -> int:
+    def record(self, table: str, record: Mapping[str, Any]) -> int:
+        """Commit a record of environments, inputs or history, and return its number; equal records have one number."""
         text = json.dumps(record)
         if (number := self._known(table, record=text)) is None:
             with self.transaction():
                 number = self._id(table, record=text)
-                self._record(table, number, text)
+                self._set_record(table, number, text)
         return number
+
+    def change(self, number: int, record: Mapping[str, Any]) -> None:
+        """Commit a changed record of an environment."""
+        with self.transaction():
+            self._set_record("environments", number, json.dumps(record))
 
     def _known(self, table: str, **values: Any) -> int | None:
         """Return the number of the row that has these values."""
@@ -199,7 +188,7 @@ class Writer:
     def _note(self) -> None:
         committed.write(self.path.parent, self._committed)
 
-    def _record(self, table: str, number: int, text: str) -> None:
+    def _set_record(self, table: str, number: int, text: str) -> None:
         values = text, record_digest(number, text.encode()), number
         self._connection.execute(f"UPDATE {table} SET record = ?, digest = ? WHERE id = ?", values)
 

@@ -112,7 +112,7 @@ def store(folder, study, row_of, trials=None, record=None):
     place.path.mkdir(parents=True, exist_ok=True)
     place.claim(study)
     with place.store.writer() as writer:
-        run = writer.environment(record) if record else None
+        run = writer.record("environments", record) if record else None
         for trial in trials or study.plan():
             if row := row_of(trial):
                 writer.add(trial, packed(row), run)

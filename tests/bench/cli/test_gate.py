@@ -76,8 +76,8 @@ def test_another_look_after_more_trials_is_said_with_the_way_out(bench_here, fol
     for name, seed in (("old", 1), ("new", 2)):
         write(tmp_path, name, seed=seed)
     with Folder(tmp_path / "new").store.writer() as writer:
-        writer.history({"seed": 2, "trials": 4})
-        writer.history({"seed": 2, "trials": 12})
+        writer.record("history", {"seed": 2, "trials": 4})
+        writer.record("history", {"seed": 2, "trials": 12})
     said = " ".join(bench_here("gate", "old", "new", cwd=tmp_path).stdout.split())
     assert (
         "new was extended from 4 to 12 trials: after an undecided look, a false alarm has a chance above 0.05" in said
@@ -94,7 +94,7 @@ def test_a_look_that_was_undecided_is_said_at_the_next_one(bench_here, tmp_path)
     write(tmp_path, "more", seed=2, trials=30)
     with Folder(tmp_path / "more").store.writer() as writer:  # as a run that extends the folder keeps it
         (look,) = (each for each in Folder(tmp_path / "new").looks())
-        writer.history({"look": look})
+        writer.record("history", {"look": look})
     said = " ".join(bench_here("gate", "old", "more", cwd=tmp_path).stdout.split())
     assert (
         "An earlier look at this comparison, at 68 of these 120 trials, was undecided: the level of 0.05 does" in said
@@ -102,6 +102,6 @@ def test_a_look_that_was_undecided_is_said_at_the_next_one(bench_here, tmp_path)
     assert "trials a problem with a new seed, which restores it" in said
     write(tmp_path, "anew", seed=3, trials=30)
     with Folder(tmp_path / "anew").store.writer() as writer:
-        writer.history({"look": look})
+        writer.record("history", {"look": look})
     assert "earlier look" not in bench_here("gate", "old", "anew", cwd=tmp_path).stdout
     assert Folder(tmp_path / "more").history() == []

@@ -61,7 +61,7 @@ def made_up(path, study):
     folder = Folder(path)
     folder.claim(study)
     with folder.store.writer() as writer:
-        number = writer.environment({"host": "here"})
+        number = writer.record("environments", {"host": "here"})
         for trial in replace(study, trials=1).plan():
             writer.add(trial, {"status": "failed", "error": "RuntimeError: no"}, number)
     return path

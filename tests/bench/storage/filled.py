@@ -46,7 +46,7 @@ def add_missing(folder):
     missing = [each for each in rows() if each[0].key not in done]
     if missing:
         with folder.store.writer() as writer:
-            number = writer.environment(RECORD)
+            number = writer.record("environments", RECORD)
             for trial, row in missing:
                 writer.add(trial, packed(row), number)
 
@@ -64,7 +64,8 @@ def change_data(path, data):
     with store.writer() as writer:
         writer.remove(cells)
         made = {
-            state: writer.inputs({"problem": {f"file:{DATA}": [state, []]}, "optimizer": {}}) for state in data.values()
+            state: writer.record("inputs", {"problem": {f"file:{DATA}": [state, []]}, "optimizer": {}})
+            for state in data.values()
         }
         with writer.transaction():
             for cell, row in rows:

@@ -25,7 +25,7 @@ def killed(filled, tmp_path_factory):
     folder.claim(filled.study())
     for some, last in ((every[:-MORE], False), (every[-MORE:], True)):
         with folder.store.writer() as writer:
-            number = writer.environment(RECORD)
+            number = writer.record("environments", RECORD)
             for trial, row in some:
                 writer.add(trial, packed(row), number)
             if last:

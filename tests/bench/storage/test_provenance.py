@@ -103,7 +103,7 @@ class TestRun:
         others = {"started", "ended", "command", "working_folder"}
         assert {key: value for key, value in record.items() if key not in others} == {
             "jobs": 4, "backend": "local", "study": small_study.identity(),
-            "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3,
+            "timeout": 9.5, "shard": "1/2", "sandbox": None, "trials": 3,
             "subject": "",
         }  # fmt: skip
 

@@ -129,9 +129,9 @@ def test_a_row_that_is_refused_leaves_the_writer_usable(store):
 
 def test_the_same_environment_has_one_number(store):
     with store.writer() as writer:
-        one, two = writer.environment({"host": "a"}), writer.environment({"host": "b"})
+        one, two = writer.record("environments", {"host": "a"}), writer.record("environments", {"host": "b"})
         assert one != two
-        assert writer.environment({"host": "a"}) == one
+        assert writer.record("environments", {"host": "a"}) == one
         writer.change(two, {"host": "c"})
         writer.add(trial(0), packed(finished()), two)
         writer.add(trial(1), packed(finished()))
@@ -328,7 +328,7 @@ def study_of_store(tmp_path):
     folder.path.mkdir()
     folder.claim(Study.load(study))
     with folder.store.writer() as writer:
-        number = writer.environment({"host": "here", "started": "2026-01-01T00:00:00+00:00"})
+        number = writer.record("environments", {"host": "here", "started": "2026-01-01T00:00:00+00:00"})
         for each in range(100):
             writer.add(trial(each), packed(finished()), number)
     return study, folder

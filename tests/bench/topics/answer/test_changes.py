@@ -16,7 +16,7 @@ FIRST = {"when": "2026-01-01", "seed": 0, "trials": 8, "budget": 100, "subject":
 def found(folder, *records, subject=None):
     with Folder(folder).store.writer() as writer:
         for record in records:
-            writer.history(record)
+            writer.record("history", record)
     return Findings(Results(folder), asked_subject=subject)
 
 

@@ -59,7 +59,7 @@ def test_an_older_report_is_called_old_and_what_the_results_say_now_is_printed(m
     file.write_text(json.dumps(now | {"sentence": "As it was noted."}))
     assert "As it was noted." in said()
     with Folder(folder).store.writer() as writer:
-        writer.history({"look": {"outcome": "undecided"}})
+        writer.record("history", {"look": {"outcome": "undecided"}})
     assert "As it was noted." in said()  # a look changes no result
     assert old not in said()
     file.write_text(json.dumps(now | {"sentence": "A stale verdict.", "state": "other trials"}))

@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
         }
         place.claim(study, Selection(cells))
         with place.store.writer() as writer:
-            run = writer.environment({"subject": "mine", "started": f"2026-01-0{number}"})
+            run = writer.record("environments", {"subject": "mine", "started": f"2026-01-0{number}"})
             for trial in study.plan():
                 if trial.optimizer == "mine" or number == 1:
                     ends = value if trial.optimizer == "mine" else 5.0
