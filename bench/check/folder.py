@@ -19,7 +19,6 @@ from bench.plugins.inputs import Inputs, Present
 from bench.storage import provenance
 from bench.storage.cells import Cells
 from bench.storage.folder import CHECKS, Folder
-from bench.storage.versions import package_versions
 from bench.study import Entry
 
 
@@ -102,7 +101,7 @@ def key(entry: Entry, made: Inputs) -> str:
     if not made or Present().changed(made):
         return ""
     about: list[object] = [
-        provenance.package(), platform.python_version(), package_versions(),
+        provenance.package(), platform.python_version(), provenance.package_versions(),
         {name: state for name, (state, _) in made.items()}, entry.name, entry.options,
     ]  # fmt: skip
     return short_hash(json.dumps(about, sort_keys=True, default=str))

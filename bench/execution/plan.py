@@ -10,8 +10,8 @@ from itertools import islice
 from pathlib import Path
 
 from bench.helpers.errors import BenchError
+from bench.storage.reading import Key
 from bench.storage.store import CellCounts
-from bench.storage.traces import Key
 from bench.study import Study
 from bench.study.cell import Labels
 from bench.trial.trial import Trial

@@ -31,7 +31,7 @@ from bench.results.tidy import Tidy
 from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
 from bench.storage.folder import DESCRIPTIONS, Folder
-from bench.storage.traces import Traces
+from bench.storage.reading import Traces
 from bench.study.budget import Budget
 from bench.study.selection import Dimensions, Patterns, selected
 from bench.trial.columns import FEATURES, FRAME, PRECISION

@@ -96,7 +96,9 @@ class Tidy:
         if not self._rows:
             return pd.DataFrame(columns=[*COLUMNS])
         whole = {name: np.concatenate(self._parts.pop(name)) for name in ("cell", "trial")}
-        order = self._order(whole["cell"], whole["trial"], problems, optimizers)
+        first, second = ({label: place for place, label in enumerate(labels)} for labels in (problems, optimizers))
+        ranks = np.array([first[p] * len(optimizers) + second[o] for _, p, o in self._known["cell"]])
+        order = np.lexsort((whole["trial"], ranks[whole["cell"]])).astype(np.int32)
         series: dict[str, Any] = dict.fromkeys(COLUMNS)
         for place, name in enumerate(("study", "problem", "optimizer")):
             series[name] = _taken([cell[place] for cell in self._known["cell"]], whole["cell"][order])
@@ -119,15 +121,6 @@ class Tidy:
                     values[places] = numbers
                 series[f"{column.prefix}{name}"] = values[order]
         return pd.DataFrame(series, copy=False)  # a copy would gather columns of a type, and double them for a while
-
-    def _order(self, codes: Array, trials: Array, problems: Sequence[str], optimizers: Sequence[str]) -> Array:
-        """Return the places of the rows in the order of the frame."""
-        cells = pd.DataFrame([*self._known["cell"]], columns=["study", "problem", "optimizer"])
-        first, second = (
-            pd.Index(among).get_indexer(pd.Index(cells[name]))[codes].astype(np.int32)
-            for name, among in (("problem", problems), ("optimizer", optimizers))
-        )
-        return np.lexsort((trials, second, first)).astype(np.int32)
 
 
 def _taken(values: Sequence[str | None], places: Array) -> pd.Series:

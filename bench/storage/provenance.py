@@ -11,12 +11,13 @@ import os
 import platform
 import shlex
 import socket
+import subprocess
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import distribution
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,10 @@ from threadpoolctl import threadpool_info
 
 from bench.helpers.text import printable
 from bench.plugins import registry
-from bench.storage.versions import content_hash, own_state, package_versions
 from bench.study import Study
+
+PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")
+"""Distributions whose versions are noted; those that plug-ins load are among the inputs of trials."""
 
 LONGEST = 10_000
 """Characters noted of a text, such as a command with all its arguments."""
@@ -116,7 +119,8 @@ def package() -> str:
     digest = hashlib.sha256()
     for top in sorted({entry.module.partition(".")[0] for entry in harness.entry_points}):
         for file in sorted((home / top).rglob("*.py")):
-            digest.update(file.relative_to(home).as_posix().encode() + b"\0" + content_hash(file))
+            content = hashlib.sha256(file.read_bytes()).digest()
+            digest.update(file.relative_to(home).as_posix().encode() + b"\0" + content)
     return f"{registry.DISTRIBUTION} {harness.version} (code {digest.hexdigest()[:8]})"
 
 
@@ -155,7 +159,39 @@ def _versions(record: Mapping[str, Any]) -> dict[str, str]:
     return {what: str(value) for what, value in (packages | named).items() if value}
 
 
-# the machine
+# the machine and its versions
+
+
+def package_versions() -> dict[str, str]:
+    """Return the versions of the installed ``PACKAGES``."""
+    versions = {}
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            package = distribution(name)
+            versions[str(package.name)] = str(package.version)
+    return versions
+
+
+@cache
+def own_state(file: Path = Path(__file__)) -> dict[str, Any] | None:
+    """Return the commit of the checkout that a file is in, and whether files of the checkout were changed since.
+
+    None of an installed package, outside a checkout, and where git cannot report it.
+    """
+    if registry.is_installed(file):
+        return None
+    # In a hook, git's variables name another repository.
+    plain = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    command = ["git", "-c", "core.fsmonitor=false", "describe", "--always", "--exclude=*", "--abbrev=40", "--dirty"]
+    try:
+        found = subprocess.run(
+            command, cwd=file.resolve().parent, env=plain | {"GIT_OPTIONAL_LOCKS": "0"}, stdin=subprocess.DEVNULL,
+            capture_output=True, check=True, timeout=60, text=True,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):  # git is missing, fails or takes too long
+        return None
+    commit, _, dirty = found.stdout.strip().partition("-")
+    return {"commit": commit, "dirty": bool(dirty)}
 
 
 def _processor() -> str:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import chain, islice
 from typing import Any
 
+from bench.contract.objective import Trace
 from bench.helpers.text import listed, printable
 from bench.storage.cells import Cells, binding_of, read, records_of
 from bench.storage.committed import Committed
 from bench.storage.rows import NAMES, TEXTS, VALUES, decoded, digest
-from bench.storage.traces import Key
 
 NAMED = 3  # damaged trials that a sentence names
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
@@ -22,6 +22,29 @@ LONGEST = 100  # characters of a label, which may be damaged too
 
 READ = ("digest", "cell", "names", "trial", *VALUES)
 """The columns of the rows that are read to be compared with their digests."""
+
+Key = tuple[str, str, int]
+"""Problem label, optimizer label and number of a trial."""
+
+
+class Traces(Mapping[Key, Trace]):
+    """The anytime traces of trials by (problem, optimizer, trial), in the order of the store.
+
+    They are held as the bytes of the store, as a study may have hundreds of thousands. A trace is unpacked when it is
+    asked for.
+    """
+
+    def __init__(self, packed: Mapping[Key, bytes]) -> None:
+        self.packed = packed
+
+    def __getitem__(self, key: Key) -> Trace:
+        return Trace.unpacked(self.packed[key])
+
+    def __iter__(self) -> Iterator[Key]:
+        return iter(self.packed)
+
+    def __len__(self) -> int:
+        return len(self.packed)
 
 
 @dataclass

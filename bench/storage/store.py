@@ -20,10 +20,9 @@ from bench.helpers.text import printable, short_hash
 from bench.storage import committed
 from bench.storage.cells import Cells, read
 from bench.storage.committed import Committed
-from bench.storage.reading import Reader, StoreCheck
+from bench.storage.reading import Key, Reader, StoreCheck, Traces
 from bench.storage.rows import COLUMNS, decoded
 from bench.storage.schema import SELECTED, VERSION, layout, prepare, strange
-from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
 from bench.study.cell import Labels
 

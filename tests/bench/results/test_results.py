@@ -105,7 +105,7 @@ def test_folders_of_one_name_are_distinguished_by_their_parents(ran):
 
 def test_what_cannot_be_compared_is_refused(ran):
     one = ran("one")
-    with pytest.raises(BenchError, match="budget of 60 evaluations"):
+    with pytest.raises(BenchError, match=r"the budget 60, and .small. 50"):
         Results(one, ran("short", budget=50))
     with pytest.raises(BenchError, match="given twice"):
         Results(one, one)

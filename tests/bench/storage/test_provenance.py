@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.storage import provenance, versions
+from bench.storage import provenance
 from bench.storage.provenance import differences, machine, run
 
 RECORD = {
@@ -48,7 +48,7 @@ class TestMachine:
 
 @pytest.fixture
 def git(tmp_path, monkeypatch):
-    """Return a function that runs git in a checkout which the harness seems to run from."""
+    """Return a function that runs git in a checkout."""
     for name in [name for name in os.environ if name.startswith("GIT_")]:
         monkeypatch.delenv(name)
     (tmp_path / "notes.txt").write_text("old")
@@ -60,36 +60,36 @@ def git(tmp_path, monkeypatch):
     ask("init")
     ask("add", ".")
     ask("commit", "-m", "first")
-    monkeypatch.setattr(versions, "_SELF", tmp_path / "bench" / "storage" / "versions.py")
-    monkeypatch.setattr(versions, "own_state", versions.own_state.__wrapped__)
     return ask
 
 
 class TestOwnState:
+    own_state = staticmethod(provenance.own_state.__wrapped__)
+
     def test_it_is_the_commit_and_whether_files_were_changed(self, git, tmp_path):
-        clean = versions.own_state()
+        clean = self.own_state(tmp_path / "own.py")
         assert clean == {"commit": clean["commit"], "dirty": False}
         assert len(clean["commit"]) == 40
         (tmp_path / "run.log").write_text("a run may write beside the code that it runs")
-        assert versions.own_state() == clean
+        assert self.own_state(tmp_path / "own.py") == clean
         (tmp_path / "notes.txt").write_text("new")
-        assert versions.own_state() == clean | {"dirty": True}
+        assert self.own_state(tmp_path / "own.py") == clean | {"dirty": True}
 
     def test_the_variables_of_a_git_hook_do_not_mislead(self, git, monkeypatch, tmp_path):
-        before = versions.own_state()
+        before = self.own_state(tmp_path / "own.py")
         monkeypatch.setenv("GIT_DIR", str(tmp_path / "nowhere"))
         monkeypatch.setenv("GIT_INDEX_FILE", str(tmp_path / "nowhere"))
-        assert versions.own_state() == before
+        assert self.own_state(tmp_path / "own.py") == before
 
     def test_without_git_or_a_commit_nothing_is_recorded(self, git, monkeypatch, tmp_path):
         git("update-ref", "-d", "HEAD")
-        assert versions.own_state() is None
+        assert self.own_state(tmp_path / "own.py") is None
         monkeypatch.setenv("PATH", str(tmp_path))
-        assert versions.own_state() is None
+        assert self.own_state(tmp_path / "own.py") is None
 
-    def test_an_installed_package_is_no_part_of_the_checkout_around_it(self, git, monkeypatch, tmp_path):
-        monkeypatch.setattr(versions, "_SELF", tmp_path / ".venv" / "site-packages" / "bench" / "versions.py")
-        assert versions.own_state() is None
+    def test_an_installed_package_is_no_part_of_the_checkout_around_it(self, git, tmp_path):
+        (tmp_path / "site-packages").mkdir()
+        assert self.own_state(tmp_path / "site-packages" / "own.py") is None
 
 
 class TestRun:

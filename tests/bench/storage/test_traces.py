@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import Trace
-from bench.storage.traces import Traces
+from bench.storage.reading import Traces
 
 ONE = Trace(np.array([1, 5, 40]), np.array([3.0, 1.5, -2.0]))
 NONE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
