@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 from math import isnan
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -171,36 +171,29 @@ class OncePerPoint(Program):
         retries: how often a program that ended with an exit code is started again for a point, after 1, 2, 4 … s.
     """
 
-    def __init__(self, *arguments: Any, retries: int = 0) -> None:
-        super().__init__(*arguments)
-        require_whole(f"problem {self.name!r}: 'retries'", retries, 0, 100)
-        self._retries = retries
+    def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Mapping[str, Any]) -> None:
+        settings = dict(box)
+        self._retries = settings.pop("retries", 0)
+        require_whole(f"problem {name!r}: 'retries'", self._retries, 0, 100)
+        super().__init__(name, command, folder, settings)
 
     def answer(self, row: Floats) -> list[float]:
         """Return the numbers in the last line that the program prints or writes."""
         texts = dict(zip(self.variables, map(repr, self.coordinates(row)), strict=True))
-        with TemporaryDirectory() if self._has_files else nullcontext("") as place:
-            files = {"in": str(Path(place, "in.txt")), "out": str(Path(place, "out.txt"))}
+        with TemporaryDirectory() as place:
+            files = {"in": Path(place, "in.txt"), "out": Path(place, "out.txt")}
             words = [_filled(word, {**files, **texts}) for word in self._command.words]
-            if words == [*self._command.words]:
-                words += texts.values()
-            if place:
-                Path(files["in"]).write_text("".join(f"{name} = {text}\n" for name, text in texts.items()))
+            words += texts.values() if words == [*self._command.words] else ()
+            files["in"].write_text("".join(f"{name} = {text}\n" for name, text in texts.items()))
+            done = self._run(words)
             for wait in (2.0**number for number in range(self._retries)):
-                if (done := self._run(words)).returncode <= 0:
-                    break
-                sleep(min(wait, LONGEST_WAIT))
-            else:
-                done = self._run(words)
+                if done.returncode > 0:
+                    sleep(min(wait, LONGEST_WAIT))
+                    done = self._run(words)
             written = done.stdout
             if any("{out}" in word for word in self._command.words):
-                with suppress(OSError):
-                    written = Path(files["out"]).read_bytes() if Path(files["out"]).exists() else b""
+                written = files["out"].read_bytes() if files["out"].is_file() else b""
         return self._read(done, _last(written))
-
-    @property
-    def _has_files(self) -> bool:
-        return any(f"{{{name}}}" in word for word in self._command.words for name in ("in", "out"))
 
     def _run(self, words: list[str]) -> subprocess.CompletedProcess[bytes]:
         try:
@@ -224,9 +217,9 @@ class OncePerPoint(Program):
         raise BenchError(f"the program {title} {what}; wanted is {wanted}{complaint}")
 
 
-def _filled(word: str, texts: Mapping[str, str]) -> str:
+def _filled(word: str, texts: Mapping[str, object]) -> str:
     for name, text in texts.items():
-        word = word.replace(f"{{{name}}}", text)
+        word = word.replace(f"{{{name}}}", str(text))
     return word
 
 
@@ -264,16 +257,15 @@ class Command:
         """Return no name: there is nothing to list."""
         return []
 
-    def load(self, name: str, /, folder: str | None = None, retries: int = 0, **box: Any) -> Problem:
+    def load(self, name: str, /, folder: str | None = None, **box: Any) -> Problem:
         """Return the problem of a program; raises BenchError where it cannot be started or gives no box.
 
         Args:
             name: ``command:`` and the words of the command, as in a shell.
             folder: in which the program runs; by default the one in which the harness was called.
-            retries: how often a program that is started for each point, and ended with an exit code, is started again,
-                such as for a licence that is not free.
             box: ``lower``, ``upper``, and ``variables``, ``integer``, ``optimum`` and the number of ``violations``, of
-                a program that is started for each point; another one says so itself.
+                a program that is started for each point; another one says so itself. ``retries`` is how often it is
+                started again where it ended with an exit code, such as for a licence that is not free.
         """
         for option in box:
             if option not in OPTIONS:
@@ -282,9 +274,8 @@ class Command:
             raise BenchError(f"problem {name!r}: there is no folder {folder!r} to run the program in")
         command = ProgramCommand.read(name)
         if {"lower", "upper"} <= box.keys():
-            return OncePerPoint(name, command, folder, box, retries=retries)
-        if box or retries:
-            box |= {"retries": retries} if retries else {}
+            return OncePerPoint(name, command, folder, box)
+        if box:
             raise BenchError(f"problem {name!r} has {', '.join(box)}, but not both lower and upper, which give a box")
         return Conversation(name, command, folder, _first_line(command, folder))
 

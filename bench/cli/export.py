@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
 from pathlib import Path
 from typing import Annotated
 
@@ -47,24 +48,21 @@ def command(
 
 def _write_evaluations(folder: Path, output: Path) -> None:
     """Write the evaluations in the journals of a folder as a CSV file."""
-    from pandas import DataFrame, concat
+    from pandas import DataFrame
 
     from bench.execution.journal import journals
 
-    tables = []
-    for head, records in journals(folder):
-        table = DataFrame({key: [head[key]] * len(records) for key in ("problem", "optimizer", "trial", "seed")})
-        table["evaluation"] = [each["n"] + 1 for each in records]
-        for place, name in enumerate(head["variables"]):
-            table[f"x_{name}"] = [each["x"][place] for each in records]
-        table["f"] = [each["f"] for each in records]
-        for place in range(max((len(each["g"]) for each in records), default=0)):
-            table[f"g{place + 1}"] = [each["g"][place] for each in records]
-        table["seconds"] = [each["s"] for each in records]
-        table["error"] = [each.get("error", "") for each in records]
-        tables.append(table)
-    if not tables:
+    rows = [
+        {name: head[name] for name in ("problem", "optimizer", "trial", "seed")}
+        | {"evaluation": each["n"] + 1}
+        | {f"x_{name}": value for name, value in zip(head["variables"], each["x"], strict=True)}
+        | {"f": each["f"], "seconds": each["s"], "error": each.get("error", "")}
+        | {f"g{number}": value for number, value in enumerate(each["g"], start=1)}
+        for head, records in journals(folder)
+        for each in sorted(records, key=itemgetter("n"))
+    ]
+    if not rows:
         raise BenchError(f"{folder} has no journal: no trial had evaluations of 0.1 s or more, nor 'journal = true'")
     output.mkdir(parents=True, exist_ok=True)
-    concat(tables).to_csv(output / "evaluations.csv", index=False)
+    DataFrame(rows).to_csv(output / "evaluations.csv", index=False)
     print_line(f"export: {output / 'evaluations.csv'}")

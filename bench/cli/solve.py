@@ -9,16 +9,15 @@ import typer
 from rich.console import Console
 
 from bench.cli.console import Parameters, Untrusted, table
-from bench.contract.typing import Floats, Options
-from bench.helpers.console import pairs, print_error, print_line
+from bench.contract.typing import Options
+from bench.helpers.console import pairs, print_error
 from bench.helpers.errors import BenchError, ProblemError
 from bench.helpers.text import said
 from bench.plugins import loading
 from bench.sandbox.messages import describe_error
 from bench.study.budget import Budget
 from bench.trial.columns import Row, named
-from bench.trial.scoring.constraints import DEFAULT
-from bench.trial.trial import as_row
+from bench.trial.trial import Interrupted, as_row
 
 Named = tuple[str, Options]  # a plug-in's name and its options
 
@@ -70,16 +69,16 @@ def command(
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    limits: dict[str, object] = {"evaluation_timeout": evaluation_timeout, "time": time}
     if untrusted and output:
         raise BenchError("with --untrusted no --output is written: evaluations are noted by the code that is run")
-    limits |= {"output": output} if output else {}
-    limits |= {"final_target": final_target, "stop_at": stop_at}
+    given = {
+        "evaluation_timeout": evaluation_timeout, "time": time, "initial": initial, "output": output,
+        "final_target": final_target, "stop_at": stop_at, "parallel": parallel, "constraints": constraints,
+    }  # fmt: skip
     make = _row_apart if untrusted else _row
     row = make(
         (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,
-        constraints=constraints or DEFAULT, on_error=on_error, parallel=parallel or 1, initial=initial,
-        **{key: limit for key, limit in limits.items() if limit is not None},
+        on_error=on_error, **{key: value for key, value in given.items() if value is not None},
     )  # fmt: skip
     if row["status"] != "ok":
         print_error(row["error"] if row.get("problem") else f"{optimizer} failed on {problem}: {row['error']}")
@@ -93,6 +92,9 @@ def command(
         ("time", f"{objective:.3f} s in the objective and {row['wall_s'] - objective:.3f} s in the optimizer"),
     ]
     Console().print(table(("", ""), rows))
+    if row["stop"] == "interrupted":
+        print_error("interrupted" + "; the same command goes on from here" * (output is not None))
+        sys.exit(130)
     if row["stop"] == "undeclared":
         print_error(
             f"{optimizer} returned before the budget was spent and declared no reason: loop until the budget ends the "
@@ -111,22 +113,13 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
     chosen.check_budget(spent, optimizer[0])
     if not loading.brings_code(optimizer[0]):
         warm(loaded, chosen, spent)
-    seen: list[tuple[int, Floats, float]] = []
-
-    def note(count: int, x: Floats, f: float, lowest: float) -> None:
-        if not seen or f <= lowest:
-            seen[:] = [(count, x, f)]
-
     try:
-        found = solve(loaded, chosen, budget=spent, on_evaluation=note if "output" in settings else None, **settings)
+        try:
+            found = solve(loaded, chosen, budget=spent, **settings)
+        except Interrupted as interrupted:
+            found = interrupted.args[0]
         return as_row(found, tuple(map(said, loaded.variables))) | {"noisy": loaded.noisy}
     except BenchError:
-        raise
-    except KeyboardInterrupt:
-        for count, x, f in seen:
-            print_line(
-                f"interrupted; the best value is {f!r} of evaluation {count}, at {x.tolist()}; call it again to go on"
-            )
         raise
     except ProblemError as error:
         return {"status": "failed", "problem": True, "error": f"{problem[0]} failed: {describe_error(error.raised)}"}
@@ -139,5 +132,6 @@ def _row_apart(problem: Named, optimizer: Named, budget: Budget, **settings: Any
     from bench.execution.solve import solve_untrusted
 
     about, chosen = ({"name": name, **options} for name, options in (problem, optimizer))
-    known = settings.pop("initial")
-    return solve_untrusted(about | ({"initial": known} if known else {}), chosen, budget=budget, **settings)
+    if "initial" in settings:
+        about["initial"] = settings.pop("initial")
+    return solve_untrusted(about, chosen, budget=budget, **settings)

@@ -28,18 +28,13 @@ class Within(ProgressColumn):
     """Displays how many evaluations the trials under way have made, and their best value, where they are slow."""
 
     max_refresh = 2.0  # seconds
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.folder: Path | None = None
+    folder: Path | None = None
 
     def render(self, task: Task) -> Text:
         """Return a text for the first bar, that of all trials."""
-        found = [*under_way(self.folder)] if self.folder is not None and task.id == 0 else []
-        if not found:
-            return Text("")
-        made, lowest = sum(len(records) for _, records in found), min(best(records) for _, records in found)
-        return Text(f"{count(made, 'evaluation')} of trials under way, best {lowest:.6g}")
+        found = [records for _, records in under_way(self.folder)] if self.folder and task.id == 0 else []
+        trials = ", ".join(f"best {best(records):.6g} of {count(len(records), 'evaluation')}" for records in found)
+        return Text(f"under way: {trials}" if trials else "")
 
 
 class Display:

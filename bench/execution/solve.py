@@ -11,11 +11,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from bench.contract.numbers import MOST_PARALLEL, require_seed, require_whole, seconds
+from bench.contract.numbers import require_seed
 from bench.contract.objective import OnEvaluation
 from bench.contract.optimizer import Optimizer
 from bench.contract.problem import Problem
@@ -32,11 +31,10 @@ from bench.plugins.packing import pack
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.study import Study
-from bench.study.budget import Budget
 from bench.study.initial import known_points, with_initial
 from bench.trial.columns import Row
 from bench.trial.scoring import constraints as handlings
-from bench.trial.scoring import goal, read_final_target, read_stop_at, scored
+from bench.trial.scoring import scored
 from bench.trial.trial import UNASKED, Result, Trial, numbers, search
 
 
@@ -86,7 +84,6 @@ def solve(
         on_evaluation: called after each evaluation with its number from 1, the (d,) point, its value (+inf of an
             infeasible point) and the lowest value so far; it may raise :class:`bench.StopRun`.
         initial: (k, d) points that are known, with which the run begins, or the name of a CSV file of them.
-
         output: a folder in which the evaluations are noted, so that the same call goes on after an interruption
             (:mod:`bench.execution.journal`); of a problem without noise.
 
@@ -98,33 +95,26 @@ def solve(
     """
     loaded = loading.as_problem(problem, bounds)
     chosen = loading.as_optimizer(optimizer)
-    require_seed("the seed", seed)
-    require_whole("parallel", parallel, 1, MOST_PARALLEL)
-    limits = [
-        None if limit is None else seconds(limit, name)
-        for name, limit in (("evaluation_timeout", evaluation_timeout), ("time", time))
-    ]
-    spent = Budget.read(budget).evaluations(loaded.dimension)
+    study = Study(
+        "solve", (), (), budget=budget, seed=seed, constraints=constraints, on_error=on_error, time=time,
+        evaluation_timeout=evaluation_timeout, parallel=parallel, final_target=final_target, stop_at=stop_at,
+    )  # fmt: skip
+    spent = study.evaluations(loaded.dimension)
     if initial is not None:
-        known = initial if isinstance(initial, str) else np.asarray(initial, dtype=np.float64)
-        loaded = with_initial(copy(loaded), known_points(known, "of this call"))
-    minimized = scored(loaded, handlings.read_handling(constraints), on_error)
-    good = goal(
-        minimized,
-        None if final_target is None else read_final_target(final_target, "final_target"),
-        None if stop_at is None else read_stop_at(stop_at, "stop_at"),
-    )
+        loaded = with_initial(copy(loaded), known_points(initial, "of this call"))
+    minimized = scored(loaded, study.constraints, study.on_error)
+    good = study.goal(minimized)
     journal = None
     if output is not None and not loaded.noisy:
-        trial = Trial(loaded.name, title(optimizer), 0, seed)
-        key = trial.columns | {"budget": spent, "variables": [*loaded.variables]}
+        key = Trial(loaded.name, title(optimizer), 0, seed).columns
+        key |= {"budget": spent, "variables": [*loaded.variables]}
         Path(output).mkdir(parents=True, exist_ok=True)
-        journal = Journal(Path(output), key, _about(loaded), limit=limits[0], always=True)
+        journal = Journal(Path(output), key, _about(loaded), limit=study.evaluation_timeout, always=True)
     if isinstance(optimizer, str):
         warm(minimized, chosen, spent)
     # Results and times must not depend on the number of BLAS threads.
-    with threadpool_limits(limits=1), evaluated(minimized, parallel, limits[0], journal) as answering:
-        found = search(answering, chosen, spent, seed, end_if_stuck, limits[1], good, on_evaluation)
+    with threadpool_limits(limits=1), evaluated(minimized, *study.evaluation, journal) as answering:
+        found = search(answering, chosen, spent, seed, end_if_stuck, study.time, good, on_evaluation)
         try:
             metrics = numbers(answering.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it
@@ -137,9 +127,8 @@ def solve(
 
 def _about(problem: Problem) -> dict[str, Any]:
     """Return what decides the values of a problem of this session, as far as it can be known: its code and files."""
-    words = map(Path, problem.name.replace("'", "").removeprefix("command:").split())
-    about: dict[str, Any] = {str(word): hash_of(str(word)) for word in words if word.is_file()}
-    about["box"] = [problem.lower.tolist(), problem.upper.tolist()]
+    words = problem.name.replace("'", "").removeprefix("command:").split()
+    about = {word: hash_of(word) for word in words if Path(word).is_file()}
     with suppress(BenchError):
         about["code"] = pack(problem).digest
     return about

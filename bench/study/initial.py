@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from bench.contract.numbers import is_finite
 from bench.contract.problem import Problem
+from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError, explained
 
 Points = tuple[tuple[float, ...], ...]
@@ -27,19 +26,20 @@ def known_points(given: Any, where: str = "given") -> Points:
     Raises:
         BenchError: for anything else.
     """
-    rows = given.tolist() if isinstance(given, np.ndarray) else given
-    if isinstance(given, str | Path):
-        with explained(f"study {where}: the points in {given} cannot be read", (OSError, ValueError, csv.Error)):
-            lines = [line for line in csv.reader(Path(given).read_text(encoding="utf-8-sig").splitlines()) if line]
-            rows = [_numbers(line) for line in lines]
-            rows = rows[1:] if rows and isinstance(rows[0][0], str) else rows
-    lists = isinstance(rows, list | tuple) and rows and all(isinstance(row, list | tuple) and row for row in rows)
-    if not lists or not all(is_finite(value) for row in rows for value in row) or len({*map(len, rows)}) > 1:
+    points: Floats = np.empty(0)
+    with explained(f"study {where}: the points in {given} cannot be read"), suppress(TypeError, ValueError):
+        if isinstance(given, str | Path):
+            with Path(given).open(encoding="utf-8-sig") as file:
+                points = np.genfromtxt(file, delimiter=",", ndmin=2)
+            points = points[1:] if np.isnan(points[:1]).all() else points
+        else:
+            points = np.array(given, dtype=np.float64)
+    if points.ndim != 2 or not points.size or not np.isfinite(points).all():
         raise BenchError(
             f"study {where}: 'initial' must be a list of points of one dimension, as in [[0.5, 2.0]], or a CSV file of "
             "them"
         )
-    return tuple(tuple(map(float, row)) for row in rows)
+    return tuple(tuple(map(float, point)) for point in points)
 
 
 def with_initial(problem: Problem, points: Points) -> Problem:
@@ -57,9 +57,3 @@ def with_initial(problem: Problem, points: Points) -> Problem:
             )
         object.__setattr__(problem, "initial_points", array)  # also of a frozen dataclass
     return problem
-
-
-def _numbers(texts: list[str]) -> list[float] | list[str]:
-    with suppress(ValueError):
-        return [float(text) for text in texts]
-    return texts

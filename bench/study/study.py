@@ -10,12 +10,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
+from math import inf, nextafter
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
-from bench.contract.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, require_whole, seconds
+from bench.contract.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, is_finite, require_whole, seconds
 from bench.contract.optimizer import Optimizer
 from bench.contract.problem import Problem
 from bench.contract.seeds import trial_seed
@@ -31,7 +32,7 @@ from bench.study.initial import with_initial
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
 from bench.trial.scoring import constraints as handlings
-from bench.trial.scoring import goal, read_final_target, read_stop_at, require_on_error, scored
+from bench.trial.scoring import require_on_error, scored
 from bench.trial.trial import Trial
 
 LONGEST_NAME, LONGEST_TITLE = 100, 1000
@@ -44,6 +45,12 @@ TRIALS = 30
 
 def _whole(value: object, what: str, *, least: int, most: int) -> int:
     return require_whole(what, value, least, most)
+
+
+def _finite(value: Any, what: str, *, least: float = -inf) -> float:
+    if not is_finite(value) or value <= least:
+        raise BenchError(f"{what} must be a {'positive ' * (least == 0)}number, not {value!r}")
+    return float(value)
 
 
 @dataclass(frozen=True)
@@ -66,7 +73,8 @@ class Study:
             made in a process that is ended then, and the point fails. None: no limit.
         time: wall seconds after which a trial ends before its budget, or a text such as ``"10 min"``: the call of the
             objective that is then under way is its last. Such a trial cannot be repeated bit by bit. None: no limit.
-        final_target: the difference to the known optimum at which a trial ends, such as 1e-8; None: none.
+        final_target: the difference to the known optimum at which a trial ends, such as 1e-8 in COCO (Hansen et al.
+            2021); None: none.
         stop_at: the value at which a trial ends once a feasible point has it; None: none.
         journal: whether the evaluations of a trial are noted in the folder whatever they take, for a trial that was
             interrupted; otherwise slow ones are. It decides no trial's result.
@@ -89,8 +97,8 @@ class Study:
     on_error: Checked[str] = Checked(require_on_error, "fail")
     evaluation_timeout: Checked[float | None] = Checked(seconds)
     time: Checked[float | None] = Checked(seconds)
-    final_target: Checked[float | None] = Checked(read_final_target)
-    stop_at: Checked[float | None] = Checked(read_stop_at)
+    final_target: Checked[float | None] = Checked(partial(_finite, least=0))
+    stop_at: Checked[float | None] = Checked(_finite)
     journal: bool = False
     parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
@@ -165,8 +173,23 @@ class Study:
         return self.parallel, self.evaluation_timeout
 
     def goal(self, problem: Problem) -> float:
-        """Return the value at which a trial on the problem ends, -inf for none; raises BenchError without optimum."""
-        return goal(problem, self.final_target, self.stop_at)
+        """Return the value that ends a trial on the problem once a feasible point has it; -inf where none does.
+
+        Raises:
+            BenchError: for a difference to an optimum that is not known.
+        """
+        value = -inf if self.stop_at is None else self.stop_at
+        if self.final_target is None:
+            return value
+        if problem.optimum is None:
+            raise BenchError(
+                f"problem {problem.name!r} has no known optimum, from which 'final_target' counts; give 'stop_at', a "
+                "value"
+            )
+        near = problem.optimum + self.final_target
+        while near - problem.optimum > self.final_target:  # the sum is rounded, and reports subtract
+            near = nextafter(near, -inf)
+        return max(near, value)
 
     @property
     def budget_words(self) -> str:

@@ -135,21 +135,34 @@ def search(
     Raises:
         ProblemError: when the problem raises at a point in the box.
         RuntimeError: when the optimizer returns without an evaluation.
+        Interrupted: on Ctrl-C after an evaluation.
         BaseException: whatever the optimizer raises.
     """
     start_stream, search_stream = streams(seed)
     objective = scoring.objective(problem, budget, start_stream, on_refusal, seconds, goal, on_evaluation)
     memory, wall, cpu = peak_memory(), perf_counter(), process_time()
-    returned = None
+    returned = interrupt = None
     try:
         returned = optimizer.minimize(objective, search_stream)
     except BudgetExhausted:
         pass
+    except KeyboardInterrupt as error:
+        if objective.best_point is None:
+            raise
+        interrupt = error
+        objective.stop("interrupted")
     except (Exception, SystemExit):
         if objective.raised is None:
             raise
     wall, cpu, memory = perf_counter() - wall, process_time() - cpu, peak_memory() - memory
-    return result(objective, seed, wall, cpu, memory, returned)
+    found = result(objective, seed, wall, cpu, memory, returned)
+    if interrupt is not None:
+        raise Interrupted(found) from interrupt
+    return found
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run of one optimizer; the first argument is its result so far, without metrics."""
 
 
 def peak_memory() -> float:

@@ -248,9 +248,13 @@ def test_a_run_by_solve_goes_on_after_an_interruption(tmp_path):
     problem.compiles = False
     whole = solve(problem, "cma-es", **settings)
     count.unlink()
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt) as interrupted:
         solve(problem, "cma-es", on_evaluation=tired, output=tmp_path / "out", **settings)
     assert len(lines(count)) == 24  # whole generations
+    so_far = interrupted.value.args[0]
+    assert (so_far.nfev, so_far.stop) == (24, "interrupted")
+    assert so_far.fun == function(so_far.x)
+    count.write_text("x\n" * 24)
     found = solve(problem, "cma-es", output=tmp_path / "out", **settings)
     assert (found.fun, found.x.tolist(), found.nfev) == (whole.fun, whole.x.tolist(), 40)
     assert len(lines(count)) == 40
@@ -276,4 +280,4 @@ def test_status_and_progress_count_the_evaluations_of_a_trial_under_way(tmp_path
         assert "o on p, trial 0: 2 of 9 evaluations, best 2.25, about" in line
         with Progress(column) as progress:
             progress.add_task("all")
-            assert str(column.render(progress.tasks[0])) == "2 evaluations of trials under way, best 2.25"
+            assert str(column.render(progress.tasks[0])) == "under way: best 2.25 of 2 evaluations"

@@ -5,6 +5,7 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
 from bench.execution.verify import verify
+from bench.study.initial import known_points
 
 BOX = [(-5, 5)] * 2
 KNOWN = [[4.0, 4.0], [0.5, -0.5]]
@@ -48,6 +49,17 @@ def test_they_are_handed_out_once_whatever_is_asked_for():
     assert first.nfev == 0
     assert first.start_point().shape == (2,)
     assert first.nfev == 0
+
+
+def test_a_csv_file_has_a_point_in_each_line(tmp_path):
+    (tmp_path / "designs.csv").write_text("\ufeffx1, x2\n4.0, 4.0\n\n0.5, -0.5\n", encoding="utf-8")
+    assert known_points(str(tmp_path / "designs.csv")) == tuple(map(tuple, KNOWN))
+    (tmp_path / "one.csv").write_text("4.0,4.0")
+    assert known_points(tmp_path / "one.csv") == ((4.0, 4.0),)
+    for broken in ("x1,x2\n4.0\n", "x1;x2\n4.0;4.0\n", "4.0,4.0\n1,none\n", "x1,x2\n"):
+        (tmp_path / "broken.csv").write_text(broken)
+        with pytest.raises(BenchError, match="'initial' must be a list of points of one dimension"):
+            known_points(tmp_path / "broken.csv")
 
 
 @pytest.mark.parametrize(
