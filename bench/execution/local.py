@@ -33,6 +33,8 @@ RESERVE = 64  # for all else: the store, figures, modules that are imported
 class Local(AbstractContextManager["Local"]):
     """A context of ``n_jobs`` supervisors of processes, which are kept for further trials of its task.
 
+    ``supervise`` makes one of a task.
+
     Attributes:
         jobs: their number.
         share: the bytes of the machine's memory for each.
@@ -41,7 +43,8 @@ class Local(AbstractContextManager["Local"]):
         BenchError: where the system allows too few open files.
     """
 
-    def __init__(self, n_jobs: int) -> None:
+    def __init__(self, n_jobs: int, supervise: Callable[[Task], Supervisor] = Supervisor) -> None:
+        self._supervise = supervise
         self.jobs = effective_n_jobs(n_jobs)
         self.share: int | None = int(SHARE * provenance.memory() / self.jobs)
         require_files(self.jobs)
@@ -65,7 +68,7 @@ class Local(AbstractContextManager["Local"]):
             missing: returns the trials that are not finished at the moment they are reached.
         """
         if not self._supervisors:
-            self._supervisors = [Supervisor(task) for _ in range(self.jobs)]
+            self._supervisors = [self._supervise(task) for _ in range(self.jobs)]
         idle, turn = [*enumerate(self._supervisors)], Lock()
 
         def make(trial: Trial) -> Answer:

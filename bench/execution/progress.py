@@ -99,13 +99,9 @@ class Display:
 
 def displayed(progress: bool | None) -> AbstractContextManager[Display | None]:
     """Return a display of a run's progress, or of nothing; with None, a display in a notebook and nothing elsewhere."""
-    wanted = in_notebook() if progress is None else progress
-    return Display(Console()) if wanted else nullcontext()
-
-
-def in_notebook() -> bool:
-    """Return whether this process is the kernel of a notebook."""
-    return Console().is_jupyter
+    console = Console()
+    wanted = console.is_jupyter if progress is None else progress
+    return Display(console) if wanted else nullcontext()
 
 
 def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:

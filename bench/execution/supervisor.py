@@ -134,11 +134,11 @@ def failed(reason: str) -> Row:
 class Supervisor:
     """Has trials made one at a time, in processes that are replaced where they are lost.
 
-    One thread uses it; any may end it by :meth:`kill`.
+    One thread uses it; any may end it by :meth:`kill`. ``start`` starts the processes of a task.
     """
 
-    def __init__(self, task: Task) -> None:
-        self._task = task
+    def __init__(self, task: Task, start: Callable[[Task], Job] = Job) -> None:
+        self._task, self._start = task, start
         self._lock, self._killed = threading.Lock(), False
         self._job: Job | None = None
 
@@ -195,7 +195,7 @@ class Supervisor:
             if self._killed:
                 raise KilledError
             if self._job is None:
-                self._job = Job(self._task)
+                self._job = self._start(self._task)
             return self._job
 
     def _made(self, trial: Trial, job: Job, held: Objects) -> Row:

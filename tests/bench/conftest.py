@@ -53,6 +53,29 @@ def bench(testing_plugins):
     return run
 
 
+@pytest.fixture
+def install(tmp_path, monkeypatch):
+    """Return a function that installs a package of one module with entry points of one group, and returns its folder.
+
+    Values of entry points name what the module has.
+    """
+
+    def installed(module, group, values, code="", place="installed"):
+        folder = tmp_path / place
+        information = folder / f"{module}-1.0.dist-info"
+        information.mkdir(parents=True)
+        (folder / f"{module}.py").write_text(code)
+        (information / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
+        lines = [f"{name} = {module}:{value}" for name, value in values.items()]
+        (information / "entry_points.txt").write_text("\n".join([f"[{group}]", *lines, ""]))
+        monkeypatch.syspath_prepend(folder)
+        registry.entries.cache_clear()
+        return folder
+
+    yield installed
+    registry.entries.cache_clear()
+
+
 BUILT = {}  # the command line by the commands in it: typer takes half a second to read their annotations
 
 

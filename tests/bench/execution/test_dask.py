@@ -7,7 +7,6 @@ import socket
 import subprocess
 import sys
 import time
-from itertools import repeat
 from pathlib import Path
 
 import psutil
@@ -16,7 +15,7 @@ import pytest
 from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution import dask as cluster
 from bench.execution import dask_worker
-from bench.execution.supervisor import KilledError, Task, WorkerDiedError
+from bench.execution.supervisor import Task, WorkerDiedError
 from tests.bench.sandbox.helpers import hear_interrupts
 
 distributed = pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
@@ -233,26 +232,33 @@ def test_the_third_worker_in_a_row_that_is_killed_ends_the_run(times, ends, mach
 
 
 @pytest.mark.slow
-def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
+def test_idle_and_unwanted_trial_processes_end(monkeypatch, tmp_path):
     monkeypatch.setattr(dask_worker, "LOOK", 0.1)
     monkeypatch.setattr(dask_worker, "IDLE", 0.5)
-    monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: True)
-    task, trial = Task(small_study), next(small_study.plan())
+    monkeypatch.setenv("GATE", str(tmp_path / "gate"))  # for which the trial of the slow problem waits
+    study = slow_study(1)
+    task, trials = Task(study), {trial.problem: trial for trial in study.plan()}
     before = set(psutil.Process().children())
 
     def started():
         return set(psutil.Process().children()) - before
 
-    first, _ = dask_worker.work("run", task, trial)
-    kept = started()
-    second, _ = dask_worker.work("run", task, trial)
-    assert first["fun"] == second["fun"]
-    assert started() == kept, "the second trial starts no process"
-    until(lambda: not started(), "the idle processes to end")
-    monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: False)
-    with pytest.raises(KilledError):
-        list(map(dask_worker.work, repeat("run"), repeat(task), repeat(trial)))
-    assert not started()
+    one_thread = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(processes=False, **one_thread) as client:
+
+        def submit(problem):
+            return client.submit(dask_worker.work, "run", task, trials[problem], pure=False)
+
+        first, _ = submit("sphere-3").result()
+        kept = started()
+        second, _ = submit("sphere-3").result()
+        assert first["fun"] == second["fun"]
+        assert started() == kept, "the second trial starts no process"
+        until(lambda: not started(), "the idle processes to end")
+        unwanted = submit("slow-2")
+        until(started, "its process")
+        unwanted.cancel()
+        until(lambda: not started(), "the unwanted process to end")
 
 
 @pytest.mark.slow

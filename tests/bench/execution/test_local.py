@@ -4,7 +4,6 @@ from itertools import count
 
 import pytest
 
-from bench.execution import local as module
 from bench.execution.job import Task
 from bench.execution.local import Local
 from bench.execution.supervisor import KilledError
@@ -31,10 +30,9 @@ class Supervisor:
 
 
 @pytest.fixture
-def local(monkeypatch, small_study):
-    monkeypatch.setattr(module, "Supervisor", Supervisor)
-    before = set(threading.enumerate())
-    yield lambda jobs, missing, on_begin=None: Local(jobs).answers(Task(small_study), "machine", on_begin, missing)
+def local(small_study):
+    before, task = set(threading.enumerate()), Task(small_study)
+    yield lambda jobs, missing, on_begin=None: Local(jobs, Supervisor).answers(task, "machine", on_begin, missing)
     for thread in set(threading.enumerate()) - before:
         thread.join(10.0)
         assert not thread.is_alive()

@@ -3,32 +3,29 @@
 import pytest
 
 from bench import Study, run
-from bench.execution import progress
+from bench.execution.progress import Display, displayed
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize(
-    ("asked", "notebook", "shown"), [(None, False, 0), (None, True, 1), (True, False, 1), (False, True, 0)]
-)
-def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
-    asked, notebook, shown, small_study, tmp_path, monkeypatch, capsys
-):
-    monkeypatch.setattr(progress, "in_notebook", lambda: notebook)
+def test_a_run_prints_its_progress_where_it_is_asked_for(small_study, tmp_path, capsys):
     heard = []
-    study = small_study.override(trials=1)
-    run(
-        study,
-        tmp_path / "out",
-        n_jobs=1,
-        progress=asked,
-        on_plan=heard.append,
-        on_trial=lambda *each: heard.append(each),
-    )
+    options = {"on_plan": heard.append, "on_trial": lambda *each: heard.append(each)}
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1, progress=True, **options)
     printed = capsys.readouterr().out
-    assert printed.count("study small: 2 problems x 3 optimizers x 1 trial = 6 runs of 60 evaluations") == shown
-    assert printed.count("6 of 6 runs done") == shown
+    assert printed.count("study small: 2 problems x 3 optimizers x 1 trial = 6 runs of 60 evaluations") == 1
+    assert printed.count("6 of 6 runs done") == 1
     assert len(heard) == 7
     assert heard[0].folder == tmp_path / "out"
+
+
+@pytest.mark.parametrize(
+    ("asked", "notebook", "shown"),
+    [(None, False, False), (None, True, True), (True, False, True), (False, True, False)],
+)
+def test_progress_is_displayed_in_a_notebook_and_where_it_is_asked_for(asked, notebook, shown, monkeypatch):
+    if notebook:  # rich asks a kernel's process so
+        kernel = type("ZMQInteractiveShell", (), {})
+        monkeypatch.setattr("builtins.get_ipython", kernel, raising=False)
+    assert isinstance(displayed(asked), Display) is shown
 
 
 def test_a_part_of_a_study_may_hold_no_trial(small_study, tmp_path, capsys):

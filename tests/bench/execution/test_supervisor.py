@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from bench.contract.objective import Trace
-from bench.execution import supervisor as module
 from bench.execution.answers import Box
 from bench.execution.job import Task
 from bench.execution.supervisor import Supervisor
@@ -52,14 +51,13 @@ class Job:
 
 
 @pytest.fixture
-def row(monkeypatch, small_study):
+def row(small_study):
     """Make a trial on the problem named; return its row."""
-    monkeypatch.setattr(module, "Job", Job)
     Job.made = 0
 
     def make(problem, losses=0):
         Job.losses = losses
-        return Supervisor(Task(small_study)).make(Trial(problem, "optimizer", 0, 1))
+        return Supervisor(Task(small_study), Job).make(Trial(problem, "optimizer", 0, 1))
 
     return make
 

@@ -4,7 +4,6 @@ import ast
 import os
 import subprocess
 import sys
-from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -78,13 +77,13 @@ def test_a_broken_plugin_breaks_no_other():
         load_optimizer("broken")
 
 
-def test_two_plugins_of_one_name_are_refused_by_name(monkeypatch):
-    twins = [EntryPoint("twin", f"package{i}:Thing", "bench.optimizers") for i in (1, 2)]
-    monkeypatch.setattr(registry, "entry_points", lambda group: twins)
-    registry.entries.cache_clear()
-    with pytest.raises(BenchError, match=r"two plug-ins of bench\.optimizers are called 'twin'.*package1:.*package2:"):
+def test_two_plugins_of_one_name_are_refused_by_name(install):
+    for i in (1, 2):
+        install(f"package{i}", "bench.optimizers", {"twin": "Thing"}, place=f"{i}")
+    with pytest.raises(
+        BenchError, match=r"two plug-ins of bench\.optimizers are called 'twin'.*package\d:.*package\d:"
+    ):
         registry.entries("optimizers")
-    registry.entries.cache_clear()
 
 
 @pytest.mark.parametrize("name", ["optimizers", "problems"])

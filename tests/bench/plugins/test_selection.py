@@ -2,8 +2,8 @@
 
 import pytest
 
-from bench import BenchError, Grid, Study
-from bench.plugins import registry, selection
+from bench import BenchError, Study
+from bench.plugins import selection
 from bench.plugins.selection import matching, selected
 
 OPTIMIZERS = [{"name": "random-search"}]
@@ -29,15 +29,8 @@ def test_a_name_is_no_pattern_nor_is_a_path():
         assert matching(name) == [name]
 
 
-def test_a_broken_family_hides_no_other(monkeypatch):
-    load = registry.load
-
-    def broken(group, name):
-        if name == "cec2011":
-            raise BenchError("broken")
-        return load(group, name)
-
-    monkeypatch.setattr(registry, "load", broken)
+def test_a_broken_family_hides_no_other(install):
+    install("broken_family", "bench.problems", {"cec2000": "broken"}, "raise OSError")
     assert len(matching("cec20*-f03-d10")) == 4
     assert matching("bbob-f01-d2-i1?")[-1] == "bbob-f01-d2-i15"
 
@@ -136,17 +129,20 @@ def test_problems_join_a_study_on_the_command_line(bench_here, tmp_path):
     assert "'sphere-2' occurs twice among the problems" in twice.stderr
 
 
-def test_another_package_s_family_may_have_a_grid(monkeypatch):
-    class Family:
-        grid = Grid("stars", {"sun": (2, 3)}, instances=4)
+STARS = """
+from bench import Grid
 
-        def names(self):
-            return list(self.grid.names(instances=[1]))
+class Family:
+    grid = Grid("stars", {"sun": (2, 3)}, instances=4)
 
-        def load(self, name):
-            raise AssertionError
+    def names(self):
+        return list(self.grid.names(instances=[1]))
 
-    monkeypatch.setattr(registry, "entries", lambda group: {"stars": None})
-    monkeypatch.setattr(registry, "load", lambda group, name: Family())
+family = Family()
+"""
+
+
+def test_another_package_s_family_may_have_a_grid(install):
+    install("family_of_stars", "bench.problems", {"stars": "family"}, STARS)
     assert matching("stars-*-d3-*") == [f"stars-sun-d3-i{k}" for k in (1, 2, 3, 4)]
     assert selected("stars", "sun", 2, "9") == ["stars-sun-d2-i9"]

@@ -158,11 +158,6 @@ class TestPrecision:
     def test_a_frame_without_a_known_optimum_has_no_such_column(self, tmp_path):
         assert "precision" not in make(tmp_path / "s", {"sphere-2": 2}).frame
 
-    def test_problems_of_no_suite_are_not_loaded_for_it(self, tmp_path, monkeypatch):
-        results = make(tmp_path / "s", {"sphere-2": 2})
-        monkeypatch.setattr(Results, "facts", lambda *_: pytest.fail("loaded"))
-        assert len(results.frame)
-
 
 @pytest.mark.slow
 def test_the_facts_hold_the_optimum_of_repaired_points_where_it_is_another_one(tmp_path):

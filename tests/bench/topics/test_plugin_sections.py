@@ -2,7 +2,6 @@
 
 import pytest
 
-from bench.plugins import registry
 from bench.topics import write_report
 from tests.bench.topics.test_write import PARTS, numbered
 
@@ -53,27 +52,12 @@ def undrawn(findings):
 """
 
 
-@pytest.fixture
-def installed(tmp_path, monkeypatch):
-    """Return a function that installs a package with such sections."""
-
-    def install(*names):
-        place = tmp_path / "installed"
-        information = place / "strange-1.0.dist-info"
-        information.mkdir(parents=True)
-        (place / "strange_sections.py").write_text(CODE)
-        (information / "METADATA").write_text("Metadata-Version: 2.1\nName: strange\nVersion: 1.0\n")
-        lines = [f"{name} = strange_sections:{name}" for name in names]
-        (information / "entry_points.txt").write_text("\n".join(["[bench.report_sections]", *lines, ""]))
-        monkeypatch.syspath_prepend(place)
-        registry.entries.cache_clear()
-
-    yield install
-    registry.entries.cache_clear()
+def every(*names):
+    return "strange_sections", "bench.report_sections", dict(zip(names, names, strict=True)), CODE
 
 
-def test_they_come_after_the_harness_own_and_one_of_its_titles_adds_to_it(make, read, tmp_path, installed):
-    installed("mine", "cost", "units", "part")
+def test_they_come_after_the_harness_own_and_one_of_its_titles_adds_to_it(make, read, tmp_path, install):
+    install(*every("mine", "cost", "units", "part"))
     folder = make(tmp_path / "s", problems=("p",), trials=2)
     page = read(write_report(folder))
     assert page.texts("h2") == numbered([*PARTS[:4], "In your units", *PARTS[4:], "Mine", "Part"])
@@ -84,8 +68,8 @@ def test_they_come_after_the_harness_own_and_one_of_its_titles_adds_to_it(make, 
 
 
 @pytest.mark.usefixtures("draws")
-def test_one_that_fails_or_cannot_be_drawn_costs_only_itself(make, read, tmp_path, installed):
-    installed("mine", "boom", "number", "half", "undrawn")
+def test_one_that_fails_or_cannot_be_drawn_costs_only_itself(make, read, tmp_path, install):
+    install(*every("mine", "boom", "number", "half", "undrawn"))
     folder = make(tmp_path / "s", problems=("p",), trials=2)
     page = read(write_report(folder))
     failed = [f"Section {name}" for name in ("boom", "half", "number", "undrawn")]

@@ -1,5 +1,6 @@
 """The best of 2009: every time beside cocopp's own, and one sentence where it cannot be read."""
 
+import sys
 from importlib.util import find_spec
 from itertools import product
 
@@ -115,13 +116,16 @@ def test_a_study_without_such_a_problem_is_refused():
 
 
 def test_without_cocopp_the_sentence_names_the_extra(monkeypatch):
-    monkeypatch.setattr(best2009, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "cocopp", None)
     with pytest.raises(BenchError, match=r"read from cocopp, which is not installed; .*'backlash-bench\[coco\]'"):
         best2009.best2009(["bbob-f01-d2-i1"])
 
 
 def test_a_cocopp_without_the_data_is_named(monkeypatch, tmp_path):
-    monkeypatch.setattr(best2009, "_package", lambda: tmp_path)
+    (tmp_path / "cocopp").mkdir()
+    (tmp_path / "cocopp" / "__init__.py").touch()
+    monkeypatch.delitem(sys.modules, "cocopp", raising=False)
+    monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(BenchError, match=r"the installed cocopp has no best2009-bbob\.tar\.gz"):
         best2009.best2009(["bbob-f01-d2-i1"])
 
