@@ -58,21 +58,8 @@ def command(
     against its list of hashes and kept. The folder is read like any other: 'bench report MINE IMPORTED' compares both.
     Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends the import; --partial imports
     the others, and reports list what is missing.
-
-    A table of a paper has means and no trials: it is imported into the folder of a run, whose report then compares it
-    with the trials and judges each cell as 'bench reproduce' does.
     """
     path = Path(source)
-    if (output / "study.toml").is_file():
-        from bench.reproduce.section import attach
-
-        table = attach(path, output)
-        for sentence in table.notes:
-            print_line(f"note: {sentence}", "yellow")
-        print_line(
-            f"imported {count(len(table.cells), 'printed cell')}; 'bench report {output}' shows them beside ours"
-        )
-        return
     from bench.formats.importing import import_results
 
     if wrong := [each for each in column or () if "=" not in each]:

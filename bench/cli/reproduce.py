@@ -84,7 +84,7 @@ def command(
     folder = beside
     if folder is None:
         folder = run_shown(made.study, output, console, n_jobs=jobs, timeout=timeout, untrusted=untrusted).folder
-        attach(table, folder)  # so that its report has the table
+    attach(table, folder)  # so that its report has the table
     judgements = judge(paper, samples(paper, made, StoredResults(folder)), made.reasons)
     _show(judgements, console)
     numbers = folder / "reproduction.csv"

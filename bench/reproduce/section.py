@@ -1,4 +1,4 @@
-"""The part of a report that shows a study's trials beside a published table which was imported into its folder."""
+"""The part of a report that shows a study's trials beside a published table in its folder."""
 
 from __future__ import annotations
 
@@ -16,25 +16,19 @@ from bench.results.results import StoredResults
 from bench.topics import Findings
 
 FILE = "published.csv"
-"""What the imported table is called in a study's folder."""
+"""What the table is called in a study's folder."""
 
 TITLE = "In your units"
 
 
-def attach(source: Path, folder: Path) -> PaperTable:
-    """Copy a published table into a study's folder, in place of an earlier one, and return it.
-
-    Raises:
-        BenchError: where the table cannot be read.
-    """
-    table = read(source)
+def attach(source: Path, folder: Path) -> None:
+    """Copy a published table into a study's folder, in place of an earlier one."""
     with replacing(folder / FILE) as temporary:
         shutil.copyfile(source, temporary)
-    return table
 
 
 def section(findings: Findings) -> Section | None:
-    """Return the tables that were imported into the folders beside our trials, None without any."""
+    """Return the published tables in the folders beside our trials, None without any."""
     results = findings.results
     paths = [folder / FILE for folder in results.paths if (folder / FILE).is_file()]
     text, tables = list[str](), list[Table]()

@@ -65,3 +65,4 @@ def test_the_trials_of_a_folder_are_judged_beside_the_table(called, results, tmp
     assert "1 is open: no test shows a difference, and the interval is wider\n" in printed
     written = pd.read_csv(folder / "reproduction.csv")
     assert written["verdict"].tolist() == ["open", "not judged"]
+    assert (folder / "published.csv").read_text(encoding="utf-8") == text

@@ -36,10 +36,3 @@ def test_an_imported_table_stands_beside_the_trials(folder, tmp_path):
     (table,) = found.items
     assert table.frame["ours"].tolist() == ["2 ± 1.3", "2 ± 1.3"]
     assert table.data["our_mean"].tolist() == [2.0, 2.0]
-
-
-def test_bench_import_takes_a_table_into_the_folder_of_a_run(folder, tmp_path, bench_here):
-    done = bench_here("import", paper(tmp_path), "-o", folder)
-    assert not done.returncode
-    assert done.stdout.startswith("imported 2 printed cells; 'bench report ")
-    assert (folder / "published.csv").is_file()
