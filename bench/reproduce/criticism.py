@@ -38,20 +38,21 @@ class CellFacts(NamedTuple):
     """Whether the optimum of its problem is known."""
 
 
-def facts_of(table: PaperTable, cell: PaperCell) -> CellFacts:
-    """Return the facts on a cell, those of its problem included; raises BenchError where that cannot be loaded."""
-    problem = load_problem(table, cell)
-    optimum = problem.optimum
+def facts_of(table: PaperTable, cell: PaperCell) -> tuple[CellFacts, str]:
+    """Return the facts on a cell, and why its problem cannot be loaded and adds none, "" where it can."""
+    counts = table.settings.get("counts") is True
+    try:
+        problem = load_problem(table, cell)
+        optimum = problem.optimum
+    except BenchError as error:
+        return CellFacts(table.lowest, counts), str(error)
     lowest = table.lowest if table.errors or optimum is None else max(optimum, table.lowest)
-    return CellFacts(lowest, table.settings.get("counts") is True, problem.optimum_source, optimum is not None)
+    return CellFacts(lowest, counts, problem.optimum_source, optimum is not None), ""
 
 
 def contradiction(table: PaperTable, cell: PaperCell) -> str:
     """Return the first way in which the numbers of a cell exclude each other, "" where they do not."""
-    try:
-        facts = facts_of(table, cell)
-    except BenchError:
-        facts = CellFacts(table.lowest, table.settings.get("counts") is True)
+    facts, _ = facts_of(table, cell)
     found = (text for kind, check in CHECKS.items() if kind != "below the optimum" for text in check(cell, facts))
     return next(found, "")
 
@@ -62,12 +63,10 @@ def criticise(table: PaperTable) -> tuple[list[Remark], list[str]]:
     unknown: dict[str, str] = {}
     known = 0
     for cell in table.cells:
-        try:
-            facts = facts_of(table, cell)
-            known += facts.optimum
-        except BenchError as error:
-            unknown.setdefault(str(error), cell.where)
-            facts = CellFacts(table.lowest, table.settings.get("counts") is True)
+        facts, error = facts_of(table, cell)
+        known += facts.optimum
+        if error:
+            unknown.setdefault(error, cell.where)
         found = [Remark(cell.where, kind, text) for kind, check in CHECKS.items() for text in check(cell, facts)]
         below += any(remark.kind == "below the optimum" for remark in found)
         remarks += found

@@ -33,7 +33,10 @@ def found_by_runs(
     columns: dict[str, pd.Series[str] | pd.Series[float]] = {}
     said, problems = [], signature_problems(results, frame)
     if problems:
-        trials, fits, constrained = compared(results, frame, problems)
+        every = all(problem.constrained for problem in problems.values())
+        constrained = {label: kept or every for label, kept in repairing(results.study).items()}
+        fits = reference_fits(problems, constraints=any(constrained.values()))
+        trials = beside_reference(frame, fits, constrained)
         by_optimizer = trials.groupby("optimizer", observed=True)
         columns["ran under"] = pd.Series(
             {label: "constraints" if kept else "box" for label, kept in constrained.items()}
@@ -70,16 +73,6 @@ def _cost(fits: pd.DataFrame, constrained: Mapping[str, bool], trials: pd.DataFr
         return []
     cost = fits["constrained"] / fits["box"] - 1
     return [words.constraints(limited, int((cost > 1e-9).sum()), float(cost.max()), len(fits))]
-
-
-def compared(
-    results: StoredResults, frame: pd.DataFrame, problems: dict[str, SignatureFit]
-) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, bool]]:
-    """Return the trials beside the best fits, these fits, and by optimizer whether it ran under the constraints."""
-    every = all(problem.constrained for problem in problems.values())
-    constrained = {label: kept or every for label, kept in repairing(results.study).items()}
-    fits = reference_fits(problems, constraints=any(constrained.values()))
-    return beside_reference(frame, fits, constrained), fits, constrained
 
 
 def signature_problems(results: StoredResults, frame: pd.DataFrame) -> dict[str, SignatureFit]:
