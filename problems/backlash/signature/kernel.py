@@ -28,16 +28,30 @@ from problems.backlash.signature.model import EDGE
 LANES = 16  # samples per step of the recurrence: powers of the factor side by side vectorise, one chain does not
 
 
-class Folded(NamedTuple):
-    """A recording prepared for evaluation.
+class SignalSums(NamedTuple):
+    """The sums over a signal r that an evaluation needs.
 
     Attributes:
-        signal: (N,) the speed r about its mean.
         twice_f: (N,) 2 F.
         twice_g: (N,) 2 G.
         terms: (N,) C.
         s1: sum of r.
         s2: sum of r^2.
+    """
+
+    twice_f: Floats
+    twice_g: Floats
+    terms: Floats
+    s1: float
+    s2: float
+
+
+class Folded(NamedTuple):
+    """A recording prepared for evaluation.
+
+    Attributes:
+        signal: (N,) the speed r about its mean.
+        sums: over the signal.
         start: time of the first sample, s.
         dt: sampling period, s.
         delay: T_d in s.
@@ -46,11 +60,7 @@ class Folded(NamedTuple):
     """
 
     signal: Floats
-    twice_f: Floats
-    twice_g: Floats
-    terms: Floats
-    s1: float
-    s2: float
+    sums: SignalSums
     start: float
     dt: float
     delay: float
@@ -73,8 +83,8 @@ def fold(signal: Floats, *, start: float, dt: float, period: float, replicas: in
         g[:length] += (-1.0) ** k
         terms[:length] += 1.0
     start, dt = float(start), float(dt)  # a whole number would make numba compile every kernel again
-    s1, s2 = float(signal.sum()), float((signal**2).sum())
-    return Folded(signal, 2 * f, 2 * g, terms, s1, s2, start, dt, period / 2, replicas, shift)
+    sums = SignalSums(2 * f, 2 * g, terms, float(signal.sum()), float((signal**2).sum()))
+    return Folded(signal, sums, start, dt, period / 2, replicas, shift)
 
 
 @njit(cache=True, error_model="numpy")
@@ -84,8 +94,7 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
     values = np.empty(len(points))
     model = np.empty(n)
     re, im, lanes = np.empty(LANES), np.empty(LANES), np.empty(LANES)
-    s1, s2, start, dt, shift = recording.s1, recording.s2, recording.start, recording.dt, recording.shift
-    terms, twice_f, twice_g = recording.terms, recording.twice_f, recording.twice_g
+    sums, start, dt, shift = recording.sums, recording.start, recording.dt, recording.shift
     for p in range(len(points)):
         a, t0, tau, omega = points[p, 0], points[p, 1], points[p, 2], points[p, 3]
         c, t1, t2 = points[p, 4], points[p, 5], points[p, 6]
@@ -96,17 +105,15 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
         begin, end = (t0 - start + t1 + EDGE) / dt, (t0 - start + t2 - EDGE) / dt
         first = math.floor(min(max(begin, -1.0), n)) + 1
         last = math.ceil(min(max(end, 0.0), n))
-        squares = s2 - 2 * c * s1 + n * c * c
+        squares = sums.s2 - 2 * c * sums.s1 + n * c * c
         folded = shift > 0 and begin >= -1.0 and (last - first <= shift if end <= n else end - begin < shift - 1.0)
         if folded and last > first:
             u = start + first * dt - t0
             amplitude, phase = a * _exp_of_minus(tau * (u - t1)), omega * u
             z_re, z_im = amplitude * math.cos(phase), amplitude * math.sin(phase)
             q, (cosine, sine) = _exp_of_minus(tau * dt), _cos_sin(omega * dt)
-            squares += _first_window(
-                z_re, z_im, q * cosine, q * sine, c, first, last, terms, twice_f, twice_g, re, im, lanes
-            )
-        if not folded or squares < 1e-6 * s2:
+            squares += _first_window(z_re, z_im, q * cosine, q * sine, c, first, last, sums, re, im, lanes)
+        if not folded or squares < 1e-6 * sums.s2:
             squares = _direct(a, t0, tau, omega, c, t1, t2, recording, model)
         values[p] = math.sqrt(max(squares, 0.0) / n) if squares < np.inf else np.inf  # overflow, far outside the box
     return values
@@ -114,8 +121,8 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _first_window(
-    z_re: float, z_im: float, q_re: float, q_im: float, c: float, first: int, last: int,
-    terms: Floats, twice_f: Floats, twice_g: Floats, re: Floats, im: Floats, lanes: Floats,
+    z_re: float, z_im: float, q_re: float, q_im: float, c: float, first: int, last: int, sums: SignalSums,
+    re: Floats, im: Floats, lanes: Floats,
 ) -> float:  # fmt: skip
     """Return the sum of y (C y - 2 F + 2 c G) over samples first … last - 1, where y_j = Im(z q^j)."""
     re[0], im[0] = 1.0, 0.0  # q^0 … q^15 by doubling: short chains of multiplications, not one long one
@@ -125,6 +132,7 @@ def _first_window(
             im[half + j] = re[j] * q_im + im[j] * q_re
         q_re, q_im = q_re * q_re - q_im * q_im, 2 * q_re * q_im  # q^2, q^4, q^8 and, to step by, q^16
     lanes[:] = 0.0
+    terms, twice_f, twice_g = sums.terms, sums.twice_f, sums.twice_g
     # Unsigned, so that the compiler need not expect an index counted from the end, and vectorises.
     base, end = np.uintp(first), np.uintp(last)
     width = np.uintp(LANES)

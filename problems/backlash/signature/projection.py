@@ -79,7 +79,7 @@ class Sums(NamedTuple):
 def fold_sums(recording: Folded, length: int) -> Sums:
     """Return the folded sums, of the interpolated signal if T_d lies between samples."""
     n, dt = len(recording.signal), recording.dt
-    f, g, terms = recording.twice_f / 2, recording.twice_g / 2, recording.terms
+    f, g, terms = recording.sums.twice_f / 2, recording.sums.twice_g / 2, recording.sums.terms
     if not recording.shift:
         f, g, terms, index = np.zeros(n), np.zeros(n), np.zeros(n), np.arange(n)
         for k in range(recording.replicas):
@@ -90,9 +90,8 @@ def fold_sums(recording: Folded, length: int) -> Sums:
             terms += inside
     beyond = (0, 3 * length)
     lag = float(recording.shift) or recording.delay / dt
-    return Sums(
-        np.pad(f, beyond), np.pad(g, beyond), np.pad(terms, beyond), n, dt, recording.s1, lag, recording.replicas
-    )
+    f, g, terms = (np.pad(sums, beyond) for sums in (f, g, terms))
+    return Sums(f, g, terms, n, dt, recording.sums.s1, lag, recording.replicas)
 
 
 @njit(cache=True, error_model="numpy")
@@ -257,7 +256,7 @@ def explained(at: Floats, recording: Folded, limit: Limits) -> tuple[float, floa
         gc += cosine[i]
         s += sine[i] * recording.signal[i]
         c += cosine[i] * recording.signal[i]
-    mean, gs, gc = recording.s1 / n, gs / n, gc / n
+    mean, gs, gc = recording.sums.s1 / n, gs / n, gc / n
     energy, a, b = weights(
         ss - n * gs * gs, sc - n * gs * gc, cc - n * gc * gc, s - n * gs * mean, c - n * gc * mean,
         omega * since, limit.reach, 0.0,

@@ -36,7 +36,8 @@ def fits_near(
     starts = np.arange(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
     tau, omega = float(near[TAU]), float(near[OMEGA])
     for signal in signals:
-        changed = recording._replace(signal=signal, s1=float(signal.sum()))  # its folded sums are not used
+        sums_of = recording.sums._replace(s1=float(signal.sum()))  # the folded ones are not used
+        changed = recording._replace(signal=signal, sums=sums_of)
         best = _best_window(tau, omega, starts, changed, sums, limit, length)
         yield np.clip(settle(Window(*best), changed, sums, limit, sweeps=None)[1], lower, upper)
 
@@ -61,7 +62,7 @@ def _best_window(
             if at > whole:
                 value += (at - whole) * (recording.signal[whole + 1] - value)
             f[i] += value if k % 2 == 0 else -value
-    changed = Sums(f, sums.g, sums.terms, sums.n, sums.dt, recording.s1, sums.lag, sums.replicas)
+    changed = Sums(f, sums.g, sums.terms, sums.n, sums.dt, recording.sums.s1, sums.lag, sums.replicas)
     energies = np.empty(len(starts))
     for i in range(len(starts)):
         energies[i] = profile(tau, omega, starts[i], changed, limit, length)[0]

@@ -118,7 +118,7 @@ def test_no_waveform_explains_more_than_the_ceiling():
                     trains[j, start + 50 * k + j] += (-1.0) ** k
             basis = np.vstack([np.ones(300), trains])
             residual = recording.signal - basis.T @ np.linalg.lstsq(basis.T, recording.signal)[0]
-            explained = recording.s2 - residual @ residual
+            explained = recording.sums.s2 - residual @ residual
             assert explained <= ceiling[start] + 1e-9
             if length <= 50:  # as tight as can be
                 assert explained == pytest.approx(ceiling[start])
