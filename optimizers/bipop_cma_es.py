@@ -114,12 +114,12 @@ class Run(Strategy):
         self._recent = deque(maxlen=10 + math.ceil(30 * d / agents))
         self._ties: deque[bool] = deque(maxlen=3 * (10 + d))
 
-    def parameters(self, d: int, agents: int) -> tuple[Floats, Rates]:
+    def parameters(self, d: int, agents: int) -> Rates:
         """Return the weights, none negative, and the learning rates."""
-        weights, constants = rates(d, agents)
-        cs = (constants.mueff + 2) / (d + constants.mueff + 5)  # (tutorial, eq. 55)
-        damps = 1 + 2 * max(0.0, math.sqrt((constants.mueff - 1) / (d + 1)) - 1) + cs
-        return np.maximum(weights, 0.0), constants._replace(cs=cs, damps=damps)
+        usual = rates(d, agents)
+        cs = (usual.mueff + 2) / (d + usual.mueff + 5)  # (tutorial, eq. 55)
+        damps = 1 + 2 * max(0.0, math.sqrt((usual.mueff - 1) / (d + 1)) - 1) + cs
+        return usual._replace(weights=np.maximum(usual.weights, 0.0), cs=cs, damps=damps)
 
     def tell(self, f: Floats) -> None:
         """Learn from the (agents,) values of the last points in the box, and set :attr:`stops`."""

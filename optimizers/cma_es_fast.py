@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -61,8 +61,9 @@ class CMAESFast(BoxedCMA):
 
 
 class Rates(NamedTuple):
-    """The strategy parameters that depend on the dimension and the population size alone."""
+    """The strategy parameters that depend on the dimension and the population size alone; ``weights`` is (agents,)."""
 
+    weights: Floats
     mueff: float
     cs: float
     damps: float
@@ -72,8 +73,8 @@ class Rates(NamedTuple):
     chi: float
 
 
-def rates(d: int, agents: int) -> tuple[Floats, Rates]:
-    """Return the (agents,) weights and the learning rates (equation numbers: Hansen, arXiv:1604.00772)."""
+def rates(d: int, agents: int) -> Rates:
+    """Return the weights and the learning rates (equation numbers: Hansen, arXiv:1604.00772)."""
     raw = math.log((agents + 1) / 2) - np.log(np.arange(1, agents + 1))  # (eq. 49)
     mu = agents // 2
     positive, negative = raw[:mu].sum(), np.abs(raw[mu:]).sum()
@@ -88,7 +89,7 @@ def rates(d: int, agents: int) -> tuple[Floats, Rates]:
     damps = 1 + 2 * max(0.0, wide * math.sqrt((mueff - 1) / (d + 1)) - 1) + cs  # (eq. 55)
     cc = (4 + mueff / d) / (d + 4 + 2 * mueff / d)  # (eq. 56)
     chi = math.sqrt(2) * math.exp(math.lgamma((d + 1) / 2) - math.lgamma(d / 2))  # (in the thesis's eq. 6.4)
-    return weights, Rates(float(mueff), float(cs), float(damps), float(cc), float(c1), float(cmu), chi)
+    return Rates(weights, float(mueff), float(cs), float(damps), float(cc), float(c1), float(cmu), chi)
 
 
 class Strategy:
@@ -113,7 +114,7 @@ class Strategy:
     ) -> None:
         d = len(mean)
         self.box, self.agents, self.rng, self.active = box, agents, rng, active
-        self.weights, self.rates = self.parameters(d, agents)
+        self.rates = self.parameters(d, agents)
         self.limit = (box.upper - box.lower) * (1 / 3)  # of the standard deviations (pycma: maxstd)
         self.first_scale = sigma * (box.upper - box.lower)
         self.scale = self.first_scale.copy()  # by coordinate; a point is mean + sigma * scale * N(0, C)
@@ -132,10 +133,10 @@ class Strategy:
         self._flat = 0
         self._tolupsigma = TOLUPSIGMA
 
-    def parameters(self, d: int, agents: int) -> tuple[Floats, Rates]:
-        """Return the (agents,) weights and the learning rates in ``d`` variables."""
-        weights, constants = rates(d, agents)
-        return (weights if self.active else np.maximum(weights, 0.0)), constants
+    def parameters(self, d: int, agents: int) -> Rates:
+        """Return the weights and the learning rates in ``d`` variables."""
+        usual = rates(d, agents)
+        return usual if self.active else usual._replace(weights=np.maximum(usual.weights, 0.0))
 
     def ask(self) -> Floats:
         """Return (agents, d) points of the box to evaluate."""
@@ -161,7 +162,7 @@ class Strategy:
         self.generation += 1
         order = np.argsort(f)
         self.mean, self.sigma = learn(
-            self._points, order, self.weights, self.rates, self.generation, self.mean, self.sigma,
+            self._points[order], self.rates, self.generation, self.mean, self.sigma,
             self.scale, self.C, self.B, self.D, self.pc, self.ps, self.limit,
         )  # fmt: skip
         largest = float(np.diag(self.C).max())
@@ -274,18 +275,19 @@ def sample(z: Floats, mean: Floats, sigma: float, scale: Floats, B: Floats, D: F
 
 @compiled
 def learn(
-    x: Floats, order: Any, weights: Floats, rates: Rates, generation: int, old: Floats, sigma: float,
+    x: Floats, rates: Rates, generation: int, old: Floats, sigma: float,
     scale: Floats, C: Floats, B: Floats, D: Floats, pc: Floats, ps: Floats, limit: Floats,
 ) -> tuple[Floats, float]:  # fmt: skip
-    """Return the next mean and sigma; ``C``, ``pc``, ``ps`` and ``scale`` change in place (thesis, eqs. 6.2 to 6.6).
+    """Return the next mean and sigma from the points ``x``, the best first (thesis, eqs. 6.2 to 6.6).
 
-    Beside the thesis, C has negative weights for the worse half (eqs. 46 and 47 of Hansen's tutorial) and a learning
-    rate for each of its two updates.
+    ``C``, ``pc``, ``ps`` and ``scale`` change in place. Beside the thesis, C has negative weights for the worse half
+    (eqs. 46 and 47 of Hansen's tutorial) and a learning rate for each of its two updates.
     """
     n, d = x.shape
+    weights = rates.weights
     mean = np.zeros(d)
     for i in range(n // 2):
-        mean += weights[i] * x[order[i]]  # (eq. 6.2)
+        mean += weights[i] * x[i]  # (eq. 6.2)
 
     step = (mean - old) / (sigma * scale) * math.sqrt(rates.mueff)
     ps *= 1 - rates.cs
@@ -302,7 +304,7 @@ def learn(
     y, white = np.empty(d), np.empty(d)
     for i in range(n):
         weight = rates.cmu * weights[i]
-        y[:] = (x[order[i]] - old) / (sigma * scale)
+        y[:] = (x[i] - old) / (sigma * scale)
         if weight < 0:  # the length of a vector with a negative weight is scaled so that C stays positive
             norm = 0.0
             for k in range(d):

@@ -96,13 +96,13 @@ def told(begun, values, generations):
 
 
 def test_weights_and_rates_are_the_tutorial_s_without_negative_weights():
-    weights, rates = run().parameters(5, 8)
+    rates = run().parameters(5, 8)
     raw = np.log(4.5) - np.log([1, 2, 3, 4])
-    np.testing.assert_allclose(weights, [*raw / raw.sum(), 0, 0, 0, 0])
+    np.testing.assert_allclose(rates.weights, [*raw / raw.sum(), 0, 0, 0, 0])
     mueff = raw.sum() ** 2 / (raw**2).sum()
     assert rates.cs == pytest.approx((mueff + 2) / (5 + mueff + 5))
     assert rates.damps == pytest.approx(1 + rates.cs)  # mueff < d + 2
-    _, large = run().parameters(5, 256)
+    large = run().parameters(5, 256)
     assert large.cs > 0.8  # pycma has 0.5 at most
     assert large.damps == pytest.approx(1 + 2 * (math.sqrt((large.mueff - 1) / 6) - 1) + large.cs)
 
