@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bench.contract.typing import Options
 from bench.helpers import print_line, replacing
 from bench.helpers.errors import BenchError
 from problems.backlash import TRUTH
 from problems.backlash.commands import Force, about_backlash
 
 if TYPE_CHECKING:
+    from bench.contract.typing import Options
     from problems.backlash.joint import Joint
 
 # The heavy imports wait until they are needed: no other command should wait for numba.

@@ -112,7 +112,6 @@ class Estimate(Inference):
         period_source: "gear ratio", "calibration", "signal" or "assumed".
         delay_s: T_d, the time from the fit's first oscillation to its second one: half of T_f unless friction delays
             one of them.
-        mean_rps: the mean speed.
         calibration: the name of the calibration; "" for none, and where that of the settings is of another joint or
             speed than the recording.
         problem: the fit as a problem, whose recording has its impacts evenly apart.
@@ -126,11 +125,15 @@ class Estimate(Inference):
     period_s: float
     period_source: str
     delay_s: float
-    mean_rps: float
     calibration: str
     problem: SignatureFit
     recording: Recording
     fitted: Floats
+
+    @property
+    def mean_rps(self) -> float:
+        """The mean speed."""
+        return self.problem.mean_rps
 
 
 def estimate(recording: Recording, settings: Settings | None = None) -> Estimate:
@@ -187,7 +190,6 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
         period_s=period,
         period_source=source,
         delay_s=delay,
-        mean_rps=problem.mean_rps,
         calibration=calibration.name or "without a name" if calibration else "",
         problem=problem,
         recording=recording,

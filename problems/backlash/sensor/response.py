@@ -34,9 +34,7 @@ FITS = 8  # recordings of a half-gap, each with another start in a load turn and
 
 
 def response(joint: Joint, half_gaps: Sequence[float], *, n_jobs: int = 1, shown: bool = False) -> dict[str, Any]:
-    """Return what a calibration has of the fits to each half-gap's recordings, (m,) each.
-
-    These are the mean strength and its standard deviation, ringing, decay and ripple, by their names there.
+    """Return what a calibration has of the fits to each half-gap's recordings, by the names of its attributes.
 
     Args:
         joint: the joint and its controller.
@@ -53,7 +51,7 @@ def response(joint: Joint, half_gaps: Sequence[float], *, n_jobs: int = 1, shown
     found = np.array(list(bar))
     fitted, ringing, decay, ripple = found.mean(axis=1).T
     scatter = found[:, :, 0].std(axis=1)
-    return {"fitted": fitted, "scatter": scatter, "ringing": ringing, "decay": decay, "ripple": ripple}
+    return {"fitted": fitted, "scatter": scatter, "shown": {"ringing": ringing, "decay": decay, "ripple": ripple}}
 
 
 def _fits(joint: Joint, gap: float) -> Floats:

@@ -12,7 +12,7 @@ own disturbances, which can be simulated as well: see :mod:`problems.backlash.se
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -72,9 +72,9 @@ class Calibration:
         gear_ratio: motor turns a load turn of its joint; None if unknown.
         speed_rps: the motor speed at which it holds, rps; None if unknown.
         friction: the friction at the load as a part of gravity's torque; None if unknown.
-        ringing: (m,) Hz: the mean frequency of the impacts in those recordings; None if unknown.
-        decay: (m,) 1/s: the mean damping of those fits; None likewise.
-        ripple: (m,) rpm: the mean first harmonic of the load turn in those recordings; None likewise.
+        shown: what those recordings show besides, (m,) each, as far as it is known: "ringing", the mean frequency of
+            the impacts in Hz; "decay", the mean damping of the fits in 1/s; "ripple", the mean first harmonic of the
+            load turn in rpm.
 
     Raises:
         BenchError: for too few pairs, pairs that do not increase, and fitted amplitudes that do not grow with the
@@ -89,9 +89,7 @@ class Calibration:
     gear_ratio: float | None = None
     speed_rps: float | None = None
     friction: float | None = None
-    ringing: Floats | None = None
-    decay: Floats | None = None
-    ripple: Floats | None = None
+    shown: Mapping[str, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.amplitude.shape != self.half_gap.shape or self.amplitude.ndim != 1:
@@ -165,7 +163,7 @@ class Calibration:
                 f"calibration has {self.friction:.0%}"
             )
         for name, (words, alike) in SHOWN.items():
-            if self.fitted is None or (own := getattr(self, name)) is None:
+            if self.fitted is None or (own := self.shown.get(name)) is None:
                 continue
             usual = float(np.interp(fitted, self.fitted, own, left=np.nan, right=np.nan))
             if abs(shown[name] / usual - 1) > wider * alike:
@@ -200,7 +198,8 @@ class Calibration:
 
         The file begins with the ``command`` that reproduces it.
         """
-        known = {key: value for key, name in ENTRIES.items() if (value := getattr(self, name)) is not None}
+        values = {**vars(self), **self.shown}
+        known = {key: value for key, name in ENTRIES.items() if (value := values.get(name)) is not None}
         content = {key: value.tolist() if key in LISTS else value for key, value in known.items()}
         with replacing(Path(path)) as temporary:
             temporary.write_text(
@@ -239,10 +238,8 @@ class Calibration:
 
     def _check_fits(self) -> None:
         """Raise BenchError for fits of the wrong shape, or without a scatter."""
-        for name in SHOWN:
-            if (values := getattr(self, name)) is not None and not (
-                values.shape == self.half_gap.shape and np.isfinite(values).all() and values.min() > 0
-            ):
+        for name, values in self.shown.items():
+            if not (values.shape == self.half_gap.shape and np.isfinite(values).all() and values.min() > 0):
                 raise BenchError(f"a calibration has a finite and positive {name} of each half-gap")
         if self.fitted is None and self.scatter is None:
             return
@@ -338,8 +335,10 @@ def load_calibration(path: str | Path) -> Calibration:
             raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, ENTRIES)}")
     content |= {key: _numbers(value, key, where) for key, value in content.items() if key in LISTS}
     content["name"] = str(content["name"])
+    given = {ENTRIES[key]: value for key, value in content.items()}
+    shown = {name: given.pop(name) for name in SHOWN if name in given}
     try:
-        return Calibration(**{ENTRIES[key]: value for key, value in content.items()})
+        return Calibration(**given, shown=shown)
     except BenchError as error:
         raise BenchError(f"{where}: {error}") from error
 

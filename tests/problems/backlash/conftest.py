@@ -19,7 +19,7 @@ def make_estimate():
             "amplitude_rps": 600 * gap, "amplitude_interval_rps": (600 * (gap - width), 600 * (gap + width)),
             "backlash_rad": gap, "interval_rad": (gap - width, gap + width), "rmse_rps": 0.05, "explained": 0.9,
             "verdict": "early", "variables": dict(zip(VARIABLES, map(float, x), strict=True)), "period_s": 0.4,
-            "period_source": "signal", "delay_s": 0.2, "mean_rps": 100.0, "p_value": 1e-9,
+            "period_source": "signal", "delay_s": 0.2, "p_value": 1e-9,
             "calibration": "a joint", "notes": (),
             "recording": Recording(0.0, 0.002, fitted), "fitted": fitted,
         }  # fmt: skip

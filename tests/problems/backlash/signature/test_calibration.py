@@ -133,10 +133,10 @@ def test_the_advice_names_half_gaps_whose_amplitudes_no_larger_one_has_again():
 def test_what_a_recording_shows_of_another_load_or_controller_is_said(name, alike, other, said):
     made = sensor_calibration()
     at = float(made.fitted[11])
-    own = {each: float(getattr(made, each)[11]) for each in ("ringing", "decay", "ripple")}
+    own = {each: float(made.shown[each][11]) for each in ("ringing", "decay", "ripple")}
     assert made.other_joint(at, 0.0, own) == ""
     assert made.other_joint(at, 0.0, own | {name: alike * own[name]}) == ""
     assert made.other_joint(at, 0.0, own | {name: other * own[name]}).startswith(f"{said}; calibrate this joint")
     assert made.other_joint(at, 0.0, own | {name: other * own[name]}, wider=2.0) == ""
     assert made.other_joint(at, 0.0, own | {name: np.nan}) == ""
-    assert replace(made, **{name: None}).other_joint(at, 0.0, own | {name: other * own[name]}) == ""
+    assert replace(made, shown={}).other_joint(at, 0.0, own | {name: other * own[name]}) == ""
