@@ -55,21 +55,7 @@ _PROBLEM = re.compile(
     r"weierstrass|quartic|step|bentcigar|discus|elliptic|dixonprice|styblinski|alpine|salomon|matyas|camel|hartman|"
     r"shekel|kowalik|foxholes|penalized|kursawe|bohachevsky|powell|perm|trid|eggholder|crossintray|sumsquares|cigar).*"
 )
-_GENERIC = {
-    "",
-    "results",
-    "result",
-    "best",
-    "fit",
-    "fitness",
-    "runs",
-    "run",
-    "data",
-    "all",
-    "final",
-    "values",
-    "errors",
-}
+_GENERIC = {"", *["results", "result", "best", "fit", "fitness", "runs", "run", "data", "all", "final", "values", "errors"]}
 _AMBIGUOUS = {"fun", "f", "objective", "model", "name", "config"}  # of numbers, they are no names
 _NAMES = ("problem", "optimizer", "indicator", "run")  # may hold any text
 _FAILED = {"nan", "na", "n/a", "none", "null", "-"}
@@ -128,17 +114,14 @@ def recognised(
         rows[name] = rows[name].astype(str).str.strip()
     more = rows.pop("more") | maximise
     rows["value"] = rows["value"].where(~more, -rows["value"])
-    negated = listed(sorted(rows["problem"][more].unique()))
-    way = "higher is better: values are negated" if negated else "lower is better"
-    if negated and not more.all():
-        way = f"lower is better, but higher for {negated}, whose values are negated"
+    way = "higher is better: values are negated" if more.any() else "lower is better"
+    if more.any() and not more.all():
+        way += f" on {listed(sorted(rows['problem'][more].unique()))}, and lower on the others"
     rows, about = _by_run(rows)
     trials = rows.groupby(["problem", "optimizer"])["run"].nunique()
-    runs = "run" if trials.max() == 1 else "runs"
-    said.append(
-        f"{' to '.join(map(str, sorted({trials.min(), trials.max()})))} {runs} of "
-        f"{count(rows['optimizer'].nunique(), 'optimizer')} on {count(rows['problem'].nunique(), 'problem')}; {way}"
-    )
+    least = f"{trials.min()} to " if trials.min() < trials.max() else ""
+    optimizers, problems = (count(rows[name].nunique(), name) for name in ("optimizer", "problem"))
+    said.append(f"{least}{count(trials.max(), 'run')} of {optimizers} on {problems}; {way}")
     return rows.reset_index(drop=True), [*said, *about]
 
 
@@ -158,10 +141,8 @@ def _numbers(cells: pd.Series[str], where: str) -> pd.Series[float] | None:
     Raises:
         BenchError: for a mean with its deviation.
     """
-    if pd.api.types.is_bool_dtype(cells):
-        return None
     if pd.api.types.is_numeric_dtype(cells):
-        return cells.astype(float)
+        return None if pd.api.types.is_bool_dtype(cells) else cells.astype(float)
     texts = cells.fillna("").astype(str).str.strip().str.replace("−", "-")
     failed = texts.str.lower().isin(_FAILED)
     found = pd.to_numeric(texts.mask(failed | (texts == "")), errors="coerce").astype(float)
@@ -181,11 +162,8 @@ def _roles(heads: Sequence[str], given: Mapping[str, str], figures: Container[st
     for role, synonyms in SYNONYMS.items():
         for synonym in filter(plain.__contains__, synonyms.split()):
             name = plain[synonym]
-            if role in ("problem", "optimizer"):
-                fits = name not in figures or synonym not in _AMBIGUOUS
-            else:
-                fits = name in figures or role in ("indicator", "run")
-            if fits and role not in roles and name not in roles.values():
+            text = name not in figures or synonym not in _AMBIGUOUS
+            if (text if role in _NAMES else name in figures) and role not in roles and name not in roles.values():
                 roles[role] = name
     return roles
 
@@ -201,9 +179,7 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
     if names & _MEANS and names & _SPREADS:
         raise BenchError(f"{table.where} has the columns {listed(heads, 8)}: {NO_TEST}")
     roles = _roles(heads, given, figures)
-    wide = [
-        each for each in heads if each in figures and each not in roles.values() and not _EXTRA.fullmatch(_plain(each))
-    ]
+    wide = [each for each in figures if each not in roles.values() and not _EXTRA.fullmatch(_plain(each))]
     if "value" not in roles and len(wide) == 1 and {"problem", "optimizer"} <= {*roles}:
         roles["value"] = wide[0]
     elif _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and wide:
@@ -221,12 +197,10 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
         kept, spread, wide = _melted(figures[wide], cells.get(first), roles, kept)
     by_name = _named(name, table, kept)
     kept = kept.assign(**by_name)
-    if "indicator" in kept:
-        kept["more"] = kept["indicator"].map(_plain).isin(_MORE_IS_BETTER)
-        if kept["indicator"].nunique() > 1:
-            kept["problem"] = kept["problem"].astype(str) + " " + kept["indicator"].astype(str)
-    else:
-        kept["more"] = _plain(roles.get("value", "")) in _MORE_IS_BETTER
+    measured = kept["indicator"] if "indicator" in kept else pd.Series(roles.get("value", ""), kept.index)
+    kept["more"] = measured.map(_plain).isin(_MORE_IS_BETTER)
+    if measured.nunique() > 1:
+        kept["problem"] = kept["problem"].astype(str) + " " + measured.astype(str)
     for role, letter in (("dimension", "d"), ("instance", "i")):
         if role in kept and kept[role].notna().all() and roles.get("problem") != roles[role]:
             kept["problem"] = kept["problem"].astype(str) + f"-{letter}" + kept[role].map("{:g}".format)
@@ -251,30 +225,32 @@ def _melted(
         kept: the columns of these roles.
     """
     heads, named = [*map(str, wide)], {"problem", "optimizer"} & {*roles}
-    if steps := [each for each in heads if _ITERATIONS.fullmatch(_plain(each))]:
-        said = f"{steps[0]} to {steps[-1]} = iterations, of which the best counts"
-        return kept.assign(value=wide[steps].min(axis=1)), said, steps
-    runs = [each for each in heads if _RUNS.fullmatch(_plain(each))]
-    if len(runs) >= max(2, len(heads) / 2):
+    steps, runs = ([each for each in heads if form.fullmatch(_plain(each))] for form in (_ITERATIONS, _RUNS))
+    if steps:
+        role, heads = "iteration", steps
+    elif len(runs) >= max(2, len(heads) / 2):
         role, heads = "run", runs
     else:
         role = "problem" if "optimizer" in named or (not named and are_problems(heads)) else "optimizer"
-    said = f"columns {listed(heads, 6)} = {role}s"
+    said = f"{listed(heads, 6)} = {role}s"
     if texts is not None and not named:
         other = "problem" if role == "optimizer" or (role == "run" and are_problems(texts)) else "optimizer"
         roles[other], kept[other], named = str(texts.name), texts, {other}
     if role == "run" and not named and len(wide) > 1:  # a matrix
-        said = f"{heads[0]} to {heads[-1]} = runs"
         counts = len(wide) > 2 and bool((wide[heads].iloc[-1] > wide[heads].iloc[-2]).all())
-        course = wide[heads].iloc[: -1 if counts else None]
-        if (course.diff().iloc[1:] <= 0).all(axis=None):
-            said += ", rows = their courses" + "; the last row, of evaluations, is left out" * counts
-            return course.min().rename_axis("run").reset_index(name="value"), said, heads
-        kept["problem"] = [f"f{place}" for place in range(1, len(wide) + 1)]
-        said += f", rows = problems f1 to f{len(wide)}"
+        if (wide[heads].iloc[: -1 if counts else None].diff().iloc[1:] <= 0).all(axis=None):
+            wide, kept = (each.iloc[:-1] if counts else each for each in (wide, kept))
+            said += ", rows = iterations" + "; the last row, of evaluations, is left out" * counts
+            kept = kept.assign(iteration=range(len(wide)))
+        else:
+            said += f", rows = problems f1 to f{len(wide)}"
+            kept["problem"] = [f"f{place}" for place in range(1, len(wide) + 1)]
     elif role != "run" and not {*roles} & {"run", "seed"}:
         kept["run"] = kept.groupby([*named], sort=False).cumcount() if named else range(len(wide))
-    parts = [kept.assign(value=wide[each], **{role: each}) for each in heads]
+    parts = [
+        kept.assign(value=wide[each], **{role: place if role == "iteration" else each})
+        for place, each in enumerate(heads)
+    ]
     return pd.concat(parts, ignore_index=True), said, heads
 
 
@@ -295,10 +271,10 @@ def _named(name: str, table: Table, kept: pd.DataFrame) -> dict[str, str]:
         return {role: name or role for role in missing}
     if cec := re.fullmatch(r"(.+?)[_-][fF]?(\d+)[_-][dD]?(\d+)", table.name):
         return {"optimizer": cec[1], "problem": f"f{int(cec[2])}-d{cec[3]}"}
-    for optimizer, problem, form in ((1, 2, r"(.+?)[_-](.+)"), (2, 1, r"(.+)[_-](.+?)")):
+    for form in (r"(?P<optimizer>.+?)[_-](?P<problem>.+)", r"(?P<problem>.+)[_-](?P<optimizer>.+?)"):
         pair = re.fullmatch(form, table.name)
-        if pair and are_problems([pair[problem]]) and not are_problems([pair[optimizer]]):
-            return {"optimizer": pair[optimizer], "problem": pair[problem]}
+        if pair and are_problems([pair["problem"]]) and not are_problems([pair["optimizer"]]):
+            return pair.groupdict()
     if are_problems([table.folder]) and not are_problems([name]):
         return {"optimizer": name or "optimizer", "problem": table.folder}
     return {"optimizer": table.folder or "optimizer", "problem": name or "problem"}
