@@ -55,7 +55,7 @@ _PROBLEM = re.compile(
     r"weierstrass|quartic|step|bentcigar|discus|elliptic|dixonprice|styblinski|alpine|salomon|matyas|camel|hartman|"
     r"shekel|kowalik|foxholes|penalized|kursawe|bohachevsky|powell|perm|trid|eggholder|crossintray|sumsquares|cigar).*"
 )
-_GENERIC = {"", *["results", "result", "best", "fit", "fitness", "runs", "run", "data", "all", "final", "values", "errors"]}
+_GENERIC = re.compile("|results?|best|fit|fitness|runs?|data|all|final|values|errors")
 _AMBIGUOUS = {"fun", "f", "objective", "model", "name", "config"}  # of numbers, they are no names
 _NAMES = ("problem", "optimizer", "indicator", "run")  # may hold any text
 _FAILED = {"nan", "na", "n/a", "none", "null", "-"}
@@ -179,7 +179,7 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
     if names & _MEANS and names & _SPREADS:
         raise BenchError(f"{table.where} has the columns {listed(heads, 8)}: {NO_TEST}")
     roles = _roles(heads, given, figures)
-    wide = [each for each in figures if each not in roles.values() and not _EXTRA.fullmatch(_plain(each))]
+    wide = [str(each) for each in figures if each not in roles.values() and not _EXTRA.fullmatch(_plain(each))]
     if "value" not in roles and len(wide) == 1 and {"problem", "optimizer"} <= {*roles}:
         roles["value"] = wide[0]
     elif _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and wide:
@@ -259,7 +259,7 @@ def _distinct(names: Sequence[str]) -> list[str]:
     parts = [re.split(r"[_\s]+|-(?=best|convergence|results?)", name) for name in names]
     shared = set(parts[0]).intersection(*parts[1:]) if len(set(names)) > 1 else set()
     return [
-        "_".join(part for part in of if part not in shared and part.lower() not in _GENERIC) or name
+        "_".join(part for part in of if part not in shared and not _GENERIC.fullmatch(part.lower())) or name
         for of, name in zip(parts, names, strict=True)
     ]
 
