@@ -54,15 +54,12 @@ class Results(StoredResults):
 
     def _counts(self) -> str:
         """Return the numbers of trials as a table."""
-        problems = {entry.label for entry in self.study.problems}
         found: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.optimizers}
-        for source in self._sources:
-            for cell in source.folder.store.cells():
-                label = source.shown.get(cell.optimizer, cell.optimizer)
-                if cell.problem in problems and label in found:
-                    found[label].update(cell.status)
+        for source, cells in self._shown:
+            for cell in source.folder.store.cells(cells):
+                found[cell.optimizer].update(cell.status)
         rows = [(label, f"{count['ok']:,}", f"{count.total() - count['ok']:,}") for label, count in found.items()]
-        about = f"{len(problems):,} problems, {self.study.budget_words}"
+        about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
         return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
 
     @property

@@ -33,14 +33,13 @@ from bench.sandbox.messages import describe_error
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.reading import Traces
 from bench.study.budget import Budget
+from bench.study.cell import Labels
 from bench.study.selection import Dimensions, Patterns, selected
 from bench.trial.columns import FEATURES, FRAME, PRECISION
 from bench.trial.scoring import Scored
 
 AnyPath = str | PathLike[str]
 T = TypeVar("T")
-
-KINDS = tuple(column.name for column in FEATURES)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,7 +95,11 @@ class StoredResults:
         self.study = self.whole = united(studies, self.names, self._stored_dimension)
         self.differences = differences(studies, self.names)
         self.versions = {label: number for source in self._sources for label, number in source.versions.items()}
-        self.environments = [record for source in self._sources for record in source.environments]
+        self.environments = [
+            {"folder": source.name} | record if others else record
+            for source in self._sources
+            for record in source.environments.values()
+        ]
         self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
@@ -128,7 +131,7 @@ class StoredResults:
 
     def _by_optimizer(self, read: Callable[[StudyFolder], Mapping[str, T]]) -> dict[str, T]:
         """Return what the folders say of the study's optimizers, by label."""
-        _, optimizers = self._labels
+        _, optimizers = self._places
         return {label: found for each in self._sources for label, found in read(each).items() if label in optimizers}
 
     @cached_property
@@ -248,35 +251,38 @@ class StoredResults:
         return [source.folder.history() for source in self._sources]
 
     @cached_property
-    def _labels(self) -> tuple[set[str], set[str]]:
-        """The labels of the study's problems, and those of its optimizers."""
-        problems, optimizers = self.study.problems, self.study.optimizers
-        return {entry.label for entry in problems}, {entry.label for entry in optimizers}
+    def _places(self) -> tuple[dict[str, int], dict[str, int]]:
+        """The places of the study's problems, and those of its optimizers, by label."""
+        problems, optimizers = (
+            {entry.label: place for place, entry in enumerate(entries)}
+            for entries in (self.study.problems, self.study.optimizers)
+        )
+        return problems, optimizers
+
+    @cached_property
+    def _shown(self) -> list[tuple[StudyFolder, dict[int, Labels]]]:
+        """The folders, each with the labels of the study's cells in it by their number."""
+        problems, optimizers = self._places
+        return [
+            (each, {cell: (p, o) for cell, (p, o) in each.cells.items() if p in problems and o in optimizers})
+            for each in self._sources
+        ]
 
     @cached_property
     def _read(self) -> tuple[pd.DataFrame, pd.Series, int]:
         """Frame, origins and the number of stored trials, which are compared with their digests."""
         tidy = Tidy()
-        stored = sum(source.read(tidy, *self._labels) for source in self._sources)
-        frame = tidy.frame(
-            [entry.label for entry in self.study.problems], [entry.label for entry in self.study.optimizers]
-        )
+        stored = sum(source.read(tidy, cells) for source, cells in self._shown)
+        frame = tidy.frame(*self._places)
         origins = frame.pop("environment")
-        labels = [entry.label for entry in self.study.problems]
-        kinds = pd.DataFrame([self._kind(label) for label in labels], index=labels, dtype=object)
-        return _with_features(_with_precision(frame, self._suite_optima()), kinds), origins, stored
+        return self._with_features(self._with_precision(frame)), origins, stored
 
     @cached_property
     def traces(self) -> Traces:
         """The anytime traces of the frame's trials by (problem, optimizer, trial); failed trials have none."""
         _ = self._read  # refuses what is damaged
-        return Traces(
-            {
-                key: packed
-                for source in self._sources
-                for key, packed in source.folder.store.traces(source.shown_cells(*self._labels)).packed.items()
-            }
-        )
+        found = (source.folder.store.traces(cells).packed for source, cells in self._shown)
+        return Traces({key: packed for each in found for key, packed in each.items()})
 
     @cached_property
     def logs(self) -> pd.DataFrame:
@@ -284,8 +290,8 @@ class StoredResults:
         _ = self._read
         rows = [
             (*key, name, *pair)
-            for source in self._sources
-            for *key, log in source.folder.store.logs(source.shown_cells(*self._labels))
+            for source, cells in self._shown
+            for *key, log in source.folder.store.logs(cells)
             for name, pairs in log.items()
             for pair in pairs
         ]
@@ -313,27 +319,37 @@ class StoredResults:
             raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
         return problem
 
-    def _suite_optima(self) -> dict[str, float]:
-        """Return the known optima of the problems of suites, by label.
+    def _with_precision(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """Return the frame with a column ``precision`` after ``fun``, missing where the optimum is unknown.
 
-        No other problem is loaded: some compute their best known value in seconds.
+        Without any known optimum of a suite, and where a domain metric has that name, the frame stays as it is. No
+        other problem is loaded: some compute their best known value in seconds.
         """
-        suites = {entry.label for entry in self.study.problems if selection.is_of_suite(entry.name)}
-        optima = {label: self.facts(label).optimum for label in suites}
-        return {label: optimum for label, optimum in optima.items() if optimum is not None}
+        suites = [entry.label for entry in self.study.problems if selection.is_of_suite(entry.name)]
+        optimum = frame["problem"].map({label: self.facts(label).optimum for label in suites}).astype(float)
+        if optimum.notna().any() and PRECISION.name not in frame:
+            precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - optimum
+            frame.insert(list(frame).index("fun") + 1, PRECISION.name, precision)
+        return frame
 
-    def _kind(self, label: str) -> dict[str, Any]:
-        """Return the features of a problem that a frame has; its optimum, which may take seconds, is not computed.
+    def _with_features(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """Return the frame with the features of its problems; whole numbers stay whole where some lack.
 
-        A problem from a file is not loaded, as nobody expects that reading a frame executes the file.
+        An optimum, which may take seconds, is not computed. A problem from a file is not loaded, as nobody expects that
+        reading a frame executes the file.
         """
-        name = next(entry.name for entry in self.study.problems if entry.label == label)
-        kind: dict[str, Any] = {"dimension": dimension_in(label)}
-        if not brings_code(name):
+        kinds: list[dict[str, Any]] = [{"dimension": dimension_in(entry.label)} for entry in self.study.problems]
+        for kind, entry in zip(kinds, self.study.problems, strict=True):
             with suppress(Exception):  # a plug-in may raise anything, and may be missing here
-                problem = self.problem(label)
-                kind = {"dimension": problem.dimension} | dict(problem.features)
-        return {name: kind.get(name) for name in KINDS}
+                if not brings_code(entry.name):
+                    problem = self.problem(entry.label)
+                    kind |= {"dimension": problem.dimension} | dict(problem.features)
+        places = frame["problem"].map(self._places[0]).to_numpy(dtype=int)
+        for name in (column.name for column in FEATURES if column.name not in frame):
+            values = pd.Series([kind.get(name) for kind in kinds], dtype=object)
+            values = values.astype("Int64") if all(map(is_whole, values.dropna())) else values
+            frame[name] = values.array.take(places)
+        return frame
 
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
@@ -413,26 +429,3 @@ def _of_frame(table: pd.DataFrame) -> pd.DataFrame:
     runs = rows.groupby(["problem", "optimizer", "trial"], sort=False)
     last = runs.last().assign(fun=runs["fun"].min(), study="frame", status="ok").reset_index()
     return last.reindex(columns=[column.name for column in FRAME])
-
-
-def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.DataFrame:
-    """Return the frame with a column ``precision`` after ``fun``, missing where the optimum is unknown.
-
-    Without any known optimum, and where a domain metric has that name, the frame stays as it is.
-    """
-    optimum = frame["problem"].map(optima).astype(float) if optima else pd.Series(dtype=float)
-    if not optimum.notna().any() or PRECISION.name in frame:
-        return frame
-    precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - optimum
-    frame.insert(list(frame).index("fun") + 1, PRECISION.name, precision)
-    return frame
-
-
-def _with_features(frame: pd.DataFrame, kinds: pd.DataFrame) -> pd.DataFrame:
-    """Return the frame with the features of its problems, given by label; whole numbers stay whole where some lack."""
-    rows = kinds.index.get_indexer(pd.Index(frame["problem"]))
-    for name in KINDS:
-        if name not in frame:
-            values = kinds[name].astype("Int64") if all(map(is_whole, kinds[name].dropna())) else kinds[name]
-            frame[name] = values.array.take(rows)
-    return frame

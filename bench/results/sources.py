@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -34,8 +34,8 @@ class StudyFolder:
         shown: the label shown of each optimizer that the study in the folder names.
         cells: the labels of problem and optimizer that each cell is shown under, by its number in the store.
         versions: the number of its version, and the number of versions, of each optimizer with some that are not shown.
-        environments: the records of the runs.
-        environment_places: their numbers among those of all folders, by their numbers in the store.
+        environments: the records of the runs, by their numbers in the store.
+        before: the number of those of the folders before.
     """
 
     folder: Folder
@@ -44,8 +44,8 @@ class StudyFolder:
     shown: dict[str, str]
     cells: dict[int, Labels]
     versions: dict[str, tuple[int, int]]
-    environments: list[dict[str, Any]]
-    environment_places: dict[int, int]
+    environments: dict[int, dict[str, Any]]
+    before: int
 
     def by_label(self, noted: Mapping[str, Any]) -> dict[str, Any]:
         """Return a note of the folder on its optimizers, by the label shown."""
@@ -76,12 +76,8 @@ class StudyFolder:
             ended |= {cell.optimizer} if cell.stops.keys() - {None, "budget", "undeclared"} else set()
         return budgets | {label: whole.spent(most_in) for label, most_in in spent.items() if label not in ended}
 
-    def shown_cells(self, problems: Collection[str], optimizers: Collection[str]) -> dict[int, Labels]:
-        """Return the cells of these problems and shown optimizers."""
-        return {cell: each for cell, each in self.cells.items() if each[0] in problems and each[1] in optimizers}
-
-    def read(self, tidy: Tidy, problems: Collection[str], optimizers: Collection[str]) -> int:
-        """Add the trials of these problems and shown optimizers, with environments' numbers of all folders.
+    def read(self, tidy: Tidy, shown: Mapping[int, Labels]) -> int:
+        """Add the trials of cells, given with their labels, with environments' numbers of all folders.
 
         Return the number of all trials that are stored.
 
@@ -90,11 +86,12 @@ class StudyFolder:
         """
         found = StoreCheck()
         self.folder.store.require()
-        cells = {cell: (self.study.name, *labels) for cell, labels in self.shown_cells(problems, optimizers).items()}
+        cells = {cell: (self.study.name, *labels) for cell, labels in shown.items()}
+        places = {number: self.before + place for place, number in enumerate(self.environments, start=1)}
         with self.folder.store.reader() as reader:
             for rows in reader.chunks(found):
                 if chosen := [row for row in rows if row[CELL] in cells]:
-                    tidy.add(chosen, cells, reader.names, self.environment_places)
+                    tidy.add(chosen, cells, reader.names, places)
         return self.folder.require(found).trials
 
 
@@ -117,13 +114,11 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
         older, cells, numbers = _versions(held, folder.store.trials(), shown, versions)
         cells |= {n: (problem, shown[label]) for n, (problem, label) in held.selected.items() if label in shown}
         optimizers = (dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
-        noted = folder.store.records("environments")
-        environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
-        places = dict(zip(noted, range(before + 1, before + len(noted) + 1), strict=True))
-        before += len(noted)
+        environments = folder.store.records("environments")
         subject = shown.get(study.subject, study.subject) if len(folders) == 1 else study.subject
         renamed = dataclasses.replace(study, optimizers=(*older, *optimizers), subject=subject)
-        found.append(StudyFolder(folder, name, renamed, shown, cells, numbers, environments, places))
+        found.append(StudyFolder(folder, name, renamed, shown, cells, numbers, environments, before))
+        before += len(environments)
     return found
 
 

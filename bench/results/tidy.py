@@ -87,8 +87,8 @@ class Tidy:
                     ) from error
         self._rows += len(rows)
 
-    def frame(self, problems: Sequence[str], optimizers: Sequence[str]) -> pd.DataFrame:
-        """Return the frame, sorted by problem, optimizer (as listed) and trial; the rows are no longer held here.
+    def frame(self, problems: Mapping[str, int], optimizers: Mapping[str, int]) -> pd.DataFrame:
+        """Return the frame, sorted by problem, optimizer (by these places) and trial; the rows are no longer held here.
 
         Its columns are ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one for each domain
         metric, whatever the order in which the rows were committed.
@@ -96,8 +96,7 @@ class Tidy:
         if not self._rows:
             return pd.DataFrame(columns=[*COLUMNS])
         whole = {name: np.concatenate(self._parts.pop(name)) for name in ("cell", "trial")}
-        first, second = ({label: place for place, label in enumerate(labels)} for labels in (problems, optimizers))
-        ranks = np.array([first[p] * len(optimizers) + second[o] for _, p, o in self._known["cell"]])
+        ranks = np.array([problems[p] * len(optimizers) + optimizers[o] for _, p, o in self._known["cell"]])
         order = np.lexsort((whole["trial"], ranks[whole["cell"]])).astype(np.int32)
         series: dict[str, Any] = dict.fromkeys(COLUMNS)
         for place, name in enumerate(("study", "problem", "optimizer")):

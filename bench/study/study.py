@@ -257,19 +257,13 @@ class Study:
             raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, by_label)}")
         return by_label[label]
 
-    def check(self) -> dict[str, int]:
-        """Load every problem and optimizer once; return the problems' dimensions by label.
+    def dimensions(self, load: Callable[[str], Problem] | None = None) -> dict[str, int]:
+        """Load every problem, by ``load`` with its label; return their dimensions by label.
 
         Raises:
-            BenchError: for the first name, parameter, recording or budget that cannot work, and for targets that no
+            BenchError: for the first name, option, recording or budget that cannot work, and for targets that no
                 problem has.
         """
-        dimensions = self.dimensions()
-        self.check_optimizers((entry.label for entry in self.optimizers), dimensions)
-        return dimensions
-
-    def dimensions(self, load: Callable[[str], Problem] | None = None) -> dict[str, int]:
-        """Load every problem, by ``load`` with its label; return their dimensions; raises as :meth:`check`."""
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
         if self.targets is not None:
             self.targets.require_metric(any(problem.expected for problem in problems.values()))
@@ -280,7 +274,7 @@ class Study:
         return dimensions
 
     def check_optimizers(self, labels: Iterable[str], dimensions: Mapping[str, int]) -> None:
-        """Load these optimizers, and check the budget against the largest generation; raises as :meth:`check`.
+        """Load these optimizers, and check the budget against the largest generation; raises likewise.
 
         ``dimensions`` are those of the problems, by label.
         """

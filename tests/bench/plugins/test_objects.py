@@ -93,7 +93,7 @@ def test_a_table_gives_an_object_a_label_and_parameters_which_may_be_swept():
     assert [label for _, label, _ in swept] == ["Mine[F=0.25]", "Mine[F=0.75]"]
     assert {name for name, _, _ in swept} == {"python:Mine"}
     with pytest.raises(BenchError, match="optimizer 'python:Mine' has no parameter 'G'"):
-        study(optimizers=[{"name": Mine, "G": 1}]).check()
+        study(optimizers=[{"name": Mine, "G": 1}]).optimizer("Mine")
 
 
 def test_functions_without_names_are_numbered_and_others_twice_are_refused():

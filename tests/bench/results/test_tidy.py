@@ -10,7 +10,7 @@ from bench.storage.reading import READ
 from bench.storage.rows import NAMES
 from bench.trial.columns import packed
 
-PROBLEMS, OPTIMIZERS = ["a", "b", "c"], ["o", "p"]
+PROBLEMS, OPTIMIZERS = {"a": 0, "b": 1, "c": 2}, {"o": 0, "p": 1}
 
 
 def rows(count=7):
@@ -50,7 +50,7 @@ def tidy(rows, size):
 
 def plain(rows):
     """Return the frame made row by row, by pandas alone."""
-    every = sorted(rows, key=lambda row: (PROBLEMS.index(row["problem"]), row["optimizer"], row["trial"]))
+    every = sorted(rows, key=lambda row: (PROBLEMS[row["problem"]], row["optimizer"], row["trial"]))
     records = [
         {"study": "s"} | {name: row.get(name) for name in COLUMNS[1:]}
         | {f"x_{name}": value for name, value in (row["x"] or {}).items()} | (row["metrics"] or {})
