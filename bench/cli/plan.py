@@ -43,5 +43,5 @@ def command(
     console = Console()
     for line in foreseen(planned, gap, power):
         print_line(line, console=console)
-    if study.suffix != ".toml" and Folder(study).store.trials():
+    if study.suffix != ".toml" and Folder(study).store.held().trials:
         show(study, console)

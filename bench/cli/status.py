@@ -53,7 +53,7 @@ def command(
     console.print(summary(folder))
     if check or not store.sound:
         print_line(f"store: {store.sentence}", None if store.sound else "red", console)
-    if not folder.running() and folder.store.trials():
+    if not folder.running() and folder.store.held().trials:
         answer.show(folder.path, console)
     if best:
         for line in best_points(folder.path):
@@ -122,11 +122,11 @@ def summary(folder: Folder) -> Group:
 
 def _kept(folder: Folder) -> Iterator[str]:
     """Yield a line on the trials of each optimizer that the study does not select: earlier versions, and others."""
-    held, trials = folder.store.held(), folder.store.trials()
+    held = folder.store.held()
     kept: Counter[str] = Counter()
     for number, cell in held.all.items():
-        if number not in held.selected and trials.get(number):
-            kept[cell.optimizer] += trials[number]
+        if number not in held.selected and held.trials[number]:
+            kept[cell.optimizer] += held.trials[number]
     every = held.versions
     for label, selected in held.optimizers.items():
         versions = [*every[read(selected)["label"]]]

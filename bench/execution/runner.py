@@ -338,12 +338,10 @@ def _commit(
                 outcome.journal.update(beside.get("journal", {}))
                 if beside.get("unasked") and trial.optimizer not in outcome.unasked:
                     outcome.unasked.append(trial.optimizer)
-                made_from = beside.get("inputs")
-                if others := writer.conflicts(trial, made_from):
+                if others := writer.add(trial, row, numbers[machine], beside.get("inputs")):
                     outcome.edited.update(map(shown, others))
                 else:
                     repetition.consider(trial, row, beside.get("after", 0))
-                writer.add(trial, row, numbers[machine], made_from)
                 plan.finished.add(trial.key)
                 outcome.made += 1
                 for listener in heard:

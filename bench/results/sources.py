@@ -111,7 +111,7 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.optimizers}
         held = folder.store.held()
-        older, cells, numbers = _versions(held, folder.store.trials(), shown, versions)
+        older, cells, numbers = _versions(held, shown, versions)
         cells |= {n: (problem, shown[label]) for n, (problem, label) in held.selected.items() if label in shown}
         optimizers = (dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
         environments = folder.store.records("environments")
@@ -123,7 +123,7 @@ def sources(folders: list[Folder], versions: Sequence[str]) -> list[StudyFolder]
 
 
 def _versions(
-    held: Cells, trials: Mapping[int, int], shown: dict[str, str], wanted: Sequence[str]
+    held: Cells, shown: dict[str, str], wanted: Sequence[str]
 ) -> tuple[list[Entry], dict[int, Labels], dict[str, tuple[int, int]]]:
     """Return earlier versions of optimizers as entries, their cells, and the numbers of versions that stand alone.
 
@@ -149,7 +149,7 @@ def _versions(
                 numbers[name] = [*versions].index(selected) + 1, len(versions)
             continue
         for place, (record, of) in enumerate(versions.items(), start=1):
-            run = {number: held.all[number] for number in of if trials.get(number)}
+            run = {number: held.all[number] for number in of if held.trials[number]}
             if record == selected:
                 shown[label] = f"{name}@{place}"
             elif run:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -26,12 +27,19 @@ class Cells:
         selected: the labels of those that the last study selects, by their number.
         study: the identity of that study (:meth:`bench.study.Study.identity`); "" before the first.
         made: what the trials of a problem or an optimizer were made from, by its record, as far as that is known.
+        trials: the number of rows of each cell, by the cell's number, when the store was read.
     """
 
     all: dict[int, Cell] = field(default_factory=dict)
     selected: dict[int, Labels] = field(default_factory=dict)
     study: str = ""
     made: dict[str, Inputs] = field(default_factory=dict)
+    trials: Counter[int] = field(default_factory=Counter)
+
+    @property
+    def stored(self) -> Counter[Cell]:
+        """The number of rows of each cell that has any, selected or not."""
+        return Counter({cell: self.trials[number] for number, cell in self.all.items() if self.trials[number]})
 
     @property
     def by_labels(self) -> dict[Labels, Cell]:
@@ -96,7 +104,8 @@ def read(connection: sqlite3.Connection) -> Cells:
     """
     cells = Cells(_all(connection), *_selected(connection))
     records = records_of(connection, "inputs")
-    for cell, number in connection.execute("SELECT DISTINCT cell, inputs FROM results WHERE inputs IS NOT NULL"):
+    for cell, number, rows in connection.execute("SELECT cell, inputs, count(*) FROM results GROUP BY cell, inputs"):
+        cells.trials[cell] += rows
         if cell in cells.all:
             cells.add(cells.all[cell], split(records.get(number, {})))
     return cells

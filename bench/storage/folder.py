@@ -96,10 +96,10 @@ class Folder:
 
         Fewer trials than before do not shrink a folder.
         """
-        held, trials, asked = self.store.held(), self.store.trials(), study.trials
+        held, asked = self.store.held(), study.trials
         with suppress(BenchError):
             study = study.override(trials=max(asked, Study.load(self.path / STUDY).trials))
-        selection = select(study.cells(dimensions), study.trials, held, trials, present)
+        selection = select(study.cells(dimensions), study.trials, held, present)
         if asked < study.trials:
             selection.notes.append(
                 f"{self.path} was asked for {study.trials} trials before, so {study.trials} and not {asked} are made "

@@ -56,7 +56,7 @@ def merge(folders: Sequence[AnyPath], output: AnyPath) -> Merged:
         target.write_environments()
         if described := {label: about for source in sources for label, about in source.noted(DESCRIPTIONS).items()}:
             target.note(DESCRIPTIONS, described)
-        rows = sum(target.store.trials().values())
+        rows = target.store.held().trials.total()
     return Merged(rows, added, same)
 
 
@@ -100,8 +100,8 @@ def reusable(source: Folder, cells: Mapping[Labels, Cell], present: Present) -> 
     if running := source.running():
         raise BenchError(f"process {running['pid']} is writing to {source.path}; reuse its trials when that has ended")
     check = source.store.check()
-    there, trials = source.store.held(), source.store.trials()
-    run = [cell for number, cell in there.all.items() if trials.get(number)]
+    there = source.store.held()
+    run = [*there.stored]
     stale = {text: present.changed(there.made.get(text, {})) for cell in run for text in cell.records}
     held = {cell.bare: cell for cell in run if not any(stale[text] for text in cell.records)}
     by_labels = {cell.labels: cell for cell in run}  # the last version of each

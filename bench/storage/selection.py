@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
@@ -39,23 +39,20 @@ class Selection:
         return {known[cell]: labels for labels, cell in self.cells.items() if cell in known}
 
 
-def select(
-    wanted: Mapping[Labels, Cell], most: int, held: Cells, trials: Mapping[int, int], present: Present
-) -> Selection:
+def select(wanted: Mapping[Labels, Cell], most: int, held: Cells, present: Present) -> Selection:
     """Return the selection of a study's cells from a store that holds some of them.
 
     Args:
         wanted: the study's cells by the labels that it shows, with these labels in them.
         most: the number of trials that each is to have.
         held: the cells of the store.
-        trials: the number of trials that each cell of the store has, by its number.
         present: what trials would be made from now.
 
     Raises:
         BenchError: where a new label may stand for cells of two labels.
     """
-    stored = {cell: trials[number] for number, cell in held.all.items() if trials.get(number)}
-    renamed = [_seed_labels(place, wanted, held, stored) for place in range(2)]
+    renamed = [_seed_labels(place, wanted, held) for place in range(2)]
+    stored = held.stored
     run = {text for cell in stored for text in cell.records}
     now = [
         {
@@ -65,7 +62,7 @@ def select(
         for place in range(2)
     ]
     named = {labels: Cell(now[0][labels[0]], now[1][labels[1]], *cell.conditions) for labels, cell in wanted.items()}
-    return Selection(named, [*_Changes(named, most, held, stored, present).notes()])
+    return Selection(named, [*_Changes(held.by_labels, named, most, held, stored, present).notes()])
 
 
 def _present(place: int, bare: str, label: str, held: Cells, run: Collection[str], present: Present) -> str:
@@ -79,14 +76,14 @@ def _present(place: int, bare: str, label: str, held: Cells, run: Collection[str
     return next(unchanged, [latest, *others][-1])
 
 
-def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored: Iterable[Cell]) -> dict[str, str]:
+def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells) -> dict[str, str]:
     """Return the label that seeds are made from for each label shown, of problems (0) or optimizers (1).
 
     It is that under which the entry was run here before, or that of an equal entry which the study no longer names.
     """
     now = {labels[place]: cell.records[place] for labels, cell in wanted.items()}
     before = {labels[place]: cell.labels[place] for labels, cell in held.by_labels.items()}
-    records = {text: str(read(text)["label"]) for text in {cell.records[place] for cell in stored}}
+    records = {text: str(read(text)["label"]) for text in {cell.records[place] for cell in held.stored}}
     chosen = {}
     for label in now.keys() & {*before, *records.values()}:
         seed = before.get(label, label)
@@ -108,16 +105,12 @@ def _seed_labels(place: int, wanted: Mapping[Labels, Cell], held: Cells, stored:
 class _Changes:
     """The changes since the study that ran in a folder before."""
 
+    before: Mapping[Labels, Cell]
     now: Mapping[Labels, Cell]
     most: int
     held: Cells
-    stored: Mapping[Cell, int]
+    stored: Counter[Cell]
     present: Present
-
-    @cached_property
-    def before(self) -> dict[Labels, Cell]:
-        """The cells that the study before selects."""
-        return self.held.by_labels
 
     def notes(self) -> Iterator[str]:
         """Yield a sentence, without a full stop, for each change of which a reader of the plan must know."""
@@ -147,7 +140,7 @@ class _Changes:
         seeds = {cell.labels[place]: labels for labels, cell in self.now.items()}
         for label in dict.fromkeys(labels[place] for labels in self.before if labels[place] not in shown):
             gone = [cell for labels, cell in self.before.items() if labels[place] == label]
-            kept = count(sum(self.stored.get(cell, 0) for cell in gone), "trial")
+            kept = count(sum(self.stored[cell] for cell in gone), "trial")
             renamed = seeds.get(gone[0].labels[place])
             if renamed is None:
                 yield f"the {kind} {label} is no longer in the study: its {kept} are kept"
@@ -171,6 +164,6 @@ class _Changes:
         return f"version {versions.index(cell.optimizer) + 1}"
 
     def _numbers(self, cells: Collection[Labels], which: str) -> str:
-        left = sum(max(self.most - self.stored.get(self.now[labels], 0), 0) for labels in cells)
-        kept = sum(self.stored.get(self.before[labels], 0) for labels in cells)
+        left = sum(max(self.most - self.stored[self.now[labels]], 0) for labels in cells)
+        kept = sum(self.stored[self.before[labels]] for labels in cells)
         return f"{count(left, 'trial')} to make; the {kept:,} {which} are kept"

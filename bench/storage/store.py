@@ -151,13 +151,10 @@ class Store:
                 cell.most = max(cell.most, most)
         return list(cells.values())
 
-    def trials(self) -> dict[int, int]:
-        """Return the number of rows of each cell that has any, selected or not, by the cell's number."""
-        return self._numbers("cell")
-
     def made(self) -> dict[int, int]:
         """Return the number of rows that each environment made, by the environment's number."""
-        return self._numbers("environment")
+        counted = "SELECT environment, count(*) FROM results WHERE environment IS NOT NULL GROUP BY environment"
+        return dict(self._select(counted))
 
     def undeclared(self) -> dict[str, int]:
         """Return the number of finished trials that ended within the budget and declared no reason, by optimizer."""
@@ -254,9 +251,6 @@ class Store:
         labels = self.held().selected if shown is None else shown
         rows = self._select(f"SELECT cell, {columns} FROM results WHERE {where} ORDER BY cell, trial")
         return ((*labels[cell], *rest) for cell, *rest in rows if cell in labels)
-
-    def _numbers(self, column: str) -> dict[int, int]:
-        return dict(self._select(f"SELECT {column}, count(*) FROM results WHERE {column} IS NOT NULL GROUP BY 1"))
 
 
 def _refusal(path: Path, error: Exception) -> BenchError:

@@ -36,38 +36,28 @@ class Writer:
         self._connection, self.path = connection, path
         self._file = _identity(path)
         self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
-        self._inputs: dict[str, tuple[int, list[Inputs]]] = {}
+        self._inputs: dict[str | None, tuple[int | None, list[Inputs]]] = {None: (None, [{}, {}])}
         self._selected: dict[Labels, int] = {}
         self.cells = Cells()
         self._read()
         self._note()
 
-    def add(self, trial: Trial, row: Row, environment: int | None = None, made_from: str | None = None) -> Cell:
+    def add(self, trial: Trial, row: Row, environment: int | None = None, made_from: str | None = None) -> list[str]:
         """Commit one trial's row, as :func:`bench.trial.trial.finished` returns it; missing columns are stored as NULL.
 
-        It replaces a failed row of the same trial, but never a finished one. Return its cell, which is not the selected
-        one where it was made from other inputs than the trials there. ``made_from`` is their record, as JSON.
+        It replaces a failed row of the same trial, but never a finished one. ``made_from`` is the record of its inputs,
+        as JSON. Return those that are others than those of the selected cell, in whose place another cell gets the row.
         """
-        number, inputs = self._made_from(made_from)
+        if made_from not in self._inputs and made_from is not None:
+            record = json.loads(made_from)
+            self._inputs[made_from] = self.record("inputs", record), split(record)
+        number, inputs = self._inputs[made_from]
         selected = self.cells.all[self._selected[trial.key[:2]]]
-        cell = self.cells.fitting(selected.bare, inputs, selected)
+        others, cell = self.cells.conflicts(selected, inputs), self.cells.fitting(selected.bare, inputs, selected)
         with self.transaction():
             self.put(row | trial.columns | {"environment": environment, "inputs": number}, self.number(cell))
         self.cells.add(cell, inputs)
-        return cell
-
-    def conflicts(self, trial: Trial, made_from: str | None) -> list[str]:
-        """Return the inputs of a trial, as :meth:`add` takes them, that are others than those of the selected cell."""
-        return self.cells.conflicts(self.cells.all[self._selected[trial.key[:2]]], self._made_from(made_from)[1])
-
-    def _made_from(self, made_from: str | None) -> tuple[int | None, list[Inputs]]:
-        """Return the number of a record of inputs, which is added where it is new, and its parts."""
-        if made_from is None:
-            return None, [{}, {}]
-        if made_from not in self._inputs:
-            record = json.loads(made_from)
-            self._inputs[made_from] = self.record("inputs", record), split(record)
-        return self._inputs[made_from]
+        return others
 
     @contextmanager
     def transaction(self) -> Iterator[None]:

@@ -1,5 +1,6 @@
 """A study selects cells of a store, which keeps all it has: changed code is another cell, a new label is not."""
 
+from collections import Counter
 from dataclasses import replace
 
 import pytest
@@ -34,53 +35,57 @@ def made_from(cells, code):
 
 
 def held(ran, code=CODE, trials=3):
-    """Return the cells of a store in which a study ran, and the number of their trials."""
+    """Return the cells of a store in which a study ran."""
     cells = ran.cells(DIMENSIONS)
     numbered = dict(enumerate(cells.values(), start=1))
     made = made_from(cells.values(), code)
-    return Cells(numbered, dict(enumerate(cells, start=1)), "id", made), dict.fromkeys(numbered, trials)
+    return Cells(numbered, dict(enumerate(cells, start=1)), "id", made, Counter(dict.fromkeys(numbered, trials)))
 
 
 def again(ran, now, code=CODE, now_code=None):
-    return select(now.cells(DIMENSIONS), now.trials, *held(ran, code), Now(now_code or code))
+    return select(now.cells(DIMENSIONS), now.trials, held(ran, code), Now(now_code or code))
 
 
 def test_the_same_study_selects_the_same_cells_and_says_nothing():
     chosen = again(study("a", "b"), study("a", "b"))
     assert chosen.cells == study("a", "b").cells(DIMENSIONS)
     assert chosen.notes == []
-    assert chosen.labels_in(held(study("a", "b"))[0]) == {1: ("p", "a"), 2: ("p", "b"), 3: ("q", "a"), 4: ("q", "b")}
+    assert chosen.labels_in(held(study("a", "b"))) == {1: ("p", "a"), 2: ("p", "b"), 3: ("q", "a"), 4: ("q", "b")}
 
 
 def test_changed_code_is_another_cell_and_the_file_is_named():
     chosen = again(study("a", "b"), study("a", "b"), now_code=CODE | {"a": "new"})
     assert chosen.notes == ["a changed (f.py) and is version 2 now: 6 trials to make; the 6 of version 1 are kept"]
-    assert chosen.labels_in(held(study("a", "b"))[0]) == {2: ("p", "b"), 4: ("q", "b")}
+    assert chosen.labels_in(held(study("a", "b"))) == {2: ("p", "b"), 4: ("q", "b")}
 
 
 def test_a_version_that_is_there_already_is_taken_up_again():
-    cells, trials = held(study("a"))
+    cells = held(study("a"))
     more = {
         number: cell._replace(optimizer=with_inputs(cell.optimizer, 2))
         for number, cell in enumerate(study("a").cells(DIMENSIONS).values(), start=3)
     }
     cells = Cells(
-        cells.all | more, {3: ("p", "a"), 4: ("q", "a")}, "id", cells.made | made_from(more.values(), {"a": "new"})
+        cells.all | more,
+        {3: ("p", "a"), 4: ("q", "a")},
+        "id",
+        cells.made | made_from(more.values(), {"a": "new"}),
+        cells.trials | Counter(dict.fromkeys(more, 2)),
     )
-    chosen = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now(CODE))
+    chosen = select(study("a").cells(DIMENSIONS), 3, cells, Now(CODE))
     assert chosen.notes == ["a changed (f.py) and is version 1 now: 0 trials to make; the 4 of version 2 are kept"]
     assert chosen.labels_in(cells) == {1: ("p", "a"), 2: ("q", "a")}
     assert [*cells.versions["a"].values()] == [[1, 2], [3, 4]]
-    third = select(study("a").cells(DIMENSIONS), 3, cells, trials | dict.fromkeys(more, 2), Now({"a": "third"}))
+    third = select(study("a").cells(DIMENSIONS), 3, cells, Now({"a": "third"}))
     assert third.notes == ["a changed (f.py) and is version 3 now: 6 trials to make; the 4 of version 2 are kept"]
 
 
 def test_the_last_version_is_taken_while_it_has_no_trial():
-    cells, trials = held(study("a"))
+    cells = held(study("a"))
     number, cell = 3, study("a").cells(DIMENSIONS)["p", "a"]
     later = cell._replace(optimizer=with_inputs(cell.optimizer, 2))
-    cells = Cells(cells.all | {number: later}, {number: ("p", "a")}, "id", cells.made)
-    chosen = select(study("a", problems=("p",)).cells(DIMENSIONS), 3, cells, trials, Now({"a": "third"}))
+    cells = Cells(cells.all | {number: later}, {number: ("p", "a")}, "id", cells.made, cells.trials)
+    chosen = select(study("a", problems=("p",)).cells(DIMENSIONS), 3, cells, Now({"a": "third"}))
     assert chosen.cells["p", "a"] == later
 
 
@@ -91,9 +96,9 @@ def test_a_new_label_of_the_same_keeps_trials_and_seeds():
 
 
 def test_a_new_label_with_other_code_is_called_otherwise_and_another_version():
-    cells, trials = held(study("a"))
-    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id", cells.made)
-    chosen = select(study("a").cells(DIMENSIONS), 3, renamed, trials, Now({"a": "new"}))
+    cells = held(study("a"))
+    renamed = Cells(cells.all, {1: ("p", "c"), 2: ("q", "c")}, "id", cells.made, cells.trials)
+    chosen = select(study("a").cells(DIMENSIONS), 3, renamed, Now({"a": "new"}))
     assert chosen.notes == [
         "the optimizer c is called a now, and changed (f.py) and is version 2 now: its 6 trials are kept"
     ]
@@ -115,9 +120,9 @@ def test_two_entries_that_differ_in_their_labels_alone_are_two_cells():
 
 def test_a_label_that_comes_back_gets_its_cells_back():
     alike = {"a": "", "b": ""}
-    cells, trials = held(study("a"), alike)
-    renamed = Cells(cells.all, {1: ("p", "b"), 2: ("q", "b")}, "id", cells.made)
-    chosen = select(study("a", "b").cells(DIMENSIONS), 3, renamed, trials, Now(alike))
+    cells = held(study("a"), alike)
+    renamed = Cells(cells.all, {1: ("p", "b"), 2: ("q", "b")}, "id", cells.made, cells.trials)
+    chosen = select(study("a", "b").cells(DIMENSIONS), 3, renamed, Now(alike))
     assert chosen.seeds["p", "a"] == ("p", "a")
     assert chosen.seeds["p", "b"] == ("p", "b")
 
@@ -144,7 +149,7 @@ def test_other_evaluations_and_seeds_are_named_together():
 
 
 def test_trials_join_the_version_that_was_made_from_no_other_state():
-    cells, _ = held(study("a"))
+    cells = held(study("a"))
     cell = cells.all[1]
     assert cells.fitting(cell.bare, [{}, {"file:lazy.py": ("l", [])}], cell) == cell  # read late by one of them
     other = cells.fitting(cell.bare, [{}, {"file:f.py": ("edited", [])}], cell)
