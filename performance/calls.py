@@ -1,6 +1,6 @@
-"""Measure what a call of the objective costs beside the function that it calls, in one run on one core.
+"""Measure what a call of the objective costs more than the function that it calls, in one run on one core.
 
-"Beside the function" is the processor time of ``objective(x)`` less that of ``problem.evaluate`` on an equal array.
+That is the processor time of ``objective(x)`` less that of ``problem.evaluate`` on an equal array.
 Both are called in turn, and the fastest of several rounds counts, so that a busy moment of the machine favours neither.
 Where ioh is installed, it is measured in the same turns, with its logger, on the same sphere in Python.
 """
@@ -70,7 +70,7 @@ def beside(n: int, rounds: int) -> tuple[str, str]:
     alone, whole = us_a_call(rounds, (problem.evaluate, batches), (objective, batches))
     what = f"{n} points" if n > 1 else "one point"
     value = f"{short(whole - alone)} us, {times((whole - alone) / alone)} the sphere itself"
-    return f"a call of the objective with {what} of {DIMENSION} coordinates, beside a sphere in numpy", value
+    return f"a call of the objective with {what} of {DIMENSION} coordinates, less a sphere in numpy", value
 
 
 def side_by_side(calls: int) -> tuple[str, str]:
@@ -100,7 +100,7 @@ def against_ioh(rounds: int) -> tuple[str, str]:
         )
     ours, other = whole - alone, ioh_whole - ioh_alone
     value = f"{times(ours / other)} ioh's: {short(ours)} us and {short(other)} us"
-    return "a call with a single point, beside the sphere, against ioh with its logger", value
+    return "a call with a single point, less the sphere, against ioh with its logger", value
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What isolation costs: a trial beside its search, a call where the problem is apart, and the memory of a job.
+"""What isolation costs: a trial without its search, a call where the problem is apart, and the memory of a job.
 
 One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
 default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), with the
@@ -25,7 +25,7 @@ from bench.execution.supervisor import Supervisor
 
 DEFAULT = job.WORTH
 WAYS = (
-    ("several trials a process", DEFAULT, {}), ("a fork for each", 0.0, {}),
+    ("several trials per process", DEFAULT, {}), ("a fork for each", 0.0, {}),
     ("the problem in another process", 0.0, {"apart": True}), ("untrusted", 0.0, {"untrusted": True}),
 )  # fmt: skip
 SMALL = {"name": "small", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
@@ -47,7 +47,7 @@ def measure(quick: bool) -> Rows:
         found = [overhead(study.override(trials=trials), *way[1:]) for way in ways]
         for (how, *_), (ms, memory) in zip(ways, found, strict=True):
             value = f"{short(ms)} ms, {times(ms / found[0][0])} the first way; {memory:.0f} MB a job"
-            rows.append((f"a trial beside its search, {what}: {how}", value))
+            rows.append((f"a trial without its search, {what}: {how}", value))
     for optimizer, agents, what in (("random-search", 1, "one point"), ("random-search", 300, "300 points")):
         us = call_cost(optimizer, agents, calls)
         rows.append(
@@ -57,7 +57,7 @@ def measure(quick: bool) -> Rows:
 
 
 def overhead(study: Study, worth: float, mode: dict[str, bool]) -> tuple[float, float]:
-    """Return the mean milliseconds of a trial beside its search, and the job's memory in MB."""
+    """Return the mean milliseconds of a trial without its search, and the job's memory in MB."""
     job.WORTH = worth
     supervisor, plan = Supervisor(Task(study, **mode)), study.plan()
     try:

@@ -1,8 +1,8 @@
 """Compare loops over bbob through the objective with the same loops over cocoex and its observer, on one core.
 
-Both sides evaluate the same points: random ones, one a call or in batches, and those of a differential evolution in
-Python (Storn and Price 1997), one a call. cocoex takes no batches. The sides take turns, and processor time counts: the
-fastest of several rounds of each function, summed over 24 functions in 2, 5 and 10 dimensions.
+Both sides evaluate the same points: random ones, one per call or in batches, and those of a differential evolution in
+Python (Storn and Price 1997), one per call. cocoex takes no batches. The sides take turns, and processor time counts:
+the fastest of several rounds of each function, summed over 24 functions in 2, 5 and 10 dimensions.
 """
 
 import tempfile
@@ -32,9 +32,13 @@ def measure(quick: bool) -> Rows:
     fastest = took.min(axis=0)
     single, batches, theirs, search, their_search = fastest.mean(axis=0) / evaluations * 1e6
     rows = [
-        ("random points one a call, beside cocoex with its observer", single, theirs),
-        (f"random points in batches of {BATCH}, beside cocoex with its observer, one a call", batches, theirs),
-        ("a differential evolution in Python, one point a call, beside cocoex with its observer", search, their_search),
+        ("random points one per call, against cocoex with its observer", single, theirs),
+        (f"random points in batches of {BATCH}, against cocoex with its observer, one per call", batches, theirs),
+        (
+            "a differential evolution in Python, one point per call, against cocoex with its observer",
+            search,
+            their_search,
+        ),
     ]
     return [
         (f"bbob, {what}", f"{times(here / there)} as long: {short(here)} us and {short(there)} us a point")
@@ -43,7 +47,7 @@ def measure(quick: bool) -> Rows:
 
 
 def loops(function: int, dimension: int, evaluations: int) -> tuple[list[Callable[[], None]], object]:
-    """Return what is timed: points one a call and in batches here, points there, the search here and there.
+    """Return what is timed: points one per call and in batches here, points there, the search here and there.
 
     What comes with them must live as long.
     """
