@@ -3,8 +3,9 @@
     python performance              # about ten minutes on two idle cores; 'nox -s performance' does it
     python performance --quick      # small sizes, to try the scripts: the file is marked, and so is the page
 
-Each script runs alone, one after the other, in a process of its own. Each row is printed beside the committed one; the
-rows whose time or memory grew to 1.3 times or more are named at the end.
+Each script runs alone, one after the other, in a process of its own. Each row is printed with the committed one; the
+rows whose time or memory grew to 1.3 times or more are named at the end. Where the machine was busy when it began, the
+page says so.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import subprocess
 import sys
 from datetime import UTC, datetime
 from importlib.metadata import distributions
+from os import getloadavg
 from pathlib import Path
 from time import monotonic
 
@@ -31,6 +33,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     quick = parser.parse_args().quick
     known, rows, grown = committed(quick), [], []
+    about = record(quick)
     for script in sorted(HERE.glob("[a-z]*.py")):
         began = monotonic()
         command = [sys.executable, str(script), "--json", *(["--quick"] if quick else [])]
@@ -45,7 +48,7 @@ def main() -> None:
             print(f"  {row['measured']}: {row['value']}" + f" (committed: {before})" * bool(before), flush=True)
             if (times := growth(before, row["value"])) >= GROWN:
                 grown.append(f"{times:.1f} times the committed one: {row['measured']}")
-    RESULT.write_text(json.dumps(record(quick) | {"rows": rows}, indent=1) + "\n", encoding="utf-8")
+    RESULT.write_text(json.dumps(about | {"rows": rows}, indent=1) + "\n", encoding="utf-8")
     if known:
         print("\n".join(grown or [f"nothing is {GROWN} times slower or larger than the committed rows"]))
 
@@ -64,7 +67,13 @@ def record(quick: bool) -> dict[str, object]:
     installed = {distribution.name: distribution.version for distribution in distributions()}
     packages = {name: installed[name] for name in PACKAGES if name in installed}
     known = {key: here[key] for key in ("processor", "cores", "memory_gb", "system", "python", "git")}
-    return {"quick": quick, "date": datetime.now(UTC).date().isoformat(), **known, "packages": packages}
+    return {
+        "quick": quick,
+        "date": datetime.now(UTC).date().isoformat(),
+        "load": round(getloadavg()[0], 1),
+        **known,
+        "packages": packages,
+    }
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Measure what a call of the objective costs more than the function that it calls, in one run on one core.
+"""Measure how much more a call of the objective costs than the function that it calls, in one run on one core.
 
-That is the processor time of ``objective(x)`` less that of ``problem.evaluate`` on an equal array.
-Both are called in turn, and the fastest of several rounds counts, so that a busy moment of the machine favours neither.
-Where ioh is installed, it is measured in the same turns, with its logger, on the same sphere in Python.
+That is the processor time of ``objective(x)`` less that of ``problem.evaluate`` on an equal array. Both are called in
+turn, and the fastest of several rounds counts, so that a busy moment of the machine favours neither. Where ioh is
+installed, it is measured in the same turns, with its logger, on the same sphere in Python.
 """
 
 import tempfile

@@ -58,5 +58,7 @@ def performance(measured: dict[str, Any]) -> str:
         f"{measured['memory_gb']:.0f} GB, {measured['system']}, with Python {measured['python']}, {packages}; "
         f"commit {commit}."
     )
+    if (load := measured.get("load", 0)) >= 0.5:
+        about += f" The machine was not idle: its load was {load} when the run began."
     rows = [(with_code(row["measured"]), with_code(row["value"]), code(row["command"])) for row in measured["rows"]]
     return f"{about}\n\n{table(('measured', 'value', 'command'), rows)}\n"
