@@ -1,7 +1,6 @@
 """bench calibrate: map the amplitude of a joint's disturbance to its half-gap, by simulation."""
 
 import dataclasses
-import re
 import shlex
 from pathlib import Path
 from typing import Annotated
@@ -18,11 +17,11 @@ def calibrate(
     joint: Annotated[
         Path | None, typer.Option(help="A joint's TOML file, as 'bench simulate joint.toml' writes one to edit.")
     ] = None,
-    levels: Annotated[
-        str | None, typer.Option(help="Backlash levels FIRST:LAST of the thesis's 1 to 20; 2:11 by default.")
-    ] = None,
     gaps: Annotated[
-        str | None, typer.Option(help="Half-gaps in rad, FROM:TO:COUNT, such as 0:0.004:21, instead of levels.")
+        str | None,
+        typer.Option(
+            help="Half-gaps in rad, FROM:TO:COUNT, such as 0:0.004:21.", show_default="the thesis's levels 2 to 11"
+        ),
     ] = None,
     fits: Annotated[
         bool,
@@ -43,14 +42,12 @@ def calibrate(
     the best fit to a recording is some per cent off; a calibration contains this difference, unless --no-fits leaves it
     out.
     """
-    from problems.backlash.joint import Joint, load_joint
+    from problems.backlash.joint import Joint, half_gap, load_joint
     from problems.backlash.joint.writing import check_output
     from problems.backlash.sensor.formatting import calibration_lines
     from problems.backlash.signature import calibration
 
-    if levels is not None and gaps is not None:
-        raise BenchError("give either --levels or --gaps")
-    half_gaps = _gaps(gaps) if gaps is not None else _levels(levels or "2:11")
+    half_gaps = [half_gap(level) for level in range(2, 12)] if gaps is None else _gaps(gaps)
     if output is not None:
         check_output(output, ".toml", force=force)
     chosen = load_joint(joint)
@@ -66,24 +63,15 @@ def calibrate(
         for path in save_figures(plot, chosen, made):
             print_line(str(path))
     if output is not None:
-        made.save(output, command=_command(joint, levels, gaps, fits=fits))
+        made.save(output, command=_command(joint, gaps, fits=fits))
         print_line(str(output))
 
 
-def _command(joint: Path | None, levels: str | None, gaps: str | None, *, fits: bool) -> str:
+def _command(joint: Path | None, gaps: str | None, *, fits: bool) -> str:
     """Return the command that makes the same calibration."""
-    options = {"--joint": joint, "--levels": levels, "--gaps": gaps}
+    options = {"--joint": joint, "--gaps": gaps}
     words = (str(word) for pair in options.items() if pair[1] is not None for word in pair)
     return shlex.join(["bench", "calibrate", *words, *([] if fits else ["--no-fits"])])
-
-
-def _levels(text: str) -> list[float]:
-    from problems.backlash.joint import half_gap
-
-    match = re.fullmatch(r"(\d{1,3}):(\d{1,3})", text)
-    if not match or int(match[1]) >= int(match[2]):
-        raise BenchError(f"--levels must be FIRST:LAST, such as 2:11, not {text!r}")
-    return [half_gap(level) for level in range(int(match[1]), int(match[2]) + 1)]
 
 
 def _gaps(text: str) -> list[float]:

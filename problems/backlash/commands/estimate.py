@@ -35,8 +35,7 @@ def estimate(
         list[str],
         typer.Argument(
             metavar="RECORDING",
-            help="Recordings of motor speed at constant reference speed (csv, txt, xlsx, parquet), folders of them, or "
-            "patterns such as 'joint4_*.csv'.",
+            help="Recordings of motor speed at constant reference speed (csv, txt, xlsx, parquet), or folders of them.",
         ),
     ],
     speed: Annotated[
@@ -116,7 +115,7 @@ def estimate(
     from problems.backlash.signature.calibration import load_calibration
 
     stderr = Console(stderr=True)
-    paths, remarks = recording_files.find(recordings)
+    paths = recording_files.find(recordings)
     settings = Settings(gear_ratio, single, limit_rad=limit, resamples=resamples)
     if calibration is not None:
         settings = replace(settings, calibration=None if calibration == "none" else load_calibration(calibration))
@@ -128,8 +127,6 @@ def estimate(
     for output in filter(None, (csv, page)):
         check_folder(output)
 
-    for remark in remarks:
-        print_line(remark, console=stderr)
     read = partial(read_joints, speed=speed, unit=unit, window=part, joint_column=joint_column)
     made = estimate_files(paths, read, settings, n_jobs=-1)
     bar = track(made, "estimating", len(paths), console=stderr, transient=True, disable=not stderr.is_terminal)

@@ -1,6 +1,6 @@
-"""Find recordings by paths, folders and patterns, and infer the joint and the time of each from its name.
+"""Find recordings by paths and folders, and infer the joint and the time of each from its name.
 
->>> paths, notes = find(["cell7", "spare/*.xlsx"])
+>>> paths = find(["cell7", "spare/joint5.xlsx"])
 >>> [(one.name, one.unit, one.at) for one in series(paths)]
 
 A folder stands for the recordings in it and in its subfolders. A name with a date (``joint4_2024-01.csv``,
@@ -23,7 +23,6 @@ from bench.helpers.errors import BenchError
 from problems.backlash import TRUTH
 from problems.backlash.recordings.tables import READERS
 
-MAGIC = set("*?[")
 DATE = re.compile(
     r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<by>[-_.]?)(?P<month>0[1-9]|1[0-2])(?:(?P=by)(?P<day>0[1-9]|[12]\d|3[01]))?"
     r"(?:[T_ -](?P<hour>[01]\d|2[0-3])[-:h.]?(?P<minute>[0-5]\d)(?:[-:.]?[0-5]\d)?)?(?!\d)"
@@ -68,31 +67,21 @@ class _Name:
     days: bool = False
 
 
-def find(arguments: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
-    """Return the files that paths, folders and patterns stand for, each once, and a sentence on each file left out.
+def find(arguments: Sequence[str | Path]) -> list[Path]:
+    """Return the files that paths and folders stand for, each once, without the truth of a wear curve.
 
     Raises:
-        BenchError: for a folder without recordings and a pattern that no file matches.
+        BenchError: for a folder without recordings.
     """
     paths: dict[Path, None] = {}
-    notes = []
     for argument in map(Path, arguments):
+        files = [argument]
         if argument.is_dir():
-            inside = sorted(filter(_is_recording, (*argument.iterdir(), *argument.glob("*/*"))), key=natural)
-            files = [path for path in inside if path.name != TRUTH]
-            truths = [path for path in inside if path.name == TRUTH]
-            notes += [f"{path} is no recording but a wear curve's truth; it was left out" for path in truths]
+            files = sorted(filter(_is_recording, (*argument.iterdir(), *argument.glob("*/*"))), key=natural)
             if not files:
                 raise BenchError(f"there is no recording in the folder {argument}; give {', '.join(READERS)} files")
-        elif MAGIC & set(str(argument)) and not argument.exists():
-            pattern = argument.relative_to(argument.anchor)
-            files = sorted(filter(Path.is_file, Path(argument.anchor).glob(str(pattern))), key=natural)
-            if not files:
-                raise BenchError(f"no file matches {argument}; give the recordings, or the folder that holds them")
-        else:
-            files = [argument]
         paths |= dict.fromkeys(files)
-    return list(paths), notes
+    return list(paths)
 
 
 def natural(path: Path) -> list[tuple[str, int, str]]:
@@ -140,7 +129,8 @@ def series(paths: Sequence[Path], joints: Sequence[str] | None = None) -> list[S
 
 
 def _is_recording(path: Path) -> bool:
-    return path.suffix.lower() in READERS and not path.name.startswith((".", "~$")) and path.is_file()
+    is_hidden = path.name == TRUTH or path.name.startswith((".", "~$"))
+    return path.suffix.lower() in READERS and not is_hidden and path.is_file()
 
 
 def _parse(path: Path) -> _Name:

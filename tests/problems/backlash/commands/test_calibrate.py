@@ -54,16 +54,13 @@ def test_two_processes_make_the_fits_that_one_makes_and_the_file_says_how_to_mak
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--levels", "2:21"], "from 1 to 20"),
-        (["--levels", "5:2"], "--levels must be FIRST:LAST"),
         (["--gaps", "0:0.004:x"], "--gaps must be FROM:TO:COUNT"),
         (["--gaps", "0:0.004:1000"], "in 2 to 100 half-gaps"),
         (["--gaps", "0.004:0.001:5"], "--gaps must rise"),
-        (["--gaps", "0:0.004:5", "--levels", "2:11"], "either --levels or --gaps"),
         (["--output", "a.csv"], "a.csv must end in .toml"),
         (["--output", "there.toml"], "is there already"),
         (["--joint", "none.toml"], "joint none.toml cannot be read"),
-        (["--plot", "there.toml", "--levels", "2:3", "--no-fits"], "cannot be written"),
+        (["--plot", "there.toml", "--gaps", "0.0003:0.0005:2", "--no-fits"], "cannot be written"),
     ],
 )
 def test_wrong_input_is_one_sentence_and_writes_nothing(refused, tmp_path, monkeypatch, arguments, said):
