@@ -140,13 +140,14 @@ def grid(table: Table) -> PageTable:
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]
     ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word + SIGN) for length, word in zip(lengths, words, strict=True))
-    kinds = ["heat"] if table.shades is not None else ["blocks"] if table.tones is not None else []
+    shaded, toned = table.typography.shades is not None, table.typography.tones is not None
+    kinds = ["heat"] if shaded else ["blocks"] if toned else []
     wide = len(header) > UPRIGHT or sum(len(title) for title, _ in header) > WIDE
-    kinds += ["upright"] if table.shades is not None and wide else []
+    kinds += ["upright"] if shaded and wide else []
     kinds += [
         f"{'w' if length > LONG_TEXT else 't'}{place}"
         for place, ((_, numeric), length) in enumerate(zip(header, lengths, strict=True), 1)
-        if not numeric and (place == 1 or table.shades is None)
+        if not numeric and (place == 1 or not shaded)
     ]
     return PageTable([title for title, _ in header], " ".join(kinds), round(ems), rows, len(table.frame))
 

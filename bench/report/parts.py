@@ -14,9 +14,6 @@ from bench.helpers.text import slug
 from bench.report.wording import cell_text, usual_decimals
 
 SHADES = 8  # steps of a table's background
-LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades", "tones")
-"""The attributes of a table that have a row and a column for each of its frame's."""
-
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
 
 
@@ -35,6 +32,29 @@ class TableCell:
 
 
 @dataclass(frozen=True)
+class Typography:
+    """How the values of a table look: frames like the table's, without the columns that look as usual.
+
+    Attributes:
+        texts: what the cells show instead of the values in the usual digits.
+        bold: which values are bold: booleans.
+        italic: likewise for italics.
+        marks: superscript letters after a value: texts.
+        lost: which values count failed trials or include them, shown in red with a sign: booleans.
+        shades: how dark the background of a value is, from 0 to 1: numbers, missing for none.
+        tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too.
+    """
+
+    texts: pd.DataFrame | None = None
+    bold: pd.DataFrame | None = None
+    italic: pd.DataFrame | None = None
+    marks: pd.DataFrame | None = None
+    lost: pd.DataFrame | None = None
+    shades: pd.DataFrame | None = None
+    tones: pd.DataFrame | None = None
+
+
+@dataclass(frozen=True)
 class Table:
     """A table, written as CSV at full precision, on request as LaTeX, and into the page.
 
@@ -42,17 +62,11 @@ class Table:
         name: the name of its files; any text, made safe for a file name.
         caption: one sentence.
         frame: the values; the index is shown where it has a name.
-        bold: which values are bold: booleans like ``frame``, false for columns that are missing.
-        italic: likewise for italics.
-        marks: superscript letters after a value: texts like ``frame``.
-        lost: which values count failed trials or include them, shown in red with a sign; likewise.
-        texts: what the cells show instead of the values in the usual digits: texts like ``frame``; likewise.
+        typography: how they look.
         decimals: decimals of every float, or by column; by default floats have four significant digits, aligned where
             the values of a column are of similar size.
         note: the explanation of the marks, below the table.
         data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
-        shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
-        tones: "good", "warn" or "bad" for a value on green, yellow or red, which its words say, too; likewise.
         totals: rows at the end that sum up the others; LaTeX has a rule above them.
         latex: whether it is written as LaTeX, too.
     """
@@ -60,24 +74,17 @@ class Table:
     name: str
     caption: str
     frame: pd.DataFrame
-    bold: pd.DataFrame | None = None
-    italic: pd.DataFrame | None = None
-    marks: pd.DataFrame | None = None
-    lost: pd.DataFrame | None = None
-    texts: pd.DataFrame | None = None
+    typography: Typography = Typography()
     decimals: int | Mapping[str, int] | None = None
     note: str = ""
     data: pd.DataFrame | None = None
-    shades: pd.DataFrame | None = None
-    tones: pd.DataFrame | None = None
     totals: int = 0
     latex: bool = False
 
     def arranged(self, change: Callable[[pd.DataFrame], pd.DataFrame]) -> Table:
-        """Return the table with its frame, and every attribute like the frame, changed alike."""
-        frames = {name: getattr(self, name) for name in LIKE_FRAME}
-        changed: dict[str, Any] = {name: change(frame) for name, frame in frames.items() if frame is not None}
-        return replace(self, **changed)
+        """Return the table with its frame, and the frames of its typography, changed alike."""
+        frames = {name: change(frame) for name, frame in vars(self.typography).items() if frame is not None}
+        return replace(self, frame=change(self.frame), typography=Typography(**frames))
 
     @property
     def has_index(self) -> bool:
@@ -94,7 +101,6 @@ class Table:
     def rows(self) -> list[list[TableCell]]:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
-        looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades, self.tones)
         columns = [
             [
                 TableCell(
@@ -105,7 +111,7 @@ class Table:
                 for value, text, bold, italic, mark, lost, shade, tone in zip(values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
-            for styles in [[self._styles(like_frame, name) for like_frame in looks]]
+            for styles in [[self._styles(like_frame, name) for like_frame in vars(self.typography).values()]]
             for decimals in [self._decimals(name, values)]
         ]  # fmt: skip
         heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]

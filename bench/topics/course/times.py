@@ -11,7 +11,7 @@ from bench import analysis
 from bench.analysis.matrix import table as table_of
 from bench.analysis.running_time import separably_fastest
 from bench.plots import ert, style
-from bench.report.parts import Figure, File, Table
+from bench.report.parts import Figure, File, Table, Typography
 from bench.topics.course import words
 from bench.topics.findings import Anytime, Findings, Trials
 
@@ -113,9 +113,11 @@ def ratios(findings: Findings) -> Table:
         "running-times",
         f"Expected running times to {chosen.at(level)}, a row a problem.",
         frame.rename_axis(index="problem", columns=None),
-        texts=pd.DataFrame(texts, index=frame.index, columns=frame.columns, dtype=object),
-        bold=times[shown].eq(lowest, axis=0),
-        marks=pd.DataFrame(marks, index=frame.index),
+        Typography(
+            texts=pd.DataFrame(texts, index=frame.index, columns=frame.columns, dtype=object),
+            bold=times[shown].eq(lowest, axis=0),
+            marks=pd.DataFrame(marks, index=frame.index),
+        ),
         note=words.times_note(what, chosen.at(level), bool(stars)),
         data=chosen.in_unit(anytime.running_times, chosen.unit),
         latex=True,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.plots import style
-from bench.report.parts import Table
+from bench.report.parts import Table, Typography
 from bench.topics.findings import Findings
 from bench.topics.runs.marks import FIRST, NEAR, marks, ranks_on
 from bench.topics.runs.panels import MOST, classes
@@ -31,9 +31,11 @@ def rank_map(findings: Findings) -> Table:
         f"{'Mean rank of each optimizer on each class' if by_class else 'Rank of each optimizer on each problem'}, by "
         "the chance to end lower.",
         ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:.1f}" if by_class else f"{rank:g}").astype(object),
-        bold=marked == FIRST,
-        marks=near.map(lambda beside: NEAR if beside else ""),
-        shades=(ranks - 1) / max(every - 1, 1),
+        Typography(
+            bold=marked == FIRST,
+            marks=near.map(lambda beside: NEAR if beside else ""),
+            shades=(ranks - 1) / max(every - 1, 1),
+        ),
         note=" ".join(notes),
         data=findings.final.chances,
         latex=True,

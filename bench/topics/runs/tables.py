@@ -7,7 +7,7 @@ import pandas as pd
 from bench import analysis
 from bench.analysis.matrix import table
 from bench.analysis.pairwise import seen_from
-from bench.report.parts import File, Table
+from bench.report.parts import File, Table, Typography
 from bench.report.wording import row_texts
 from bench.topics.findings import CROWD, FIRST, Findings
 from bench.topics.runs.words import table_note
@@ -34,10 +34,12 @@ def comparison(findings: Findings) -> Table:
         "comparison",
         "The median of the best objective value, a row a problem.",
         medians,
-        texts=pd.DataFrame(texts, medians.index, medians.columns, dtype=object),
-        bold=first[shown],
-        marks=pd.DataFrame({o: [marks.get((p, o), "") for p in medians.index] for o in shown}, index=medians.index),
-        lost=(table(findings.trials.coverage, "failed") > 0).reindex_like(medians),
+        Typography(
+            texts=pd.DataFrame(texts, medians.index, medians.columns, dtype=object),
+            bold=first[shown],
+            marks=pd.DataFrame({o: [marks.get((p, o), "") for p in medians.index] for o in shown}, index=medians.index),
+            lost=(table(findings.trials.coverage, "failed") > 0).reindex_like(medians),
+        ),
         note=table_note(findings.leader, bool(final.subject), bool(findings.trials.precisions)),
         data=cells,
         latex=True,

@@ -9,7 +9,7 @@ import pandas as pd
 from bench.analysis.comparison import shared_by
 from bench.contract.objective import ON_TARGET, OUT_OF_TIME
 from bench.helpers.parsing import Json, JsonObject
-from bench.report.parts import Card, File, Line, Section, Table, warning
+from bench.report.parts import Card, File, Line, Section, Table, Typography, warning
 from bench.report.wording import count, listing, unfinished_trials
 from bench.topics.answer.changes import changes
 from bench.topics.answer.facts import facts
@@ -153,8 +153,8 @@ def handled(frame: pd.DataFrame) -> Iterator[Line]:
 def _incomplete(trials: Trials) -> list[Table]:
     coverage, frame = trials.coverage, trials.whole
     short = coverage[(coverage["missing"] > 0) | (coverage["failed"] > 0)]
-    lost = short[["failed"]] > 0
-    tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short, lost=lost)] if len(short) else []
+    lost = Typography(lost=short[["failed"]] > 0)
+    tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short, lost)] if len(short) else []
     failed = frame[frame["status"] != "ok"]
     return [*tables, _failures(failed)] if len(failed) else tables
 
@@ -167,4 +167,5 @@ def _failures(failed: pd.DataFrame) -> Table:
         .agg(trials=("trial", "size"), problems=("problem", "nunique"))
         .reset_index()[["optimizer", "status", "trials", "problems", "error"]]
     )
-    return Table("failures", "Failed trials by optimizer and reason.", reasons, lost=reasons[["trials"]] > 0)
+    lost = Typography(lost=reasons[["trials"]] > 0)
+    return Table("failures", "Failed trials by optimizer and reason.", reasons, lost)

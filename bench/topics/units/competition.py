@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench.analysis.cells import NEAR
 from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, signs
-from bench.report.parts import File, Table
+from bench.report.parts import File, Table, Typography
 from bench.topics.findings import Findings
 from bench.topics.units import words
 
@@ -88,9 +88,11 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
         "competition",
         words.caption(findings.trials.common_words, int((~known).sum())),
         frame.rename_axis(index="problem", columns=None),
-        texts=pd.concat([texts, last]),
-        bold=lowest.reindex(frame.index, fill_value=False),
-        marks=marks.reindex(frame.index, fill_value=""),
+        Typography(
+            texts=pd.concat([texts, last]),
+            bold=lowest.reindex(frame.index, fill_value=False),
+            marks=marks.reindex(frame.index, fill_value=""),
+        ),
         note=" ".join([words.NOTE, *([words.signs(subject, len(tests))] if len(tests) else [])]),
         data=errors.merge(tests, how="left", on=["problem", "optimizer"]),
         totals=len(ends),

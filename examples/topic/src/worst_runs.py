@@ -4,7 +4,7 @@ import matplotlib.figure
 import pandas as pd
 
 from bench.analysis import scores
-from bench.report import Figure, Section, Table, leaders
+from bench.report import Figure, Section, Table, Typography, leaders
 from bench.topics import Findings
 
 TITLE = "Worst runs"
@@ -27,7 +27,7 @@ def section(findings: Findings) -> Section | None:
         TITLE,
         (f"{leaders(last, 'the worst run')}.",),
         (
-            Table("worst-runs", "The worst value of each optimizer on each problem.", table, bold=last),
+            Table("worst-runs", "The worst value of each optimizer on each problem.", table, Typography(bold=last)),
             Figure("worst-runs", "On how many problems an optimizer has the worst run.", bars(last), counts(last)),
         ),
     )

@@ -11,7 +11,7 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
-from bench.report import Table
+from bench.report import Table, Typography
 from bench.reproduce.section import judged
 from bench.reproduce.table import PaperTable, read
 from bench.reproduce.verdict import DIFFERS, Judgement, sentences, unjudged
@@ -110,9 +110,7 @@ def table_7_2(
         "table-7-2",
         "Mean fitting error in rpm by dataset, beside the printed one (thesis Table 7.2).",
         shown,
-        bold.rename(columns=str.upper),
-        italic.rename(columns=str.upper),
-        marks,
+        Typography(bold=bold.rename(columns=str.upper), italic=italic.rename(columns=str.upper), marks=marks),
         decimals=3,
         note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at "
         f"{ALPHA:g} (raw p, as in the thesis) cannot distinguish it from the best swarm."

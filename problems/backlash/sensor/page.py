@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from bench.report import Figure, Line, Section, Table, count, write_page
+from bench.report import Figure, Line, Section, Table, Typography, count, write_page
 from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import CONFIDENCE, Settings
 from problems.backlash.sensor.formatting import PER, calibration_of, notes, trend_lines
@@ -84,7 +84,7 @@ def _joints(joints: Sequence[JointHistory], settings: Settings) -> Table:
         f"The limit is a half-gap of {1e3 * settings.limit_rad:g} mrad. Its date assumes that the growth of the later "
         "half of the recordings continues."
     )
-    return Table("joints", caption, frame, tones=tones.set_axis(frame.index), note=note)
+    return Table("joints", caption, frame, Typography(tones=tones.set_axis(frame.index)), note=note)
 
 
 def _half_gap(joint: JointHistory) -> str:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from bench.report.page import FileRow, Item, View, inline, render
-from bench.report.parts import Card, Figure, Line, Section, Table
+from bench.report.parts import Card, Figure, Line, Section, Table, Typography
 
 SVG = """<?xml version="1.0" encoding="utf-8"?>
 <svg xmlns:xlink="http://www.w3.org/1999/xlink" width="252pt" height="144pt" viewBox="0 0 252 144"
@@ -74,7 +74,11 @@ def views(view):
     marks = pd.DataFrame({"b": ["a", "ab"]}, index=pd.Index(["p", "q"], name="problem"))
     pair = pd.DataFrame({"a": [1, 22], "b": [3.5, 4.5]}, index=marks.index)
     matrix = Table(
-        "matrix", "Medians.", pair, bold=pair < 2, italic=pair > 4, marks=marks, note="Letters: not separable."
+        "matrix",
+        "Medians.",
+        pair,
+        Typography(bold=pair < 2, italic=pair > 4, marks=marks),
+        note="Letters: not separable.",
     )
     short = Figure("short", "A figure of few numbers.", None, pd.DataFrame({"x": [1, 2], "y": [3.0, 4.0]}))
     long = Figure("long", "A figure of many.", None, pd.DataFrame({"x": np.arange(1234), "y": np.arange(1234) / 7}))

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bench.report.latex import ACCENTS, LAYOUTS, SYMBOLS, escape, to_latex
-from bench.report.parts import Table
+from bench.report.parts import Table, Typography
 
 HOSTILE = [
     "&%$#_{}~^\\<>|\"'`", "[1] at a row's start", "*starred", "[", "]", "\\\\[2em]", "\\input{/etc/passwd}", "}{",
@@ -54,7 +54,12 @@ def comparison(problems=18, optimizers=5, **options):
     best = frame.eq(frame.min(axis=1), axis=0)
     note = "Bold: the lowest mean of the row. Italics: an exact test cannot separate the result from the best one’s."
     return Table(
-        "comparison", "Mean of the best value.", frame, bold=best, italic=~best & (frame < 9), note=note, **options
+        "comparison",
+        "Mean of the best value.",
+        frame,
+        Typography(bold=best, italic=~best & (frame < 9)),
+        note=note,
+        **options,
     )
 
 
@@ -64,7 +69,7 @@ def checkpoints(rows):
         names=["problem", "optimizer"],
     )
     frame = pd.DataFrame(4.7e9, index, [f"{0.01 * (i + 1):.2f}" for i in range(16)])
-    return Table("checkpoints", "Median error.", frame, texts=frame.map("{:.1e}".format))
+    return Table("checkpoints", "Median error.", frame, Typography(texts=frame.map("{:.1e}".format)))
 
 
 class TestEscape:
@@ -96,7 +101,10 @@ class TestToLatex:
         frame = pd.DataFrame({"a_1": [1.25, np.inf], "b": [2.0, np.nan]}, index)
         bold = pd.DataFrame({"a_1": [True, False]}, index)
         text = to_latex(
-            Table("t", "100% of it", frame, bold=bold, italic=~bold, decimals={"a_1": 2, "b": 1}, note="x_y"), "t"
+            Table(
+                "t", "100% of it", frame, Typography(bold=bold, italic=~bold), decimals={"a_1": 2, "b": 1}, note="x_y"
+            ),
+            "t",
         )
         assert all(rule in text for rule in (r"\toprule", r"\midrule", r"\bottomrule", r"\label{tab:t}"))
         assert r"\caption{100\% of it}" in text

@@ -11,7 +11,7 @@ import pytest
 
 from bench.plots import style
 from bench.report.page import FileRow, inline, render
-from bench.report.parts import Card, Figure, Line, Section, Table
+from bench.report.parts import Card, Figure, Line, Section, Table, Typography
 from bench.report.write import save_figure
 
 HOSTILE = "<script>alert(1)</script>&amp; {{ 7*7 }} {% raw %} \"'><b onclick=x>"
@@ -45,7 +45,9 @@ class TestPage:
 
     def test_hostile_text_is_only_text(self, read, view):
         frame = pd.DataFrame({HOSTILE: [HOSTILE]}, index=pd.Index([HOSTILE], name=HOSTILE))
-        part = Table("t", HOSTILE, frame, marks=pd.DataFrame({HOSTILE: [HOSTILE]}, index=frame.index), note=HOSTILE)
+        part = Table(
+            "t", HOSTILE, frame, Typography(marks=pd.DataFrame({HOSTILE: [HOSTILE]}, index=frame.index)), note=HOSTILE
+        )
         figure = Figure("f", HOSTILE, None, frame)
         section = Section(
             HOSTILE, (HOSTILE,), (part, figure), (Card(HOSTILE, "limit"),), (Line(HOSTILE, HOSTILE, HOSTILE),),
@@ -62,7 +64,9 @@ class TestPage:
 class TestTable:
     def test_failures_are_red_and_have_a_sign(self, view):
         frame = pd.DataFrame({"failed": [3, 0]})
-        lost = Section("s", items=(Table("t", "c", frame, lost=frame > 0),), lost="3 of 9 trials did not finish.")
+        lost = Section(
+            "s", items=(Table("t", "c", frame, Typography(lost=frame > 0)),), lost="3 of 9 trials did not finish."
+        )
         page = render("t", "", [view("v", lost)])
         assert '<p class="lost">3 of 9 trials did not finish.</p>' in page
         assert page.count('<td><span class="lost">3</span></td>') == 1

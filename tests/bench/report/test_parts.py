@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from bench.report import Card, Line, Section, Table
+from bench.report import Card, Line, Section, Table, Typography
 
 
 class TestTables:
@@ -11,7 +11,9 @@ class TestTables:
         {"a_1": [1.25, float("inf")], "b": [2.0, float("nan")]}, index=pd.Index(["p&q", "r"], name="problem")
     )
     bold = pd.DataFrame({"a_1": [True, False]}, index=frame.index)
-    table = Table("t", "100% of it", frame, bold=bold, italic=~bold, decimals={"a_1": 2, "b": 1}, note="x_y")
+    table = Table(
+        "t", "100% of it", frame, Typography(bold=bold, italic=~bold), decimals={"a_1": 2, "b": 1}, note="x_y"
+    )
 
     def test_cells_are_formatted_and_marked(self):
         assert self.table.header == [("problem", False), ("a_1", True), ("b", True)]

@@ -87,7 +87,7 @@ class TestRunLengths:
         found = small()
         table = ratios(found)
         assert list(table.frame) == ["best of 2009", "a", "b"]
-        assert table.texts.iloc[0, 0] == "19"
+        assert table.typography.texts.iloc[0, 0] == "19"
         assert table.frame["a"].iloc[0] == pytest.approx(8 / 19)
         precision = table.data[table.data["optimizer"] == "a"].set_index("budget / d")["precision"]
         assert precision.to_dict() == pytest.approx(

@@ -71,8 +71,8 @@ class TestTheSection:
         table = figure.table
         assert (figure.name, table.name, len(figure.data)) == ("every-run", "comparison", 48)
         assert table.frame.index.tolist() == ["p", "q"]
-        assert table.bold.loc["p"].to_dict() == {"a": True, "b": False, "c": False}
-        assert table.marks.loc["p"].to_dict() == {"a": "", "b": "1.00*", "c": "1.00*"}
+        assert table.typography.bold.loc["p"].to_dict() == {"a": True, "b": False, "c": False}
+        assert table.typography.marks.loc["p"].to_dict() == {"a": "", "b": "1.00*", "c": "1.00*"}
         data = table.data.set_index(["problem", "optimizer"])
         assert data.at[("p", "b"), "median_above_optimum"] == pytest.approx(data.at[("p", "b"), "median"] - 2)
         assert np.isnan(data.at[("q", "b"), "median_above_optimum"])

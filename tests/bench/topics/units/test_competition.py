@@ -23,13 +23,13 @@ def tables(section):
 def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
     found = section(make(tmp_path / "s", trials=6), "b", p=1.0, q=1.0)
     table = tables(found)["competition"]
-    assert table.marks.loc["p"].to_dict() == {"a": "−", "b": "", "c": "+"}
-    assert table.texts.loc["+ / ≈ / −"].to_dict() == {"a": "0 / 0 / 2", "b": "", "c": "2 / 0 / 0"}
-    assert table.texts.loc["U-score"].to_dict() == {"a": "144.0", "b": "72.0", "c": "0.0"}
-    assert table.bold.loc["q"].to_dict() == {"a": True, "b": False, "c": False}
-    assert not table.bold.loc["U-score"].any()
+    assert table.typography.marks.loc["p"].to_dict() == {"a": "−", "b": "", "c": "+"}
+    assert table.typography.texts.loc["+ / ≈ / −"].to_dict() == {"a": "0 / 0 / 2", "b": "", "c": "2 / 0 / 0"}
+    assert table.typography.texts.loc["U-score"].to_dict() == {"a": "144.0", "b": "72.0", "c": "0.0"}
+    assert table.typography.bold.loc["q"].to_dict() == {"a": True, "b": False, "c": False}
+    assert not table.typography.bold.loc["U-score"].any()
     mean = table.data.set_index(["problem", "optimizer"])["mean"]
-    assert table.texts.at["p", "a"].startswith(f"{mean['p', 'a']:.2e} (")
+    assert table.typography.texts.at["p", "a"].startswith(f"{mean['p', 'a']:.2e} (")
     assert set(table.data["sign"].dropna()) == {"+", "-"}
     latex = to_latex(table, "competition")
     assert r"\textsuperscript{+}" in latex

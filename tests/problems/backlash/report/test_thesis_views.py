@@ -91,8 +91,8 @@ def test_table_7_2_has_the_thesis_columns_in_order_by_plugin_name(tmp_path):
 
 def test_bold_and_italics_compare_the_swarms_alone(tmp_path):
     _, shown = printed(make(tmp_path / "s", datasets=(4,)))  # ALO 3.331 and GWO 3.278 overlap, CMA-ES is at 2
-    assert shown.bold.loc[4].to_dict() == {"ALO": False, "GOA": False, "DA": False, "GWO": True}
-    assert shown.italic.loc[4].to_dict() == {"ALO": True, "GOA": False, "DA": False, "GWO": False}
+    assert shown.typography.bold.loc[4].to_dict() == {"ALO": False, "GOA": False, "DA": False, "GWO": True}
+    assert shown.typography.italic.loc[4].to_dict() == {"ALO": True, "GOA": False, "DA": False, "GWO": False}
     assert [cell.bold for cell in shown.rows[0]] == [False] * 7 + [True, False, False]
 
 
@@ -101,7 +101,7 @@ def test_exact_reproduction_is_said_in_words(tmp_path):
     assert "0 of 12 cells differ, tested at 5% over the table." in said
     assert "12 do not differ, and the 90% interval (t) of the difference of their means lies within one SD" in said
     assert "holds in 2 of 3 rows of Table 7.2, and in 2 of the printed ones." in said
-    assert not (shown.marks == "≠").any(axis=None)
+    assert not (shown.typography.marks == "≠").any(axis=None)
 
 
 def test_a_failed_trial_leaves_its_cell_without_a_mean(tmp_path):
