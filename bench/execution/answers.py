@@ -114,9 +114,10 @@ def _value(answer: Mapping[str, Any], column: Column) -> Any:
 
 def _check(column: Column, values: Mapping[str, Any]) -> None:
     """Refuse a number that is not within the bounds of its column; times are finite."""
-    value, most = values[column.name], values.get(column.within, column.most)
-    if not column.least <= value <= most or (column.unit and value == inf):
-        raise RefusedError(f"its {column.name} is {value!s:.30}, and must be from {column.least} to {most}")
+    value, (least, most, within) = values[column.name], column.limits
+    most = values.get(within, most)
+    if not least <= value <= most or (column.unit and value == inf):
+        raise RefusedError(f"its {column.name} is {value!s:.30}, and must be from {least} to {most}")
 
 
 def _log(answer: Mapping[str, Any], nfev: int) -> Logs:

@@ -83,7 +83,7 @@ class ImportedRun:
         """Raise BenchError for a number that no run has, and that a store or a report could not hold."""
         what = f"a run of {self.optimizer} on {self.problem} has"
         given = {"dimension": self.dimension, **self.columns, "nfev": self.nfev, "trial": self.number}
-        limits = {column.name: column.most for column in COLUMNS if column.kind is int}
+        limits = {column.name: column.limits.most for column in COLUMNS if column.kind is int}
         for name, most in ({"dimension": LARGEST_DIMENSION} | limits).items():
             if (value := given.get(name)) is not None and not 0 <= value <= most:
                 raise BenchError(f"{what} {name} {value}, which must be from 0 to {most}")

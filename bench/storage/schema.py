@@ -17,6 +17,9 @@ SELECTED = "results JOIN selected ON selected.cell = results.cell LEFT JOIN name
 """The SQL tables of the trials that the last study selects, under the labels that it shows."""
 
 _KINDS = {int: "INTEGER", float: "REAL", str: "TEXT", bytes: "BLOB"}
+_RULES = {
+    "environment": " REFERENCES environments", "inputs": " REFERENCES inputs", "status": " NOT NULL",
+}  # fmt: skip
 
 
 @cache
@@ -25,11 +28,7 @@ def schema() -> str:
 
     A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
     """
-    definitions = [
-        f"{column.name} {_KINDS[column.kind]}{' NOT NULL' * column.required}"
-        + f" REFERENCES {column.table}" * bool(column.table)
-        for column in STORED
-    ]
+    definitions = [f"{column.name} {_KINDS[column.kind]}{_RULES.get(column.name, '')}" for column in STORED]
     return f"""
 CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
 CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);

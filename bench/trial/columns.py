@@ -11,12 +11,23 @@ import json
 import struct
 from dataclasses import dataclass, field, fields
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 from bench.contract.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
 
 Row = dict[str, Any]
 """A trial's columns by name as a store keeps them; those that are missing are unknown."""
+
+
+class Limits(NamedTuple):
+    """What a number may be: from ``least`` to ``most``, and at most "budget" or another column, ``within``."""
+
+    least: float = -inf
+    most: float = inf
+    within: str = ""
+
+
+UNLIMITED = Limits()
 
 
 @dataclass(frozen=True)
@@ -28,13 +39,9 @@ class Column:
         kind: its type, int, float, str or bytes.
         meaning: a phrase for people.
         unit: of a number, "" without one.
-        least: the smallest number that it may be.
-        most: the largest one.
-        within: what else it does not exceed: "budget", or another column.
+        limits: of a number.
         names: of bytes that hold float64 numbers, the column in which a store has their names, as a JSON list.
         prefix: before such a name in the frame.
-        required: whether every row has it.
-        table: of a store, whose row it numbers.
         frame: whether the tidy frame has it.
         stored: whether a store has it; other columns are computed when a frame is read.
         repeats: whether it is the same whenever the trial is made.
@@ -44,13 +51,9 @@ class Column:
     kind: type
     meaning: str
     unit: str = ""
-    least: float = -inf
-    most: float = inf
-    within: str = ""
+    limits: Limits = UNLIMITED
     names: str = ""
     prefix: str = ""
-    required: bool = False
-    table: str = ""
     frame: bool = True
     stored: bool = True
     repeats: bool = True
@@ -65,24 +68,24 @@ class Measured:
     """The columns that a search fills in, each a single value."""
 
     fun: float = _column("lowest objective value found, +inf where no point counts")
-    nfev: int = _column("evaluations made", least=1, most=LARGEST_BUDGET, within="budget")
-    calls: int = _column("calls of the objective, each with a batch of points", least=1, within="nfev")
-    largest_call: int = _column("most points in a call of the objective", least=1, within="nfev")
-    wall_s: float = _column("wall time of the whole search", unit="s", least=0, repeats=False)
-    cpu_s: float = _column("processor time of the whole search", unit="s", least=0, repeats=False)
-    objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", least=0, repeats=False)
+    nfev: int = _column("evaluations made", limits=Limits(1, LARGEST_BUDGET, "budget"))
+    calls: int = _column("calls of the objective, each with a batch of points", limits=Limits(1, within="nfev"))
+    largest_call: int = _column("most points in a call of the objective", limits=Limits(1, within="nfev"))
+    wall_s: float = _column("wall time of the whole search", unit="s", limits=Limits(0), repeats=False)
+    cpu_s: float = _column("processor time of the whole search", unit="s", limits=Limits(0), repeats=False)
+    objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", limits=Limits(0), repeats=False)
     memory_mb: float = _column(
         "growth of the process's peak memory in the search; less where the process has made a run of the optimizer "
         "before, so that the most of several runs counts",
-        unit="MB", least=0, repeats=False,
+        unit="MB", limits=Limits(0), repeats=False,
     )  # fmt: skip
     stop: str = _column(
         "`budget`; `time` or `target`, where the study's `time` or value ended it before; or the reason that the "
         "optimizer declared, or `undeclared` without one"
     )
-    outside_box: int = _column("evaluations outside the box", least=0, within="nfev")
+    outside_box: int = _column("evaluations outside the box", limits=Limits(0, within="nfev"))
     failures: int = _column(
-        "evaluations that failed and count with the value +inf (`on_error`)", least=0, within="nfev"
+        "evaluations that failed and count with the value +inf (`on_error`)", limits=Limits(0, within="nfev")
     )
 
 
@@ -92,17 +95,11 @@ COLUMNS = (
     Column("study", str, "name of the study", stored=False),
     Column("problem", str, "label of the problem"),
     Column("optimizer", str, "label of the optimizer"),
-    Column("trial", int, "number of the trial in its cell, from 0", least=0, most=MOST_TRIALS - 1),
-    Column(
-        "environment", int, "number of the record of the run that made the trial", table="environments", frame=False,
-        repeats=False,
-    ),
-    Column(
-        "inputs", int, "number of the record of what the trial was made from", table="inputs", frame=False,
-        repeats=False,
-    ),
-    Column("seed", int, "seed that repeats the trial", least=0, most=LARGEST_SEED),
-    Column("status", str, "`ok`, `failed` or `timeout`", required=True),
+    Column("trial", int, "number of the trial in its cell, from 0", limits=Limits(0, MOST_TRIALS - 1)),
+    Column("environment", int, "number of the record of the run that made the trial", frame=False, repeats=False),
+    Column("inputs", int, "number of the record of what the trial was made from", frame=False, repeats=False),
+    Column("seed", int, "seed that repeats the trial", limits=Limits(0, LARGEST_SEED)),
+    Column("status", str, "`ok`, `failed` or `timeout`"),
     *MEASURED,
     Column(
         "error", str, "why the trial was lost; begins with `ProblemError: ` where the problem's own code raised"

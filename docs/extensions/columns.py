@@ -25,7 +25,7 @@ class Columns(SphinxDirective):
 def _row(column: Column) -> tuple[str, ...]:
     shown = code(f"{column.prefix}NAME" if column.names else column.name) if column.frame else "–"
     kind = KINDS[column.kind] if column.frame or column.kind is not bytes else "bytes"
-    most = f", at most `{column.within}`" * bool(column.within)
+    most = f", at most `{column.limits.within}`" * bool(column.limits.within)
     return shown, code(column.name) if column.stored else "–", kind, column.unit, with_code(f"{column.meaning}{most}")
 
 

@@ -11,5 +11,5 @@ TRACE = Trace(np.ones(1, dtype=np.int64), np.ones(1))
 
 def result(x, fun, *, trace=TRACE, seed=1, **known):
     """Return a result whose other columns are the least that they may be unless they are known."""
-    least = {column.name: "" if column.kind is str else column.kind(max(column.least, 0)) for column in MEASURED}
+    least = {column.name: "" if column.kind is str else column.kind(max(column.limits.least, 0)) for column in MEASURED}
     return Result(**least | {"fun": fun} | known, x=np.array(x), trace=trace, metrics={}, seed=seed)

@@ -28,8 +28,7 @@ COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
 KEYS = ["problem", "optimizer", "trial"]
 _COUNTS, _NUMBERS, _TEXTS = (
-    tuple(column.name for column in STORED if column.kind is kind and column.frame and not column.required)
-    for kind in (int, float, str)
+    tuple(column.name for column in STORED if column.kind is kind and column.frame) for kind in (int, float, str)
 )
 
 
@@ -135,7 +134,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
     }
     known: dict[str, list[Any]] = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
     known |= {name: [_known(each) for each in measured.pop(name)] for name in _NUMBERS if name in measured}
-    known |= {name: [text or None for text in table[name]] for name in ("status", *_TEXTS) if name in table}
+    known |= {name: [text or None for text in table[name]] for name in _TEXTS if name in table}
     for place, key in enumerate(zip(*(table[name] for name in KEYS), strict=True)):
         columns: Row = {name: column[place] for name, column in known.items()}
         if columns["status"] == "ok":
