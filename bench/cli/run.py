@@ -28,6 +28,7 @@ from bench.cli.console import (
 )  # fmt: skip
 from bench.cli.report import report_on
 from bench.cli.verify import verify_folder
+from bench.execution.journal import DROPPED
 from bench.helpers.console import duration, print_error, print_line
 from bench.helpers.errors import BenchError
 from bench.helpers.text import count, listed
@@ -168,13 +169,13 @@ def command(
     if replayed := outcome.journal["replayed"]:
         print_line(f"{count(replayed, 'evaluation')} of interrupted trials came from the journal")
     if dropped := outcome.journal["dropped"]:
-        print_error(f"{count(dropped, 'evaluation')} in the journal were of no use: other points were asked for")
+        print_error(DROPPED.format(count(dropped, "evaluation")))
     if outcome.unasked:
         print_error(UNASKED.format(listed(outcome.unasked)))
     if outcome.spared:
         print_line(
-            f"an evaluation takes a second or more, so no such run of {listed(outcome.spared)} was made again at the "
-            "end; 'bench verify' makes some again",
+            f"evaluations are slow, so no such run of {listed(outcome.spared)} was made again at the end; "
+            "'bench verify' makes some again",
             console=console,
         )
     for what, trials in outcome.edited.items():

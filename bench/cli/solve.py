@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
 from bench.cli.console import Parameters, Untrusted, table
-from bench.contract.typing import Options
+from bench.contract.typing import Floats, Options
 from bench.helpers.console import pairs, print_error
 from bench.helpers.errors import BenchError, ProblemError
 from bench.helpers.text import said
@@ -114,10 +115,16 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
     if not loading.brings_code(optimizer[0]):
         warm(loaded, chosen, spent)
     try:
-        try:
-            found = solve(loaded, chosen, budget=spent, **settings)
-        except Interrupted as interrupted:
-            found = interrupted.args[0]
+        with Console().status("") if "output" in settings else nullcontext() as shown:
+
+            def show(number: int, x: Floats, f: float, best: float) -> None:  # noqa: ARG001
+                if shown is not None:
+                    shown.update(f"{number:,} of {spent:,} evaluations, best value {best!r}")
+
+            try:
+                found = solve(loaded, chosen, budget=spent, on_evaluation=show if shown else None, **settings)
+            except Interrupted as interrupted:
+                found = interrupted.args[0]
         return as_row(found, tuple(map(said, loaded.variables))) | {"noisy": loaded.noisy}
     except BenchError:
         raise

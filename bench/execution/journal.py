@@ -29,6 +29,7 @@ from bench.storage.under_way import left
 from bench.trial.trial import Trial
 
 FOLDER = "journal"
+DROPPED = "{} in the journal were of no use: other points were asked for"
 SLOW = 0.1  # seconds of an evaluation from which on it is worth a line and its way to the disk
 Record = dict[str, Any]
 """An evaluation: its value ``f``, its violations ``g``, its seconds ``s``, and the ``error`` of one that failed."""

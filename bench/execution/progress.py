@@ -14,7 +14,7 @@ from rich.text import Text
 
 from bench.contract.families import function_of
 from bench.execution.journal import best, under_way
-from bench.execution.plan import EXPENSIVE, Plan
+from bench.execution.plan import Plan
 from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
 from bench.trial.columns import Row
@@ -117,7 +117,7 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     print_line(f"study {study.name}: {size}{part} of {study.budget_words}{done}", console=console)
     if plan.verify and (optimizers := {label for (_, label), (most, done) in counts.items() if most > done}):
         more = f"{count(len(optimizers), 'run')} more at the end: one of each optimizer is made again and compared"
-        print_line(f"{more}, unless an evaluation takes {EXPENSIVE:g} s or more", console=console)
+        print_line(f"{more}, unless evaluations are slow", console=console)
     if total > present:
         checks = f"{count(total - present, 'evaluation')} more: each run's best point is evaluated again"
         print_line(checks, console=console)

@@ -16,14 +16,15 @@ from threadpoolctl import threadpool_limits
 
 from bench.contract.numbers import require_seed
 from bench.contract.objective import OnEvaluation
-from bench.contract.optimizer import Optimizer
+from bench.contract.optimizer import Optimizer, defaults, settings
 from bench.contract.problem import Problem
 from bench.execution.job import Task
-from bench.execution.journal import Journal
+from bench.execution.journal import DROPPED, Journal
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.errors import BenchError
+from bench.helpers.text import count
 from bench.plugins import loading
 from bench.plugins.loading import OptimizerLike, title
 from bench.plugins.observing import hash_of
@@ -106,8 +107,11 @@ def solve(
     good = study.goal(minimized)
     journal = None
     if output is not None and not loaded.noisy:
-        key = Trial(loaded.name, title(optimizer), 0, seed).columns
-        key |= {"budget": spent, "variables": [*loaded.variables]}
+        usual = defaults(chosen)
+        given = settings(chosen).items() if chosen is optimizer else ()
+        changed = (f" {name}={value}" for name, value in given if repr(value) != repr(usual.get(name)))
+        label = title(optimizer) + "".join(changed)
+        key = Trial(loaded.name, label, 0, seed).columns | {"budget": spent, "variables": [*loaded.variables]}
         Path(output).mkdir(parents=True, exist_ok=True)
         journal = Journal(Path(output), key, _about(loaded), limit=study.evaluation_timeout, always=True)
     if isinstance(optimizer, str):
@@ -120,6 +124,8 @@ def solve(
         except Exception as error:  # what was found is not lost by it
             warnings.warn(f"{loaded.name} does not describe its best point: {describe_error(error)}", stacklevel=2)
             metrics = {}
+    if journal and journal.dropped:
+        warnings.warn(DROPPED.format(count(journal.dropped, "evaluation")), stacklevel=2)
     if found.unasked:
         warnings.warn(UNASKED.format(title(optimizer)), stacklevel=2)
     return replace(found, metrics=metrics)
