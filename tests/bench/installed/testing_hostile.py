@@ -1,18 +1,15 @@
 """Optimizers that do in planes what no optimizer should, and sample at random elsewhere."""
 
-import asyncio
 import builtins
 import ctypes
 import gc
 import os
-import random
 import signal
 import subprocess
 import sys
 import threading
 import time
 import warnings
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,10 +26,6 @@ class UnspeakableError(Exception):
         raise SystemExit
 
 
-class SeriousError(BaseException):
-    pass
-
-
 def scatter(objective, rng):
     while True:
         objective(rng.uniform(objective.lower, objective.upper, (10, objective.dimension)))
@@ -45,18 +38,7 @@ def raises(error):
     return do
 
 
-def recurse(objective, rng):
-    recurse(objective, rng)
-
-
-def sends(points):
-    def do(objective, rng):
-        objective(points)
-
-    return do
-
-
-def spin(objective, rng):
+def spin():
     while True:
         pass
 
@@ -82,12 +64,6 @@ def ask_for_ever(objective, rng):
             scatter(objective, rng)
         except BudgetExhausted:
             continue
-
-
-def ask_twice(objective, rng):
-    for _ in range(2):
-        with suppress(BudgetExhausted):
-            scatter(objective, rng)
 
 
 def allocate(objective, rng):
@@ -124,22 +100,9 @@ def prints(stream):
     return do
 
 
-def print_little(objective, rng):
-    print(ESCAPES, "verbose\n" * 100)
-    scatter(objective, rng)
-
-
-def start_threads(daemon):
-    def do(objective, rng):
-        for _ in range(2):
-            threading.Thread(target=spin, args=(objective, rng), daemon=daemon).start()
-        scatter(objective, rng)
-
-    return do
-
-
-def fork(objective, rng):
-    os.fork()
+def start_threads(objective, rng):
+    for _ in range(2):
+        threading.Thread(target=spin).start()
     scatter(objective, rng)
 
 
@@ -192,63 +155,32 @@ def forget_modules():
         del sys.modules[name]
 
 
-async def wait(objective, rng):
-    await asyncio.sleep(1)
-
-
 def stop_with_megabytes(objective, rng):
     objective(objective.initial(1))
     objective.stop(ESCAPES + "<b>tired</b>\n" + "x" * 2_000_000)
 
 
-def generate(objective, rng):
-    yield objective(objective.initial(1))
-
-
 DEEDS = {
     "raise": raises(ValueError(f"{ESCAPES}<script>alert(1)</script>\\input{{x}}" + "y" * 2_000_000)),
-    "raise-base": raises(SeriousError("no")),
     "raise-exit": raises(SystemExit(0)),
-    "raise-interrupt": raises(KeyboardInterrupt()),
     "raise-unspeakable": raises(UnspeakableError()),
-    "recurse": recurse,
-    "return-nothing-done": lambda objective, rng: [0.0] * 1000,
-    "points-shape": sends(np.zeros((2, 7))),
-    "points-ragged": sends([[0.0], [0.0, 0.0]]),
-    "points-complex": sends(np.zeros((2, 2)) + 1j),
-    "points-text": sends(np.array([["0", "0"]])),
-    "points-objects": sends([[{}, {}]]),
-    "points-none": sends(None),
-    "points-nan": sends(np.full((1000, 2), np.nan)),
-    "spin": spin,
     "native": hang_in_native_code,
     "swallow": swallow,
     "freeze": kill(signal.SIGSTOP),
     "ask-for-ever": ask_for_ever,
-    "ask-twice": ask_twice,
     "allocate": allocate,
-    "exit-0": lambda objective, rng: os._exit(0),
-    "exit-3": lambda objective, rng: os._exit(3),
     "crash": lambda objective, rng: ctypes.string_at(0),
-    "abort": lambda objective, rng: os.abort(),
     "kill": kill(signal.SIGKILL),
     "kill-once": kill_once,
     "print": prints("stdout"),
-    "print-errors": prints("stderr"),
-    "write-1": prints(1),
-    "write-2": prints(2),
-    "print-little": print_little,
-    "threads": start_threads(daemon=False),
-    "daemons": start_threads(daemon=True),
-    "fork": fork,
+    "write": prints(2),
+    "threads": start_threads,
     "fork-and-stay": fork_and_stay,
     "processes": start_processes,
-    "seed": then_scatter(lambda: np.random.seed(0), lambda: random.seed(0)),  # noqa: NPY002
     "change": then_scatter(change_the_process),
     "patch": then_scatter(patch),
     "forget": then_scatter(forget_modules),
     "close-files": then_scatter(lambda: os.closerange(0, 100)),
-    "close-output": then_scatter(lambda: os.closerange(0, 3)),
     "stop": stop_with_megabytes,
 }
 
@@ -261,23 +193,3 @@ class Hostile(Optimizer):
 
     def minimize(self, objective, rng):
         return (DEEDS[self.deed] if objective.dimension == 2 else scatter)(objective, rng)
-
-
-@dataclass(frozen=True)
-class Generator(Optimizer):
-    """Would run if somebody iterated over it."""
-
-    def minimize(self, objective, rng):
-        if objective.dimension != 2:
-            return scatter(objective, rng)
-        return generate(objective, rng)
-
-
-@dataclass(frozen=True)
-class Coroutine(Optimizer):
-    """Would run if somebody awaited it."""
-
-    def minimize(self, objective, rng):
-        if objective.dimension != 2:
-            return scatter(objective, rng)
-        return wait(objective, rng)
