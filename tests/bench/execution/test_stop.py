@@ -101,6 +101,3 @@ def test_a_study_ends_its_trials_at_a_target_and_they_repeat(tmp_path):
     assert (frame["nfev"]["cma-es"] < 500).all()
     verified = verify(tmp_path, n_jobs=1)
     assert (verified.trials, verified.different) == (4, {})
-    assert load_results(tmp_path).equals(load_results(tmp_path))
-    without = {key: value for key, value in study.items() if key != "final_target"}
-    assert run(without, tmp_path, n_jobs=1, verify=False).made == 4  # other cells

@@ -20,7 +20,7 @@ def cell(study=STUDY, dimension=4):
     "changes",
     [
         {"budget": 41}, {"seed": 4}, {"constraints": "penalty"}, {"on_error": "worst"},
-        {"evaluation_timeout": 5}, {"time": "10 min"},
+        {"evaluation_timeout": 5}, {"time": "10 min"}, {"final_target": 1e-8},
         {"problems": (Entry("q", "p"),)}, {"problems": (Entry("p", "p", {"shift": 1}),)},
         {"problems": (Entry("p", "q"),)},
         {"optimizers": (Entry("o", "o"),)}, {"optimizers": (Entry("o", "o", {"F": 0.6}),)},

@@ -91,8 +91,5 @@ def test_a_study_begins_with_them_and_its_trials_repeat_apart(tmp_path):
     assert outcome.unasked == ["scipy:direct"]
     assert (load_results(tmp_path / "out")["status"] == "ok").all()
     assert verify(tmp_path / "out", n_jobs=1).different == {}
-    plain = Study.from_dict(
-        {"name": "s", "trials": 1, "budget": 40, "problems": [problem["name"]], "optimizers": optimizers}
-    )
-    assert plain.identity() != study.identity()
-    assert run(plain, tmp_path / "out", n_jobs=1, verify=False).made == 3
+    plain = {"name": "s", "trials": 1, "budget": 40, "problems": [problem["name"]], "optimizers": optimizers}
+    assert Study.from_dict(plain).identity() != study.identity()

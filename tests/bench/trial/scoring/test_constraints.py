@@ -67,6 +67,9 @@ def test_without_a_feasible_point_the_least_violating_one_in_the_box_is_the_best
     f(POINTS[[4, 1, 2]])
     f(POINTS[2])
     assert (f.fun, f.best_point.tolist()) == (np.inf, [-1.0, 1.0])
+    g = began(handling, quadrant())
+    g(np.array([[-3.0, 1.0], [9.0, 0.0]]))  # a bound is of the box
+    assert g.best_point.tolist() == [-3.0, 1.0]
 
 
 def test_a_repaired_point_is_recorded_in_place_of_the_point():

@@ -159,7 +159,7 @@ class TestPointsThatFail:
         f = objective(problem, 10, np.random.default_rng(0))
         assert np.isinf(f(POINTS)).tolist() == [False, True, False]
         assert f(POINTS[1]) == np.inf
-        assert (f.nfev, f.raised, np.isfinite(f.fun)) == (4, None, True)
+        assert (f.nfev, f.raised, np.isfinite(f.fun), f.failures) == (4, None, True, 2)
 
     def test_else_it_is_raised_and_noted(self):
         f = objective(scored(mixed(fun=self.fun), "death"), 10, np.random.default_rng(0))

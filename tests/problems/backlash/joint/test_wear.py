@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from bench.helpers.errors import BenchError
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.joint.wear import monthly_recordings, wear
 
@@ -34,17 +33,3 @@ def test_a_month_holds_its_joint_s_recording_with_noise_and_the_truth():
         noise = month.speed - clean.speed
         assert 0.09 < np.ptp(noise) < 0.1
     assert not np.array_equal(made[0].speed[:5] - made[1].speed[:5], np.zeros(5))
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"months": 1}, "from 2 to 240 months, not 1"),
-        ({"new": 0.002}, "is no wear"),
-        ({"new": float("nan")}, "is no wear"),
-        ({"noise": -1.0}, "noise"),
-    ],
-)
-def test_no_wear_is_refused_in_one_sentence(change, message):
-    with pytest.raises(BenchError, match=message):
-        months(**change)

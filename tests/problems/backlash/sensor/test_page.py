@@ -1,26 +1,13 @@
 """The page on many recordings."""
 
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 
 from problems.backlash.sensor import page
 from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.sensor.trend import joints_of
-
-
-class Words(HTMLParser):
-    def __init__(self, text):
-        super().__init__()
-        self.words, self.links = [], []
-        self.feed(text)
-
-    def handle_data(self, data):
-        self.words.append(data)
-
-    def handle_starttag(self, tag, attrs):
-        self.links += [value for name, value in attrs if name in ("href", "src") and not value.startswith("#")]
+from tests.bench.reports import Document
 
 
 def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
@@ -29,8 +16,8 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     outcomes = [*good, Failed(Path("bad.csv"), "bad.csv has 0 samples")]
     settings = Settings()
     path = page.write(tmp_path / "page.html", outcomes, [*names, "bad.csv"], joints_of(good, settings), settings)
-    read = Words(path.read_text(encoding="utf-8"))
-    text = " ".join(" ".join(read.words).split())
+    read = Document(path.read_text(encoding="utf-8"))
+    text = read.text
     assert "1 joint, 0 with progressed backlash at last; 5 recordings, 1 not estimated." in text
     (row,) = re.findall(r"<tr>.*?</tr>", path.read_text().partition("<tbody>")[2].partition("</tbody>")[0], re.DOTALL)
     assert '<td data-title="latest verdict" class="warn">early</td>' in row
@@ -43,4 +30,4 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     assert "; the limit of 2.1 mrad is not predicted to be reached" in text
     assert text.count("Recording, fit and residual of") >= 4
     assert "Download" not in text
-    assert not read.links
+    assert all(link.startswith("#") for link in read.values("href") + read.values("src"))
