@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from fnmatch import fnmatchcase
 from functools import cache, cached_property
-from itertools import compress
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 import pandas as pd
 
@@ -42,17 +41,24 @@ AnyPath = str | PathLike[str]
 T = TypeVar("T")
 
 
+class Bounds(NamedTuple):
+    """The bounds of a variable, and whether it is a whole number."""
+
+    low: float
+    high: float
+    whole: bool = False
+
+
 @dataclasses.dataclass(frozen=True)
 class ProblemFacts:
     """The facts of a problem that results are measured against, as far as it can be loaded where they are read."""
 
     optimum: float | None = None  # its best known objective value
     expected: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # metrics: true value, tolerance
-    box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # bounds by search variable
+    box: dict[str, Bounds] = dataclasses.field(default_factory=dict)  # by search variable
     features: dict[str, str | int] = dataclasses.field(default_factory=dict)  # what kind of problem it is
     constraints: str = ""  # how its constraints were handled; "" where it has none
     noisy: bool = False  # whether optimizers saw values with noise
-    integers: tuple[str, ...] = ()  # the integer variables
     repaired_optimum: float | None = None  # the best known objective value of repaired points, where it is another one
     optimum_source: str = ""  # where the optimum is from, in words
     measure: str = ""  # what the objective value is, with its unit, in words
@@ -61,7 +67,7 @@ class ProblemFacts:
     @property
     def continuous(self) -> dict[str, tuple[float, float]]:
         """The bounds of the variables that are no whole numbers: those may well lie on a bound."""
-        return {name: ends for name, ends in self.box.items() if name not in self.integers}
+        return {name: (low, high) for name, (low, high, whole) in self.box.items() if not whole}
 
 
 class StoredResults:
@@ -373,7 +379,8 @@ class StoredResults:
                     raise ValueError(f"its optimum is {value}")
             optimum, repaired = optima
             expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
-            box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
+            ends = (map(float, problem.lower), map(float, problem.upper), integer_flags(problem).tolist())
+            box = dict(zip(problem.variables, map(Bounds, *ends), strict=True))
             features = {
                 str(name): value if isinstance(value, int) else str(value) for name, value in problem.features.items()
             }
@@ -384,11 +391,10 @@ class StoredResults:
             return ProblemFacts(
                 optimum,
                 expected,
-                dict(zip(problem.variables, box, strict=True)),
+                box,
                 features,
                 constraints=handling,
                 noisy=problem.unscored.noisy,
-                integers=tuple(compress(problem.variables, integer_flags(problem))),
                 repaired_optimum=repaired if repaired != optimum else None,
                 optimum_source=str(problem.unscored.optimum_source),
                 measure=str(problem.unscored.measure),

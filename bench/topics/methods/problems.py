@@ -7,7 +7,7 @@ from math import nan
 
 import pandas as pd
 
-from bench.results.results import ProblemFacts
+from bench.results.results import Bounds, ProblemFacts
 
 UNNAMED = "the problem itself"  # where an optimum is from whose problem does not say it
 
@@ -17,7 +17,7 @@ def bounds(facts: Mapping[str, ProblemFacts]) -> pd.DataFrame:
     rows = [
         (label, name, low, high, problem.constraints, problem.optimum, _source(problem))
         for label, problem in facts.items()
-        for name, (low, high) in (problem.box or {"": (nan, nan)}).items()
+        for name, (low, high, _) in (problem.box or {"": Bounds(nan, nan)}).items()
     ]
     return pd.DataFrame(
         rows, columns=["problem", "variable", "lower", "upper", "constraints", "optimum", "optimum_from"]

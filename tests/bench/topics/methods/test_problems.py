@@ -1,13 +1,13 @@
 """The table of the problems has every bound, and families say where their optima are from."""
 
-from bench.results.results import ProblemFacts
+from bench.results.results import Bounds, ProblemFacts
 from bench.topics.methods.problems import bounds
 
-BOX = {"x1": (-5.0, 5.0), "x2": (-5.0, 5.0)}
+BOX = {"x1": Bounds(-5.0, 5.0), "x2": Bounds(-5.0, 5.0)}
 FACTS = {
     "bbob-f01-d2": ProblemFacts(0.0, box=BOX, features={"suite": "bbob"}, optimum_source="the suite"),
     "bbob-f08-d2": ProblemFacts(0.0, box=BOX, features={"suite": "bbob"}, optimum_source="the suite"),
-    "fit-1": ProblemFacts(2.5, box={"A": (0.0, 1.0), "t0": (0.0, 4.8)}),
+    "fit-1": ProblemFacts(2.5, box={"A": Bounds(0.0, 1.0), "t0": Bounds(0.0, 4.8)}),
     "gone": ProblemFacts(reason="it cannot be loaded"),
 }
 
