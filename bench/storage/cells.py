@@ -13,7 +13,7 @@ from typing import Any
 from bench.helpers.parsing import parse_json
 from bench.plugins.inputs import Inputs, conflicts
 from bench.plugins.observing import PARTS
-from bench.storage.rows import binding, decoded, digest
+from bench.storage.rows import decoded, digest
 from bench.study.cell import Cell, Labels, with_inputs
 from bench.study.cell import read as read_record
 
@@ -159,11 +159,6 @@ def records_of(connection: sqlite3.Connection, table: str) -> dict[int, dict[str
             if record_digest(number, text) == noted and isinstance(record := parse_json(text), dict):
                 found[number] = record
     return found
-
-
-def binding_of(cell: Cell, names: Sequence[bytes | None]) -> bytes:
-    """Return the hash that begins the digests of a cell's rows whose variables and metrics have these names."""
-    return binding(*(str(part).encode() for part in cell), *names)
 
 
 def selection_digest(identity: str, selected: Mapping[int, Labels]) -> bytes:

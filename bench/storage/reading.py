@@ -12,9 +12,9 @@ from typing import Any
 
 from bench.contract.objective import Trace
 from bench.helpers.text import listed, printable
-from bench.storage.cells import Cells, binding_of, read, records_of
+from bench.storage.cells import Cells, read, records_of
 from bench.storage.committed import Committed
-from bench.storage.rows import NAMES, TEXTS, VALUES, decoded, digest
+from bench.storage.rows import NAMES, TEXTS, VALUES, binding, decoded, digest
 
 NAMED = 3  # damaged trials that a sentence names
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
@@ -123,7 +123,7 @@ class Reader:
 
         @lru_cache(maxsize=FETCHED)  # rows come cell by cell
         def bound(cell: Any, number: object) -> bytes | None:
-            return binding_of(cells[cell], names[number]) if cell in cells and number in names else None
+            return binding(cells[cell], names[number]) if cell in cells and number in names else None
 
         return bound
 
@@ -136,8 +136,8 @@ class Reader:
         """Return each cell with each environment that made rows of it, by their numbers."""
         return self._connection.execute("SELECT DISTINCT cell, environment FROM results").fetchall()
 
-    def check_count(self, check: StoreCheck, rows: int) -> StoreCheck:
-        """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
+    def check_count(self, check: StoreCheck) -> StoreCheck:
+        """Compare the number of rows read with what the store itself counted, and with the note beside it.
 
         The note lags behind the store after a kill. Where it is ahead, commits are lost.
         """
@@ -148,9 +148,8 @@ class Reader:
             counted = Committed(*counts[0])
         else:
             check.structure = "its count of commits cannot be read"
-        check.trials = rows
         check.lost = max(noted.commits - counted.commits, 0)
-        check.missing = max((noted if check.lost else counted).trials - rows, 0)
+        check.missing = max((noted if check.lost else counted).trials - check.trials, 0)
         return check
 
     def check(self, *, structure: bool) -> StoreCheck:
@@ -178,10 +177,9 @@ class Reader:
             sqlite3.Error: where a part of the rows cannot be read.
         """
         cursor = self._connection.execute(f"SELECT {', '.join(READ)} FROM results ORDER BY cell, trial")
-        rows = 0
         referred: dict[str, set[Any]] = {"environment": set(), "inputs": set()}
         while fetched := cursor.fetchmany(FETCHED):
-            rows += len(fetched)
+            check.trials += len(fetched)
             sound = [row for row in fetched if self._fits(*row)]
             if len(sound) < len(fetched):
                 check.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
@@ -192,7 +190,7 @@ class Reader:
             records = self.records(table)
             numbers = {*records, *referred[what]} - {None}
             check.records += [f"{what} {number}" for number in sorted(numbers) if not records.get(number)]
-        self.check_count(check, rows)
+        self.check_count(check)
 
     def sound(self) -> Iterator[tuple[int, dict[str, Any]]]:
         """Yield the number of its cell and the columns but the labels of every row that fits its digest.

@@ -8,7 +8,7 @@ that fit, and only making the trial again shows such a row.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from hashlib import blake2b
 from marshal import dumps
 from typing import Any
@@ -48,8 +48,9 @@ def typed(row: Mapping[str, Any]) -> list[Any]:
     return [None if value != value else value + 0.0 if type(value) is float else value for value in values]
 
 
-def binding(*texts: bytes | None) -> bytes:
-    """Return a hash of labels and names, with which the hashed bytes of a cell's rows begin."""
+def binding(cell: Iterable[object], names: Iterable[bytes | None]) -> bytes:
+    """Return the hash that begins the digests of a cell's rows whose variables and metrics have these names."""
+    texts = *(str(part).encode() for part in cell), *names
     return blake2b(dumps(texts, FORMAT), digest_size=16).digest()
 
 

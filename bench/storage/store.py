@@ -82,7 +82,7 @@ class Store:
     def check_count(self) -> StoreCheck:
         """Compare the number of rows with that of the rows committed, without a look into them."""
         with self.reader() as reader:
-            return reader.check_count(StoreCheck(), reader.rows)
+            return reader.check_count(StoreCheck(reader.rows))
 
     @contextmanager
     def reader(self) -> Iterator[Reader]:

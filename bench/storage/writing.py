@@ -12,9 +12,9 @@ from typing import Any
 from bench.helpers.errors import BenchError
 from bench.plugins.inputs import Inputs
 from bench.storage import committed
-from bench.storage.cells import Cells, binding_of, read, record_digest, selection_digest, split
+from bench.storage.cells import Cells, read, record_digest, selection_digest, split
 from bench.storage.committed import Committed
-from bench.storage.rows import NAMES, VALUES, digest, typed
+from bench.storage.rows import NAMES, VALUES, binding, digest, typed
 from bench.study.cell import Cell, Labels
 from bench.trial.columns import Row
 from bench.trial.trial import Trial
@@ -102,7 +102,7 @@ class Writer:
         texts = [None if row.get(name) is None else str(row[name]) for name in NAMES]
         cell = self._selected[row["problem"], row["optimizer"]] if cell is None else cell
         names = self._id("names", **dict(zip(NAMES, texts, strict=True))) if texts[0] is not None else None
-        bound = binding_of(self.cells.all[cell], [text if text is None else text.encode() for text in texts])
+        bound = binding(self.cells.all[cell], [text if text is None else text.encode() for text in texts])
         hashed = [value.encode() if isinstance(value, str) else value for value in values]
         noted = digest(bound, (row["trial"], *hashed))
         replaced = self._connection.execute(

@@ -3,10 +3,9 @@
 import sqlite3
 from contextlib import closing
 
-from bench.storage.cells import binding_of
 from bench.storage.committed import Committed
 from bench.storage.reading import READ, Reader
-from bench.storage.rows import digest
+from bench.storage.rows import binding, digest
 
 EARLY = "(SELECT cell FROM selected WHERE problem = 'sphere-2' AND optimizer = 'early')"
 SCATTER = "(SELECT cell FROM selected WHERE problem = 'sphere-2' AND optimizer = 'scatter')"
@@ -25,6 +24,6 @@ def forge(path, *statements):
     with closing(sqlite3.connect(path)) as connection, connection:
         reader = Reader(connection, Committed())
         for _, cell, names, trial, *values in connection.execute(f"SELECT {', '.join(READ)} FROM results").fetchall():
-            bound = binding_of(reader.cells.all[cell], reader.names.get(names, (None, None)))
+            bound = binding(reader.cells.all[cell], reader.names.get(names, (None, None)))
             written = digest(bound, (trial, *values)), cell, trial
             connection.execute("UPDATE results SET digest = ? WHERE cell = ? AND trial = ?", written)
