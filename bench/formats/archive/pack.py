@@ -6,17 +6,15 @@ import hashlib
 import stat
 import tempfile
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import datetime
 from os import PathLike
 from pathlib import Path
 
-from bench.formats.archive.contents import NOTES, PAGE, SUMS, report_files
+from bench.formats.archive.contents import NOTES, SUMS, report_files
 from bench.helpers.atomic import replacing
 from bench.helpers.errors import BenchError
-from bench.helpers.parsing import JsonObject
-from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
+from bench.storage.folder import ANSWER, ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
 from bench.storage.store import Store
 from bench.study import Study
@@ -120,13 +118,5 @@ def _notes(folder: Folder, study: Study, trials: int, *, reported: bool) -> Iter
         yield f"{planned - trials:,} of the study's {planned:,} trials are missing"
     if not reported:
         yield f"the archive has no report, as there is none in the folder; 'bench report {folder.path}' writes it"
-    elif _ended(folder.environments()) > (folder.path / PAGE).stat().st_mtime:
-        yield f"the report is older than the last run; 'bench report {folder.path}' writes it again"
-
-
-def _ended(environments: Sequence[JsonObject]) -> float:
-    """Return when the last run ended, in seconds since 1970; 0 where it is not known."""
-    try:
-        return datetime.fromisoformat(str(environments[-1]["ended"])).timestamp()
-    except (IndexError, KeyError, ValueError):
-        return 0.0
+    elif folder.noted(ANSWER).get("state", "") not in ("", folder.store.state()):
+        yield f"the report is older than the trials; 'bench report {folder.path}' writes it again"
