@@ -2,10 +2,10 @@
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`chances`, :func:`pairwise_tests`,
 :func:`comparison_matrix`, :func:`regret`. Over these problems: :func:`order`,
-:func:`compare`, :func:`wins_all`, :func:`medians`. How many trials are enough: :func:`detectable_a12`,
-:func:`trials_to_separate`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`target_table`,
-:func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`,
-:func:`aocc`. And :func:`coverage`, :func:`timing`, :func:`feasibility`, :func:`integrity`.
+:func:`compare`, :func:`wins_all`, :func:`medians`. How many trials are enough: :func:`detectable_a12`.
+Over the evaluations: :func:`convergence`, :func:`targets`, :func:`target_table`, :func:`hitting_times`,
+:func:`expected_running_time`, :func:`ecdf`, :func:`aocc`. And :func:`coverage`, :func:`timing`, :func:`feasibility`,
+:func:`integrity`.
 
 The modules of this package have what else the harness computes.
 
@@ -27,12 +27,10 @@ from inspect import isfunction
 
 from bench.analysis.anytime import (
     convergence,
-    data_profiles,
     ecdf,
     evaluation_grid,
     expected_running_time,
     hitting_times,
-    success_rates,
 )
 from bench.analysis.cells import Budgets, Traces, coverage, in_study_order, labels, regret, scores, summarise, timing
 from bench.analysis.comparison import chances, compare, order, wins_all
@@ -44,7 +42,7 @@ from bench.analysis.instances import Pooled, pool_instances
 from bench.analysis.integrity import integrity
 from bench.analysis.matrix import comparison_matrix, medians, table
 from bench.analysis.pairwise import effect_size, holm, pairwise_tests
-from bench.analysis.power import detectable_a12, trials_to_separate
+from bench.analysis.power import detectable_a12
 from bench.analysis.target_sets import aocc, target_table, targets
 from bench.study.targets import PRECISIONS, RUN_LENGTHS
 
@@ -62,7 +60,6 @@ __all__ = [
     "comparison_matrix",
     "convergence",
     "coverage",
-    "data_profiles",
     "detectable_a12",
     "ecdf",
     "effect_size",
@@ -80,13 +77,11 @@ __all__ = [
     "pool_instances",
     "regret",
     "scores",
-    "success_rates",
     "summarise",
     "table",
     "target_table",
     "targets",
     "timing",
-    "trials_to_separate",
     "u_scores",
     "wins_all",
 ]

@@ -1,20 +1,18 @@
 """The search over its evaluations: best-so-far values, targets on the way to the optimum, and the time to reach them.
 
 Every problem has one ladder of targets, the objective values f_L + tau (f_0 - f_L) for falling tau (Moré and Wild
-2009, SIAM Journal on Optimization 20); ERT, success rates, ECDF and data profiles derive from its hitting times.
+2009, SIAM Journal on Optimization 20); ERT and ECDF derive from its hitting times.
 Expected running time and ECDF are those of COCO (Hansen, Auger, Brockhoff, Tušar and Tušar 2016, arXiv:1605.03560).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from functools import cache
+from collections.abc import Mapping
 from math import prod
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import binomtest
 
 from bench.analysis.cells import Budgets, Traces, labels, spent, traces_of
 from bench.contract.objective import Trace
@@ -101,21 +99,6 @@ def expected_running_time(hits: pd.DataFrame) -> pd.DataFrame:
     return table.drop(columns="paid").assign(ert=ert.where(table["trials"] > 0))
 
 
-def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)) -> pd.DataFrame:
-    """Return the share of trials that reached a target: problem, optimizer, tau, successes, trials, rate, low, high.
-
-    ``low`` and ``high`` are the 95% interval of Wilson (1927): all of 0 to 1 without a trial, where ``rate`` is
-    missing. A tau between two targets stands for the next harder one; below a problem's last target there is no row.
-    """
-    counts = _counts(hits)
-    table = pd.concat([at_level(counts, tau).assign(tau=tau) for tau in taus], ignore_index=True)
-    intervals = [_wilson(*pair) for pair in zip(table["successes"], table["trials"], strict=True)]
-    low, high = np.array(intervals, dtype=float).reshape(-1, 2).T
-    rate = table["successes"] / table["trials"].where(table["trials"] > 0)
-    columns = ["problem", "optimizer", "tau", "successes", "trials"]
-    return table[columns].assign(rate=rate, low=low, high=high)
-
-
 def ecdf(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
     """Return the runtime distribution of each optimizer over all problems: optimizer, evaluations, fraction.
 
@@ -136,37 +119,6 @@ def ecdf(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None 
         shares = np.array([_share_within(group["evaluations"], grid) for group in groups]).reshape(-1, len(grid))
         # A plain sum, not a matrix product: its rounding is the same everywhere, so that no curve ever falls.
         fraction = shares.sum(axis=0) / len(groups) if groups else np.nan
-        tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
-    return _stacked(tables, ["optimizer", unit, "fraction"])
-
-
-def data_profiles(
-    hits: pd.DataFrame,
-    tau: float,
-    grid: Counts,
-    dimensions: Mapping[str, int] | None = None,
-) -> pd.DataFrame:
-    """Return the data profile of each optimizer (Moré and Wild 2009): optimizer, evaluations or groups, fraction.
-
-    ``fraction`` is the mean over problems of the share of trials that reached ``tau`` by then. With ``dimensions``,
-    the d of each problem, the unit is groups of d + 1 evaluations, the cost of a simplex gradient; the column is
-    then ``groups``. Missing for an optimizer without trials.
-
-    A tau between two targets counts as in :func:`success_rates`; ``grid`` holds increasing numbers of evaluations, or
-    of groups.
-
-    Raises:
-        KeyError: when ``dimensions`` lacks a problem.
-    """
-    solved = at_level(hits, tau)
-    unit = "evaluations" if dimensions is None else "groups"
-    cost = [1 if dimensions is None else dimensions[problem] + 1 for problem in solved["problem"]]
-    times = solved["evaluations"] / np.array(cost, dtype=float)
-    tables = []
-    for optimizer in labels(hits, "optimizer"):
-        own = solved["optimizer"] == optimizer
-        groups = [group for _, group in times[own].groupby(solved.loc[own, "problem"], sort=False, observed=True)]
-        fraction = np.sum([_share_within(group, grid) for group in groups], axis=0) / len(groups) if groups else np.nan
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
     return _stacked(tables, ["optimizer", unit, "fraction"])
 
@@ -215,23 +167,9 @@ def _counts(hits: pd.DataFrame) -> pd.DataFrame:
     ).astype({"problem": object, "optimizer": object})
 
 
-def at_level(table: pd.DataFrame, tau: float) -> pd.DataFrame:
-    """Return the rows at each problem's easiest target that is at least as hard as ``tau``."""
-    hard = table["tau"].where(table["tau"] <= tau * (1 + 1e-9))  # the ladder's powers of ten are rounded
-    return table[table["tau"] == hard.groupby(table["problem"], observed=True).transform("max")]
-
-
 def _share_within(times: pd.Series[float], grid: Counts) -> Floats:
     """Return the share of hitting times that are no larger than each value of the grid."""
     return np.searchsorted(np.sort(times.to_numpy()), grid, side="right") / len(times)
-
-
-@cache
-def _wilson(successes: int, trials: int) -> tuple[float, float]:
-    if trials == 0:
-        return 0.0, 1.0
-    interval = binomtest(successes, trials).proportion_ci(method="wilson")
-    return float(interval.low), float(interval.high)
 
 
 def _stacked(tables: list[pd.DataFrame], columns: list[str]) -> pd.DataFrame:

@@ -87,8 +87,3 @@ def _smallest(problems: int, trials: int, power: float, rejects: Callable[[Effec
         step /= 2
     ends = max(high - step, 0.5), min(high + step, most)
     return float(np.interp(power, [found(end, draws) for end in ends], ends))
-
-
-def trials_to_separate(tests: int, level: float) -> int:
-    """Return the trials a cell from which on complete separation is significant beside as many tests."""
-    return 1 + int(np.ceil(np.log2(max(tests, 1) / level)))

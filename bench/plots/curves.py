@@ -14,7 +14,6 @@ from bench.plots import style
 EVALUATIONS = "evaluations"
 MOST_BANDS = 6  # optimizers up to which bands of quartiles can be distinguished
 AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d"}
-AXES |= {"ratio": "ERT / lowest ERT"}
 
 
 def convergence(

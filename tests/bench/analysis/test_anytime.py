@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from statsmodels.stats.proportion import proportion_confint
 
 from bench.analysis.anytime import (
     convergence,
@@ -13,7 +12,6 @@ from bench.analysis.anytime import (
     evaluation_grid,
     expected_running_time,
     hitting_times,
-    success_rates,
 )
 from bench.analysis.target_sets import targets
 from bench.contract.objective import Trace
@@ -91,19 +89,6 @@ class TestExpectedRunningTime:
             assert row.ert == pytest.approx(paid / reached.sum() if reached.any() else INF)
 
 
-class TestSuccessRates:
-    def test_by_hand_and_against_statsmodels(self, one):
-        assert set(success_rates(HITS)["tau"]) == {1e-1, 1e-2, 1e-3}
-        rates = success_rates(HITS, taus=(0.1, 0.01))
-        assert list(rates) == ["problem", "optimizer", "tau", "successes", "trials", "rate", "low", "high"]
-        a, b = one(rates, optimizer="a", tau=0.1), one(rates, optimizer="b", tau=0.1)
-        assert (a.successes, a.trials, a.rate) == (1, 3, pytest.approx(1 / 3))
-        assert (b.successes, b.trials, b.rate) == (2, 2, 1.0)
-        for row in rates.itertuples():
-            expected = proportion_confint(row.successes, row.trials, method="wilson")
-            assert (row.low, row.high) == pytest.approx(expected, abs=1e-12)
-
-
 class TestShares:
     grid = np.array([1, 5, 20, 100])
 
@@ -162,9 +147,6 @@ class TestProperties:
         for row in ert[ert["trials"] > 0].itertuples():
             assert row.ert >= fastest[row.problem, row.optimizer, row.tau]
             assert np.isinf(row.ert) == (row.successes == 0)
-        rates = success_rates(hits)
-        assert ((rates["low"] <= rates["rate"]) | rates["rate"].isna()).all()
-        assert ((rates["rate"] <= rates["high"]) | rates["rate"].isna()).all()
         curves = ecdf(hits, np.arange(BUDGET + 1))
         for optimizer, curve in curves.groupby("optimizer"):
             own = hits[hits["optimizer"] == optimizer]

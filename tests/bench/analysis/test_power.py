@@ -1,10 +1,8 @@
 """What its tests let a study find."""
 
 import numpy as np
-import pytest
 
-from bench.analysis.direction import least_p
-from bench.analysis.power import detectable_a12, detectable_across, trials_to_separate
+from bench.analysis.power import detectable_a12, detectable_across
 
 
 def test_more_trials_detect_smaller_differences():
@@ -21,10 +19,3 @@ def test_more_trials_and_problems_detect_smaller_differences_over_problems():
     assert by_trials == sorted(by_trials, reverse=True)
     assert 0.5 < by_trials[-1] < by_trials[0] < 1
     assert detectable_across(10, 24, 0.05) < by_trials[1]
-
-
-@pytest.mark.parametrize("tests", [0, 1, 30, 216])
-@pytest.mark.parametrize("level", [0.05, 0.025])
-def test_trials_to_separate_are_the_fewest(tests, level):
-    trials, tests = trials_to_separate(tests, level), max(tests, 1)
-    assert least_p(trials) * tests <= level < least_p(trials - 1) * tests

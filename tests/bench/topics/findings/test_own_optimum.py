@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from bench import Results
-from bench.analysis import success_rates
 from bench.contract.objective import Trace
 from bench.results.results import ProblemFacts
 from bench.topics.findings import Findings
@@ -30,9 +29,8 @@ def test_regret_targets_and_running_times_take_the_optimum_that_an_optimizer_can
     assert findings.trials.shifts == {("p", "b"): 1.0}
     assert findings.trials.measured.groupby("optimizer", observed=True)["fun"].max().to_dict() == {"a": 5.0, "b": 5.0}
     assert findings.trials.unbeaten == {"p": 5.0}
-    rates = success_rates(findings.anytime.hits(["a", "b"]))
-    last = rates[rates["tau"] == 1e-3].set_index("optimizer")
-    assert last["rate"].to_dict() == {"a": 1.0, "b": 1.0}
+    hits = findings.anytime.hits(["a", "b"])
+    assert np.isfinite(hits.loc[hits["tau"] == 1e-3, "evaluations"]).all()
     assert np.isfinite(findings.anytime.running_times["ert"].to_numpy(dtype=float)).all()
     assert findings.final.measured_summary["best"].tolist() == [5.0, 5.0]
 
