@@ -30,7 +30,6 @@ PUBLIC = {
 MEMBERS = {  # of modules that define other names, too
     "bench.contract.families": "\n   :exclude-members: Grid",
     "bench.helpers.errors": "\n   :exclude-members: BenchError",
-    "bench.contract.typing": "\n   :undoc-members:",
     "bench.contract.seeds": " trial_seed",
     "bench.sandbox.callers": " Callers, Call",
     "bench.topics": " Findings, repairing",
