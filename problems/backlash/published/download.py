@@ -82,14 +82,6 @@ def require(name: str) -> Path:
     return path
 
 
-def faults(published: Mapping[str, PublishedFile], folder: Path) -> tuple[list[str], list[str], str]:
-    """Return the names of the files that a folder lacks and of its damaged ones, and in words how many are whole."""
-    places = {name: look_up(file, folder) for name, file in published.items()}
-    missing = [name for name, (path, _) in places.items() if path is None]
-    damaged = [name for name, (path, whole) in places.items() if path is not None and not whole]
-    return missing, damaged, f"{len(places) - len(missing) - len(damaged)} of the {len(places)} published files"
-
-
 def download(
     published: Mapping[str, PublishedFile], to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda _: None
 ) -> None:

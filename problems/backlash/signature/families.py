@@ -24,6 +24,7 @@ class Family:
 
     Attributes:
         listed: the names of the problems that can be listed.
+        prefix: what other names begin with, "" for none.
         read: returns the recording of a problem's name.
         options: the options that ``read`` takes, besides those of the fit.
         fit: options of the fit that differ from the usual ones where a study gives none.
@@ -31,6 +32,7 @@ class Family:
 
     listed: tuple[str, ...]
     read: Callable[..., Recording]
+    prefix: str = ""
     options: tuple[str, ...] = ()
     fit: Mapping[str, Any] = field(default_factory=dict)
 
@@ -40,6 +42,8 @@ class Family:
 
     def load(self, name: str, /, **options: Any) -> SignatureFit:
         """Return the fit to the recording of that name; raises BenchError for an unknown name or option."""
+        if name not in self.listed and not (self.prefix and name.startswith(self.prefix)):
+            raise BenchError(f"unknown problem {name!r}{nearest(name, self.listed)}")
         allowed = (*OPTIONS, *self.options)
         for option in options:
             if option not in allowed:
@@ -49,33 +53,25 @@ class Family:
 
         return SignatureFit(name, recording, **{**self.fit, **options})
 
-    def level(self, name: str) -> int:
-        """Return the number at the end of a listed name."""
-        return int(self.known(name).rpartition("-")[2])
 
-    def known(self, name: str) -> str:
-        """Return a listed name; raises BenchError for another one."""
-        if name not in self.listed:
-            raise BenchError(f"unknown problem {name!r}{nearest(name, self.listed)}")
-        return name
+def level(name: str) -> int:
+    """Return the number at the end of a name."""
+    return int(name.rpartition("-")[2])
 
 
 def _dataset(name: str) -> Recording:
-    level = signature.level(name)
     from problems.backlash.signature import datasets
 
-    return datasets.dataset(level)
+    return datasets.dataset(level(name))
 
 
 def _noisy(name: str, **options: Any) -> Recording:
-    level = noisy.level(name)
     from problems.backlash.signature import datasets
 
-    return datasets.noisy(level, **options)
+    return datasets.noisy(level(name), **options)
 
 
 def _wrist(name: str, **options: Any) -> Recording:
-    wrist.known(name)
     from problems.backlash.signature.wrist import recorded
 
     return recorded(name, **options)
@@ -91,9 +87,9 @@ def _recorded(name: str) -> Recording:
 
 
 signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset)
-noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"))
+noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, options=("noise", "draw"))
 wrist = Family(
     tuple(f"wrist-{joint}-{state}" for joint in (1, 4, 5, 6) for state in ("healthy", "tampered")), _wrist,
-    ("draw",), fit={"single": True, "period": 2.0},
+    options=("draw",), fit={"single": True, "period": 2.0},
 )  # fmt: skip
-recording = Family((), _recorded)
+recording = Family((), _recorded, "recording:")
