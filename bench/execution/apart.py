@@ -19,11 +19,11 @@ from threading import Lock
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from bench.contract.objective import Objective
 from bench.contract.problem import Problem
 from bench.contract.typing import Floats
+from bench.execution.answers import Box
 from bench.helpers.errors import BudgetExhausted
 from bench.plugins import registry
 from bench.sandbox.messages import describe_error
@@ -38,18 +38,12 @@ class RemoteProblem(Problem):
 
     Args:
         end: the file number of the socket whose other end is served.
-        lower: (d,) lower bounds.
-        upper: (d,) upper bounds.
-        integer: (d,) the variables that are whole numbers.
-        initial: (k, d) points that are known, if any.
+        box: of that problem.
     """
 
-    def __init__(
-        self, end: int, lower: ArrayLike, upper: ArrayLike, integer: ArrayLike, initial: Floats | None = None
-    ) -> None:
-        self.lower, self.upper = np.array(lower, np.float64), np.array(upper, np.float64)
-        self.name, self.integer = "a problem in another process", np.array(integer, bool)
-        self.initial_points = initial
+    def __init__(self, end: int, box: Box) -> None:
+        self.name = "a problem in another process"
+        self.lower, self.upper, self.integer, self.initial_points = box.lower, box.upper, box.integer, box.initial
         self._end, self._lock = Connection(end), Lock()
         self._ask(_EVALUATE, b"")  # no point, which starts the clock
 

@@ -168,7 +168,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
             journal = _journal(trial)
             problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation, journal)
         else:
-            problem = closing(apart.RemoteProblem(end, box.lower, box.upper, box.integer, box.initial))
+            problem = closing(apart.RemoteProblem(end, box))
         beside = reading("problem", trial.problem) if box is None else nullcontext()
         with effects, beside, problem as minimized, reading("optimizer", trial.optimizer):
             observing.declare(_study.files(trial.optimizer))

@@ -18,10 +18,10 @@ class Cell(NamedTuple):
     """An optimizer on a problem, as a store keeps it; cells that are equal give equal trials.
 
     Attributes:
-        problem: the record of the problem as JSON: ``label``, ``name``, ``options``, ``initial`` where points are
-            known, the handlings ``constraints`` and ``on_error``, what ends evaluations and trials
-            (``evaluation_timeout``, ``time``, ``final_target``, ``stop_at``) where there is any, and ``inputs``, a
-            number: a store counts the sets of inputs (:mod:`bench.plugins.inputs`) that it has trials of, from 1.
+        problem: the record of the problem as JSON: ``label``, ``name``, ``options``, the handlings ``constraints`` and
+            ``on_error``, what ends evaluations and trials (``evaluation_timeout``, ``time``, ``final_target``,
+            ``stop_at``) where there is any, and ``inputs``, a number: a store counts the sets of inputs
+            (:mod:`bench.plugins.inputs`) that it has trials of, from 1.
         optimizer: the record of the optimizer: ``label``, ``name``, ``options`` and ``inputs``.
         evaluations: what a trial may spend; 0 where that is not known of imported results.
         seed: the study's, from which with both labels all seeds derive.
@@ -93,7 +93,7 @@ def differences(before: str, now: str) -> Iterator[str]:
             repr(record["options"][name]) if name in record["options"] else "the default" for record in (new, old)
         ]
         yield f"{name} = {values[0]}, not {values[1]}"
-    for key in ("constraints", "on_error", "evaluation_timeout", "time", "final_target", "stop_at", "initial"):
+    for key in ("constraints", "on_error", "evaluation_timeout", "time", "final_target", "stop_at"):
         if old.get(key) != new.get(key):
             yield f"{key} = {new.get(key)!r}, not {old.get(key)!r}"
 

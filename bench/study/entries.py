@@ -23,15 +23,14 @@ LONGEST_LABEL = 200
 class Entry:
     """A problem or an optimizer of a study: its plug-in name, its label in results, and its options.
 
-    ``files`` are read by it where nobody sees that, as by a program; their names may hold ``*``. ``initial`` are the
-    points of a problem that are known before a search.
+    ``files`` are read by it where nobody sees that, as by a program; their names may hold ``*``. The option
+    ``initial`` of a problem are the points that are known before a search.
     """
 
     name: str
     label: str
     options: Options = field(default_factory=dict)
     files: tuple[str, ...] = ()
-    initial: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         """Turn tuples among the options into lists, as a study's file holds them."""
@@ -41,8 +40,7 @@ class Entry:
         """Return the entry as a table of a study file."""
         label = {} if self.label == self.name else {"label": self.label}
         files = {"files": [*self.files]} if self.files else {}
-        initial = {"initial": [[*point] for point in self.initial]} if self.initial else {}
-        return {"name": self.name, **label, **self.options, **files, **initial}
+        return {"name": self.name, **label, **self.options, **files}
 
 
 def read_entries(items: object, key: str, where: str) -> tuple[Entry, ...]:
@@ -68,7 +66,8 @@ def read_entries(items: object, key: str, where: str) -> tuple[Entry, ...]:
         label, files = options.pop("label", None), options.pop("files", [])
         if not (isinstance(files, list) and all(isinstance(file, str) and file for file in files)):
             raise BenchError(f"study {where}: 'files' of a [[{key}]] table must be a list of files, not {files!r}")
-        initial = known_points(options.pop("initial"), where) if key == "problems" and "initial" in options else ()
+        if key == "problems" and "initial" in options:
+            options["initial"] = known_points(options["initial"], where)
         if key == "optimizers" and names == ["command"]:
             names = [_command("command", options.pop("command", None), where)]
         if isinstance(names, list) and len(names) == 1 and loading.is_plugin(names[0]):
@@ -84,7 +83,7 @@ def read_entries(items: object, key: str, where: str) -> tuple[Entry, ...]:
         names = [match for name in names for match in expand(name)]
         for name in names:
             combinations = expanded((label or loading.default_label(name)).replace("{name}", name), options, swept)
-            entries += [Entry(name, *combination, tuple(files), initial) for combination in combinations]
+            entries += [Entry(name, *combination, tuple(files)) for combination in combinations]
     check_labels(entries, key, where)
     return tuple(entries)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,9 @@ from bench.contract.problem import Problem
 from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError, explained
 
-Points = tuple[tuple[float, ...], ...]
 
-
-def known_points(given: Any, where: str = "given") -> Points:
-    """Return points as tuples of numbers.
+def known_points(given: Any, where: str = "given") -> list[list[float]]:
+    """Return points as lists of numbers.
 
     Args:
         given: a list of points, an array (k, d), or the name of a CSV file with one point in each line, whose columns
@@ -39,10 +38,10 @@ def known_points(given: Any, where: str = "given") -> Points:
             f"study {where}: 'initial' must be a list of points of one dimension, as in [[0.5, 2.0]], or a CSV file of "
             "them"
         )
-    return tuple(tuple(map(float, point)) for point in points)
+    return [[*map(float, point)] for point in points]
 
 
-def with_initial(problem: Problem, points: Points) -> Problem:
+def with_initial(problem: Problem, points: Sequence[Sequence[float]]) -> Problem:
     """Return the problem with these points as known before a search; raises BenchError where its box lacks them."""
     if points:
         array = np.array(points)

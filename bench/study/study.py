@@ -223,7 +223,9 @@ class Study:
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
         entry = self._named("problem", self.problems, label)
-        loaded = with_initial(loading.load_problem(entry.name, **deepcopy(entry.options)), entry.initial)
+        options = deepcopy(entry.options)
+        known = options.pop("initial", [])
+        loaded = with_initial(loading.load_problem(entry.name, **options), known)
         return scored(loaded, self.constraints, self.on_error)
 
     def files(self, label: str) -> tuple[str, ...]:
@@ -351,8 +353,6 @@ class Study:
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         for entry in (*content["problems"], *content["optimizers"]):
             del entry["files"]  # whose content decides, and not their names
-            if not entry["initial"]:
-                del entry["initial"]
         return short_hash(json.dumps(content, sort_keys=True, default=str))
 
     def _handling(self) -> JsonObject:
@@ -367,8 +367,7 @@ _USUAL = {
 
 
 def _about(entry: Entry) -> JsonObject:
-    known = {"initial": entry.initial} if entry.initial else {}
-    return {"label": entry.label, "name": entry.name, "options": entry.options} | known
+    return {"label": entry.label, "name": entry.name, "options": entry.options}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

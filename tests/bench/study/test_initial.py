@@ -53,9 +53,9 @@ def test_they_are_handed_out_once_whatever_is_asked_for():
 
 def test_a_csv_file_has_a_point_in_each_line(tmp_path):
     (tmp_path / "designs.csv").write_text("\ufeffx1, x2\n4.0, 4.0\n\n0.5, -0.5\n", encoding="utf-8")
-    assert known_points(str(tmp_path / "designs.csv")) == tuple(map(tuple, KNOWN))
+    assert known_points(str(tmp_path / "designs.csv")) == KNOWN
     (tmp_path / "one.csv").write_text("4.0,4.0")
-    assert known_points(tmp_path / "one.csv") == ((4.0, 4.0),)
+    assert known_points(tmp_path / "one.csv") == [[4.0, 4.0]]
     for broken in ("x1,x2\n4.0\n", "x1;x2\n4.0;4.0\n", "4.0,4.0\n1,none\n", "x1,x2\n"):
         (tmp_path / "broken.csv").write_text(broken)
         with pytest.raises(BenchError, match="'initial' must be a list of points of one dimension"):
@@ -69,7 +69,7 @@ def test_a_csv_file_has_a_point_in_each_line(tmp_path):
         ([[1.0], [1.0, 2.0]], "'initial' must be a list of points of one dimension"),
         ([[float("nan"), 1.0]], "'initial' must be a list of points of one dimension"),
         ([[1.0]], "a point of 'initial' has 1 numbers, and the problem has 2 variables"),
-        ([[1.0, 6.0]], "the point (1.0, 6.0) of 'initial' lies outside the box"),
+        ([[1.0, 6.0]], "the point [1.0, 6.0] of 'initial' lies outside the box"),
         ("no.csv", "the points in no.csv cannot be read: No such file or directory"),
     ],
 )
