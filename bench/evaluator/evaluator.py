@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, closing
 from dataclasses import replace
 from itertools import islice
 from os import PathLike
@@ -109,7 +109,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             raise BenchError(
                 f"candidates are run in a sandbox: {reason}; or say sandbox=False to run them without one"
             ) from error
-        self._workers = Workers(task, n_jobs)
+        self._workers, self._n_jobs = Workers(task, n_jobs), n_jobs
         self._known = dict[tuple[Any, ...], pd.DataFrame]()  # trials of the baselines, by their problems and number
         self._judged: list[dict[str, Any]] = []
         self._finals, self._lock = 0, Lock()
@@ -137,7 +137,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         """Judge candidates side by side; return what is found of each, in their order."""
         candidates = [Candidate.read(source) for source in sources]
         baselines = self._of_baselines(self._train, self._study.trials)
-        frames = self._frames(candidates, [LABEL], self._train, self._study.trials)
+        frames = self._frames(self._workers, candidates, [LABEL], self._train, self._study.trials)
         return [self._found(*made, baselines) for made in zip(candidates, frames, strict=True)]
 
     def final(self, source: Source, *, trials: int = 10) -> Final:
@@ -150,7 +150,8 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             raise BenchError("there are no held-out problems: give some as 'test'")
         require_whole("trials", trials, 2)
         candidate, baselines = Candidate.read(source), self._of_baselines(self._test, trials)
-        frame = pd.concat([*self._frames([candidate], [LABEL], self._test, trials), baselines], ignore_index=True)
+        (made,) = self._frames(self._workers, [candidate], [LABEL], self._test, trials)
+        frame = pd.concat([made, baselines], ignore_index=True)
         with self._lock:
             self._finals += 1
             finals, judged = self._finals - 1, len({each["hash"] for each in self._judged})
@@ -183,20 +184,27 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             raise BenchError("the evaluator is closed: make another one")
         with self._lock:
             if (key := (number, *problems)) not in self._known:
-                (frame,) = self._frames([installed := Candidate({})], BASELINES, problems, number)
+                installed = Candidate({})
+                with closing(Workers(Task.of(self._study), self._n_jobs)) as workers:  # trusted, and without a limit
+                    (frame,) = self._frames(workers, [installed], BASELINES, problems, number)
                 if installed.error:
                     raise BenchError(f"a baseline failed: {installed.reason}")
                 self._known[key] = frame
             return self._known[key]
 
     def _frames(
-        self, candidates: Sequence[Candidate], optimizers: Sequence[str], problems: Sequence[str], number: int
+        self,
+        workers: Workers,
+        candidates: Sequence[Candidate],
+        optimizers: Sequence[str],
+        problems: Sequence[str],
+        number: int,
     ) -> list[pd.DataFrame]:
         """Return the trials of each candidate as a tidy frame, with the AOCC of each trial."""
         planned = self._study.override(trials=number).plan()
         trials = [trial for trial in planned if trial.optimizer in optimizers and trial.problem in problems]
         trials.sort(key=lambda trial: (optimizers.index(trial.optimizer), trial.number, problems.index(trial.problem)))
-        rows = self._workers.rows((candidate, trial) for candidate in candidates for trial in trials)
+        rows = workers.rows((candidate, trial) for candidate in candidates for trial in trials)
         return [self._frame(trials, islice(rows, len(trials))) for _ in candidates]
 
     def _frame(self, trials: Sequence[Trial], rows: Iterable[Row]) -> pd.DataFrame:
