@@ -104,7 +104,7 @@ class MealpyOptimizer(Constructed):
                 point: Floats = objective.initial(1)[0]
                 return point
 
-        def update_target_for_population(pop: list[Any]) -> list[Any]:
+        def update_target_for_population(pop: list[Any]) -> list[object]:
             if model.mode == "swarm" and pop:
                 values = self.finite_values(objective, np.array([agent.solution for agent in pop]))
                 for agent, value in zip(pop, values, strict=True):

@@ -136,9 +136,9 @@ def settings_restored() -> Iterator[None]:
     """Restore the setting that all runs of CMA-ES share, into which nevergrad writes in one dimension."""
     from nevergrad.optimization.optimizerlib import ParametrizedCMA
 
-    before: list[tuple[Any, bool]] = []
+    before: list[tuple[ParametrizedCMA, bool]] = []
 
-    def remember(family: Any, name: str, value: object) -> None:
+    def remember(family: ParametrizedCMA, name: str, value: object) -> None:
         if name == "fcmaes" and hasattr(family, name):
             before.append((family, family.fcmaes))
         object.__setattr__(family, name, value)

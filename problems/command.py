@@ -171,7 +171,7 @@ class OncePerPoint(Program):
         retries: how often a program that ended with an exit code is started again for a point, after 1, 2, 4 … s.
     """
 
-    def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Mapping[str, Any]) -> None:
+    def __init__(self, name: str, command: ProgramCommand, folder: str | None, box: Options) -> None:
         settings = dict(box)
         self._retries = settings.pop("retries", 0)
         require_whole(f"problem {name!r}: 'retries'", self._retries, 0, 100)

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,7 @@ from bench.contract.typing import Floats
 from bench.execution.job import MEMORY, TIMEOUT
 from bench.execution.supervisor import row_of
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import Json
 from bench.helpers.text import printable
 from bench.sandbox.bubblewrap import Sandbox
 from bench.sandbox.callers import Call, Callers
@@ -119,7 +119,7 @@ def make_runs(
         for run in range(runs)
     ]
     tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
-    limits: dict[str, Any] = {"printed": PRINTED}
+    limits: dict[str, object] = {"printed": PRINTED}
     if sandbox:
         limits |= {"seconds": TIMEOUT, "memory": MEMORY}
     packed = [_packed(optimizer) for optimizer in optimizers]
@@ -202,7 +202,7 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
     return np.asarray((x == 0) | (x == 1))
 
 
-def summary(answer: Any) -> RunSummary:
+def summary(answer: Json) -> RunSummary:
     """Return the summary that a process answers; raises BenchError where the run failed, and for what is none."""
     if isinstance(answer, Exception):
         raise BenchError(f"the optimizer failed: {printable(str(row_of(answer)['error']), LONGEST)}")

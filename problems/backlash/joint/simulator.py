@@ -76,13 +76,13 @@ class Simulation:
 
 
 @njit(cache=True, error_model="numpy")
-def variable_stiffness(dtheta: Any, delta: float, Ks: float, alpha: float) -> Any:
+def variable_stiffness(dtheta: float | Floats, delta: float, Ks: float, alpha: float) -> Any:
     """Return K_BL in N m/rad, which vanishes inside the gap, at dtheta in rad, a scalar or an array (eq. 4.5)."""
     return Ks / np.pi * (np.pi + np.arctan(alpha * (dtheta - delta)) - np.arctan(alpha * (dtheta + delta)))
 
 
 @njit(cache=True, error_model="numpy")
-def gap_torque(dtheta: Any, domega: Any, delta: float, Ks: float, Ds: float, alpha: float) -> Any:
+def gap_torque(dtheta: float | Floats, domega: float | Floats, delta: float, Ks: float, Ds: float, alpha: float) -> Any:
     """Return tau_l in N m of the modified dead zone; dtheta (rad) and domega (rad/s) are scalars or arrays."""
     K = variable_stiffness(dtheta, delta, Ks, alpha)
     return (dtheta - delta * np.sign(dtheta) + Ds / Ks * domega) * K  # (4.6)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ from bench.helpers.errors import BenchError, nearest
 from problems.backlash import LEVELS
 
 if TYPE_CHECKING:
+    from bench.contract.typing import Options
     from problems.backlash.recordings import Recording
     from problems.backlash.signature.problem import SignatureFit
 
@@ -34,7 +35,7 @@ class Family:
     read: Callable[..., Recording]
     prefix: str = ""
     options: tuple[str, ...] = ()
-    fit: Mapping[str, Any] = field(default_factory=dict)
+    fit: Options = field(default_factory=dict)
 
     def names(self) -> list[str]:
         """Return the names of the problems that can be listed."""
