@@ -70,16 +70,16 @@ class Draft:
         self.names = {ANCHOR}
         self.anchors: set[str] = set()
         self._on_step = on_step
-        self._done = 0
-        self._steps = 0
 
     def write(self, title: str, lead: str, chapters: Sequence[Chapter], short: Callable[[Section], File]) -> Path:
         """Write all files and return the path of the page; ``short`` makes a file of its first section."""
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
-        self._steps = len(chapters) + 1
+        steps, prepared = len(chapters) + 1, []
         with style.context():
-            prepared = [self.prepare(chapter) for chapter in chapters]
+            for done, chapter in enumerate(chapters):
+                self._on_step(chapter.title, done, steps)
+                prepared.append(self.prepare(chapter))
             self.drawer.help()
             places = {chapter.title: place for place, chapter in enumerate(chapters)}
             for place, (chapter, made) in enumerate(zip(chapters, prepared, strict=True)):
@@ -94,14 +94,13 @@ class Draft:
         self.save(CONTENTS, contents(title, self.files), "These files.")
         listed = file_rows(self.files)
         self.views = [replace(view, files=listed) if view.section.lists_files else view for view in self.views]
-        self.step("The page")
+        self._on_step("The page", len(chapters), steps)
         page = self.save(PAGE, render(title, lead, self.views, guides=True), "This page.")
         self.clean()
         return page
 
     def prepare(self, chapter: Chapter) -> list[Section] | Exception:
         """Return a chapter's sections, whose figures are then drawn while others are prepared, or what it raises."""
-        self.step(chapter.title)
         try:
             sections = chapter.sections()
             for section in sections:
@@ -189,12 +188,6 @@ class Draft:
             save_csv(content, path, index=False)
         self.files[name] = about
         return path
-
-    def step(self, title: str) -> None:
-        """Report a step."""
-        self._on_step(title, self._done, self._steps)
-        self._done += 1
-        self._steps = max(self._steps, self._done)
 
     def clean(self) -> None:
         """Remove the files that only an earlier report wrote, and record those of this one."""
