@@ -98,7 +98,7 @@ class Plots:
 
     def values(self, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the values that the trials of each optimizer reached on a problem; by default on the first one."""
-        return plots.runs(self._ordered, self._label(problem), ax=ax)
+        return plots.box_plot(self._ordered, self._label(problem), ax=ax)
 
     def convergence(self, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the median best value of each optimizer over the evaluations on a problem, with its quartiles."""

@@ -46,7 +46,7 @@ def evaluated(
 
     With ``parallel`` above 1 or a limit of ``seconds``, the points of a call are evaluated by that many processes of
     the problem, each point alone. The values, their order and the reason of a failure are those of a call without. A
-    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.errors.PointError`).
+    point whose evaluation takes too long, or ends its process, fails alone (:class:`bench.helpers.errors.PointError`).
 
     Args:
         problem: as a study scores it.

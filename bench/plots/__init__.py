@@ -6,7 +6,7 @@ draw, ``pens`` the pen of each optimizer, by default by its place in the frame, 
 
 Example:
     >>> frame = bench.load_results("results/runs/thesis")
-    >>> runs(frame, "signature-03")
+    >>> box_plot(frame, "signature-03")
     >>> with style.context():  # the look of a report: 8 pt text, for one column of a paper
     ...     timing(bench.analysis.timing(frame)).figure.savefig("timing.pdf")
 """
@@ -22,14 +22,14 @@ from bench.plots.curves import (
     spells,
 )
 from bench.plots.forest import a12_forest
-from bench.plots.rows import runs, strips, timing
+from bench.plots.rows import box_plot, strips, timing
 
 __all__ = [
     "a12_forest",
+    "box_plot",
     "convergence",
     "ecdf",
     "ert",
-    "runs",
     "spells",
     "strips",
     "style",

@@ -1,30 +1,41 @@
-"""Plots with a row per optimizer: a dot for each run, and bars of the mean wall time."""
+"""Plots with a row per optimizer: box plots that also show every trial, dots, and bars of the mean wall time."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 import seaborn
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from bench.analysis.cells import labels, scores
 from bench.plots import style
 
 
-def runs(frame: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, ax: Axes | None = None) -> Axes:
-    """Draw the objective value of every trial on a problem as a dot, with the medians, in a row per optimizer.
+def box_plot(frame: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, ax: Axes | None = None) -> Axes:
+    """Draw the objective values that the trials of each optimizer reached on a problem, in a row per optimizer.
 
-    The axis is logarithmic where the values are positive and wide. Failed trials are counted at the right. ``frame`` is
-    the tidy frame (:func:`bench.load_results`).
+    A row has a quartile box and a point per trial. Whiskers reach the furthest point within 1.5 box lengths (Tukey
+    1977). The axis is logarithmic where the values are positive and wide. Trials without a finite value are counted at
+    the right, not drawn. ``frame`` is the tidy frame (:func:`bench.load_results`).
     """
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
+    pens = style.pens_of(frame, pens)
     rows = style.rows_of(frame, problem)
-    rows = rows.assign(value=scores(rows).replace(np.inf, np.nan))
-    strips(rows, optimizers, {}, pens=style.pens_of(frame, pens), ax=ax)
-    style.fitting_scale(ax, "x", rows["value"])
+    values = np.asarray(scores(rows), dtype=np.float64)
+    by_row = [values[(rows["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
+    drawn = [row[style.drawable(row)] for row in by_row]
+    _boxes(ax, drawn)
+    _points(ax, drawn, [pens[optimizer] for optimizer in optimizers])
+    for row, row_values in enumerate(by_row):
+        ax.annotate(_note(row_values), (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
+    ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
+    style.fitting_scale(ax, "x", np.concatenate([*drawn, np.empty(0)]))
+    style.name_rows(ax, list(style.names(optimizers).values()))
     ax.set_xlabel("objective value")
     style.title(ax, problem, 18)
     return ax
@@ -80,3 +91,34 @@ def timing(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     ax.set_xlabel("mean wall time in s")
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
     return ax
+
+
+def _note(values: NDArray[np.float64]) -> str:
+    """Return a note on the trials that a row does not show."""
+    missing, huge = int((~np.isfinite(values)).sum()), int((np.isfinite(values) & ~style.drawable(values)).sum())
+    notes = ([f"{missing} failed"] if missing else []) + ([f"{huge} too large"] if huge else [])
+    return "\n".join(notes) if len(values) else "no trial"
+
+
+def _boxes(ax: Axes, by_row: Sequence[NDArray[np.float64]]) -> None:
+    """Draw a horizontal box a row, without outliers, as every value is a point."""
+    thick = {"linewidth": 1.4}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "vert: bool")  # seaborn 0.13 uses this option, which matplotlib deprecates
+        seaborn.boxplot(
+            by_row, orient="h", width=0.62, color="white", saturation=1, linecolor="black", linewidth=0.7,
+            medianprops=thick, showcaps=False, showfliers=False, ax=ax,
+        )  # fmt: skip
+
+
+def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], pens: Sequence[style.Pen]) -> None:
+    """Draw every trial as a point.
+
+    seaborn's stripplot has one marker for all rows, and takes jitter from numpy's global generator.
+    """
+    many = sum(map(len, by_row)) > style.MANY_POINTS
+    for row, (values, pen) in enumerate(zip(by_row, pens, strict=True)):
+        ax.plot(
+            values, row + style.spread(len(values)), pen.marker, color=pen.color, markersize=2.5, markeredgewidth=0,
+            alpha=0.7, zorder=3, rasterized=many,
+        )  # fmt: skip

@@ -20,7 +20,7 @@ FRAME = pd.DataFrame({"problem": ["p"], "optimizer": ["a"], "trial": [0], "statu
         (lambda: analysis.summarise("results"), "summarise takes as 'frame' a frame, such as .* not an object of str"),
         (lambda: analysis.coverage(frame=None), "coverage takes as 'frame' a frame"),
         (lambda: analysis.holm(FRAME), "holm takes as 'p' an array of numbers, .* not an object of DataFrame"),
-        (lambda: plots.runs("results", "p"), "runs takes as 'frame' a frame, such as .* not an object of str"),
+        (lambda: plots.box_plot("results", "p"), "box_plot takes as 'frame' a frame, such as .* not an object of str"),
         (lambda: analysis.convergence(FRAME, [], 10), "convergence takes as 'traces' traces, such as results.traces"),
     ],
 )
