@@ -20,7 +20,7 @@ import pytest
 
 from bench import Results, Study, load_results
 from bench.storage.folder import Folder
-from tests.bench.sandbox.helpers import hear_interrupts
+from tests.bench.sandbox.helpers import hear_interrupts, wait_for
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, process groups and tmpfs as on Linux")
 
@@ -144,14 +144,6 @@ def same(one, other):
     assert committed(one) == committed(other)
 
 
-def wait_until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)
-    return found
-
-
 @pytest.mark.slow
 def test_kills_lose_nothing_and_change_nothing(start, tmp_path):
     """At random moments, from a run's first: its parent, its whole group, any process that plug-ins are loaded in."""
@@ -195,7 +187,7 @@ def test_kills_lose_nothing_and_change_nothing(start, tmp_path):
         planned = max(planned, len(seen) // CELLS + 15)
         run = start(folder, trials=planned)
         while others and run.going:
-            wait_until(lambda: look() or not run.going)  # goes on by itself after each kill  # noqa: B023
+            assert wait_for(lambda: look() or not run.going)  # goes on by itself after each kill  # noqa: B023
             time.sleep(chance.uniform(0, 0.2))
             for _ in range(min(2, len(others))):
                 if run.kill(others[-1], chance):
@@ -224,10 +216,10 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
         folder = tmp_path / str(late)
         run = start(folder, trials=1000, slow=0.05, jobs=jobs)  # it is not done before it is interrupted
         if late:
-            wait_until(lambda: committed(folder))  # noqa: B023
+            assert wait_for(lambda: committed(folder))  # noqa: B023
             time.sleep(chance.uniform(0, 0.5))
         else:  # in mid-start: of the study's check, of workers, of the first trial
-            wait_until(lambda: run.members("trial"))  # noqa: B023
+            assert wait_for(lambda: run.members("trial"))  # noqa: B023
             time.sleep(chance.uniform(0, 1.5))
         seen = committed(folder)
         for _ in range(2 if again else 1):
@@ -248,7 +240,7 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
 def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, bench_here, tmp_path):
     folder = tmp_path / "out"
     run = start(folder, trials=1000, slow=0.1)
-    wait_until(lambda: committed(folder))
+    assert wait_for(lambda: committed(folder))
     done = bench_here("run", study, "--output", folder)
     assert done.returncode == 2
     assert f"another run (process {run.process.pid} on {socket.gethostname()}, since 2" in done.stderr
@@ -264,7 +256,7 @@ def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, benc
 def test_one_of_two_first_runs_at_the_same_moment_wins(start, tmp_path):
     folder = tmp_path / "out"
     runs = [start(folder, trials=2, slow=0, gate=tmp_path / "gate") for _ in range(2)]
-    wait_until(lambda: not all(run.going for run in runs))
+    assert wait_for(lambda: not all(run.going for run in runs))
     (tmp_path / "gate").touch()  # the other one has begun, and may go on
     ends = sorted(run.end() for run in runs)
     assert [code for code, _ in ends] == [0, 2]

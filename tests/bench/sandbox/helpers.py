@@ -8,7 +8,7 @@ from contextlib import suppress
 import psutil
 import pytest
 
-LONG = 60.0  # seconds; ends a test that hangs, and decides nothing else
+LONG = 120.0  # seconds; ends a test that hangs, and decides nothing else
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="what Linux alone offers")
 
 

@@ -149,39 +149,3 @@ def test_a_store_that_is_taken_away_while_it_is_written_ends_the_writing(how, sp
             spoilt.store.path.touch()
         with pytest.raises(BenchError, match="was removed or replaced while it was written"):
             writer.add(trial, packed(row))
-
-
-DELETES = """
-import os, time
-
-def deletes(objective, rng):
-    time.sleep(0.2)  # so that the trials before this one are committed
-    objective(objective.initial(3))
-    if {path!r} and "\\"trials\\": 0" not in open({path!r}).read():
-        os.unlink({path!r}.replace("committed.json", "trials.sqlite"))
-"""
-
-
-@pytest.mark.slow
-def test_a_store_that_is_deleted_during_a_run_is_an_error(bench_here, tmp_path):
-    out = tmp_path / "out"
-    (tmp_path / "hostile.py").write_text(DELETES.format(path=str(out / FILE)))
-    study = tmp_path / "study.toml"
-    study.write_text(
-        'name = "deleted"\ntrials = 3\nbudget = 30\nproblems = [{ name = "sphere-2" }]\n'
-        f'optimizers = [{{ name = "scatter" }}, {{ name = "{tmp_path}/hostile.py:deletes" }}]\n'
-    )
-    done = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
-    assert done.returncode == 2
-    assert f"the store {out / 'trials.sqlite'} was removed or replaced" in done.stderr
-    assert done.stderr.count("\n") == 1
-    lost = read(out).trials
-    assert lost
-    checked = bench_here("status", out, "--check")
-    assert checked.returncode == 1
-    assert f"{lost} of {lost} committed trials are missing" in checked.stdout
-    (tmp_path / "hostile.py").write_text(DELETES.format(path=""))
-    (out / "environment.json").unlink(missing_ok=True)
-    again = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
-    assert again.returncode == 2
-    assert f"{lost} of {lost} committed trials are missing; restore" in again.stderr

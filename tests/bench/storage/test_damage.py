@@ -6,7 +6,6 @@ import shutil
 import sqlite3
 from contextlib import closing, suppress
 
-import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_results, run
@@ -61,24 +60,6 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
             with pytest.raises(BenchError):
                 spoilt.require_sound()
     assert noticed >= len(seeds) / 5  # the rest hit unused space
-
-
-def test_a_run_refuses_damaged_trials_and_another_folder_takes_the_sound_ones(small_study, tmp_path):
-    folder, other = Folder(tmp_path / "out"), tmp_path / "other"
-    run(small_study, folder.path, n_jobs=1)
-    before = load_results(folder.path)
-    change(
-        folder.store.path,
-        "UPDATE results SET fun = 0 WHERE trial = 1",
-        "UPDATE results SET trace = NULL WHERE trial = 2",
-    )
-    with pytest.raises(BenchError, match=r"12 of 18 trials are damaged \(.*into another folder with --reuse"):
-        run(small_study, folder.path, n_jobs=1)
-    made = []
-    run(small_study, other, n_jobs=1, reuse=[folder.path], on_trial=lambda trial, _: made.append(trial.key))
-    assert len(made) == len(set(made)) == 12
-    times = ["wall_s", "cpu_s", "objective_s", "memory_mb"]
-    pd.testing.assert_frame_equal(load_results(other).drop(columns=times), before.drop(columns=times), check_exact=True)
 
 
 class Bomb:

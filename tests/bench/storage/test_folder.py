@@ -6,9 +6,6 @@ import pytest
 
 from bench import BenchError, Study, load_results, run
 from bench.storage.folder import Folder
-from bench.study import Entry
-from bench.trial.columns import packed
-from bench.trial.trial import Trial
 
 STUDY = {
     "name": "tiny", "trials": 2, "budget": 20,
@@ -54,20 +51,6 @@ def test_a_study_that_was_edited_beside_its_trials_is_refused_in_one_sentence(co
     assert "study.toml was changed: the trials beside it were made with the study of hash" in sentence
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('name = "scatter"', 'name = "scatter", agents = 3'),
-        ("seed = 0", "seed = 1"),
-        ('name = "sphere-2"', 'name = "sphere-3", label = "sphere-2"'),
-    ],
-)
-def test_every_setting_that_decides_a_trial_is_compared(old, new, edited):
-    path = edited(old, new)
-    with pytest.raises(BenchError, match="was changed"):
-        load_results(path)
-
-
 def test_what_decides_no_trial_may_be_edited(edited):
     path = edited('title = ""', 'title = "A title"')
     assert len(load_results(path)) == 2
@@ -85,19 +68,6 @@ def test_a_run_whose_lock_was_removed_still_keeps_others_out(tmp_path):
         assert folder.running()["pid"] == os.getpid()
     with Folder(tmp_path).lock():
         pass
-
-
-def test_two_writers_of_one_trial_end_in_one_sentence_and_lose_nothing(tmp_path):
-    trial = Trial("sphere", "gwo", 3, seed=99)
-    row = {"status": "ok", "fun": 1.0, "nfev": 5, "x": {"a": 1.0}, "metrics": {}}
-    Folder(tmp_path).claim(Study("tiny", (Entry("sphere", "sphere"),), (Entry("gwo", "gwo"),)))
-    store = Folder(tmp_path).store
-    with store.writer() as first, store.writer() as second:
-        first.add(trial, packed(row))
-        with pytest.raises(BenchError, match=r"another run writes to the store .* run the same command again"):
-            second.add(trial, packed(row))
-    assert store.find(*trial.key)["fun"] == 1.0
-    assert store.check().sound
 
 
 def test_a_link_to_nothing_in_the_place_of_a_folder_is_a_sentence(tmp_path):

@@ -28,13 +28,9 @@ def forged(folder, what):
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def whole(small_study, tmp_path_factory):
     """The study in one folder, and in three shards of it, which no test changes."""
-    study = Study.from_dict(
-        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"names": ["sphere-2", "sphere-3"]}],
-         "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}]}
-    )  # fmt: skip
-    place = tmp_path_factory.mktemp("whole")
+    study, place = small_study, tmp_path_factory.mktemp("whole")
     run(study, place / "whole", n_jobs=1)
     for number in (1, 2, 3):
         run(study, place / f"shard-{number}", n_jobs=1, shard=f"{number}/3")
@@ -148,23 +144,6 @@ def test_verify_compares_whole_courses(copied):
     forge(store.path, f"UPDATE results SET trace = x'{blob.hex()}' WHERE trial = 1 AND cell = {SCATTER}")
     found = verify(place / "whole", trials=3, n_jobs=1)
     assert list(found.different.values()) == ["another course, the same end"]
-
-
-@pytest.mark.slow
-def test_verify_meets_an_optimizer_that_depends_on_the_order_of_sets(tmp_path):
-    (tmp_path / "sets.py").write_text(
-        "def fickle(objective, rng):\n"
-        "    first = next(iter({'a', 'b', 'c', 'd', 'e', 'f', 'g', 'h'}))\n"
-        "    while True:\n"
-        "        objective(objective.initial(2) * (1 - 0.01 * ord(first) / 100))\n"
-    )
-    study = Study.from_dict(
-        {"name": "sets", "trials": 2, "budget": 40, "problems": [{"name": "sphere-2"}],
-         "optimizers": [{"name": f"{tmp_path / 'sets.py'}:fickle"}, {"name": "scatter"}]}
-    )  # fmt: skip
-    run(study, tmp_path / "out", n_jobs=1)
-    found = verify(tmp_path / "out", n_jobs=1)
-    assert {trial.optimizer for trial in found.different} == {"fickle"}
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import shlex
 import subprocess
 import sys
@@ -113,14 +112,6 @@ class TestRun:
 
     def test_it_has_no_name_in_common_with_a_machine(self, small_study):
         assert not machine().keys() & run(small_study, 1, "local").keys()
-
-    def test_every_key_is_documented(self, small_study):
-        page = (Path(__file__).parents[3] / "ARCHITECTURE.md").read_text(encoding="utf-8")
-        table = page.partition("#### `environment.json`")[2].partition("\n#")[0]
-        rows = [line.partition("|")[2].partition("|")[0] for line in table.splitlines() if line.startswith("| `")]
-        documented = re.findall(r"`(\w+)`", " ".join(rows))
-        imported = {"imported", "format", "sha256", "licence", "importer", "left_out", "reused"}  # of other tests
-        assert (machine() | run(small_study, 1, "local")).keys() | imported == set(documented)
 
 
 class TestDifferences:
