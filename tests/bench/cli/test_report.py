@@ -74,18 +74,3 @@ def test_a_report_that_is_written_again_leaves_no_stale_file_and_touches_no_fore
     write_report(folders / "old", output=out)
     assert {path.name for path in (out / "tables").iterdir()} == first | {"mine.csv"}
     assert (tmp_path / "keep.txt").exists()
-
-
-@pytest.mark.slow
-def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, tmp_path):
-    (tmp_path / "mine.py").write_text(
-        "def wandering(objective, rng):\n"
-        "    while True:\n"
-        "        objective(objective.upper + rng.random(objective.dimension))\n"
-    )
-    broken = bench("check", "mine.py:wandering", "--no-bias", cwd=tmp_path)
-    assert broken.returncode == 1
-    assert "FAILED: mine.py:wandering, box:" in broken.stdout
-    assert "    remedy: clip to objective.lower and objective.upper" in broken.stdout
-    assert "passed: mine.py:wandering, budget:" in broken.stdout
-    assert broken.stdout.rstrip().endswith("mine.py:wandering fails the contract in: box")

@@ -1,7 +1,5 @@
 """Comparisons from Python alone: what is run, where it is kept, what continues it, and what is said of mistakes."""
 
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +7,6 @@ import pytest
 
 import bench
 from bench import BenchError, FunctionProblem, Optimizer, Results, compare
-from bench.storage.folder import Folder
 
 
 @dataclass(frozen=True)
@@ -136,41 +133,3 @@ def test_a_mistake_is_one_sentence(problems, optimizers, settings, sentence, tmp
         compare(problems, optimizers, **{"trials": 1, "budget": 3, "n_jobs": 1, "verify": False} | settings)
     assert sentence in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-SCRIPT = """
-import numpy as np
-import bench
-
-goal = np.array([0.5, 0.25])
-
-class Random:
-    def __init__(self, objective, rng):
-        self.objective = objective
-
-    def ask(self, n):
-        return self.objective.initial(n)
-
-    def tell(self, x, f):
-        pass
-
-distance = bench.FunctionProblem(lambda x: np.abs(x - goal).sum(), [0, 0], [1, 1], name="distance")
-results = bench.compare(distance, [Random, "cma-es"], trials=2, budget=6, n_jobs=1, output="kept")
-print(results.frame["fun"].tolist())
-"""
-
-
-@pytest.mark.slow
-def test_a_plain_script_needs_no_guard_and_continues_its_folder_which_others_can_read(tmp_path, request):
-    outputs = []
-    for text in (SCRIPT, f"# another line\n{SCRIPT}"):
-        (tmp_path / "script.py").write_text(text, encoding="utf-8")
-        done = subprocess.run(
-            [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True
-        )
-        outputs.append(done.stdout)
-        assert done.stderr == ""
-    assert outputs[0] == outputs[1]
-    assert len(Folder(tmp_path / "kept").environments()) == 1  # nothing was made again
-    done = request.getfixturevalue("bench")("report", tmp_path / "kept")  # without any object
-    assert done.returncode == 0, done.stderr

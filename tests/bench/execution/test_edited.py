@@ -59,19 +59,6 @@ def test_an_edit_costs_no_trial_is_named_and_mixes_no_two_codes(study, tmp_path)
     assert all(len(values) == 1 for values in values_by_version(tmp_path / "out"))
 
 
-@pytest.mark.slow
-def test_an_edited_helper_is_named_and_a_comment_in_it_is_no_edit(study, tmp_path):
-    (tmp_path / "mine.py").write_text("from helper_of_mine import SHARE\n" + OPTIMIZER.format(share="SHARE"))
-    helper = tmp_path / "helper_of_mine.py"
-    helper.write_text("SHARE = 0.25")
-    assert run(study, tmp_path / "out", n_jobs=1).edited == {}
-    helper.write_text("SHARE = 0.75")
-    notes = " ".join(plan(study, tmp_path / "out").notes)
-    assert f"mine changed ({helper}) and is version 2 now: 4 trials to make" in notes
-    helper.write_text("SHARE = 0.25  # of the box")
-    assert run(study.override(trials=3), tmp_path / "out", n_jobs=1).made == 2
-
-
 def test_data_that_change_before_a_process_loads_them_make_another_version(tmp_path):
     def record(frequency):
         t = np.arange(1000) * 0.002

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, Study, load_problem, load_results, run, solve
+from bench import FunctionProblem, Study, load_problem, load_results, run, solve
 
 CODE = '''
 import numpy as np
 from bench import Problem
 
 class Honest(Problem):
-    def __init__(self, noise=0.0, bound=1.0):
+    def __init__(self, noise=0.0):
         self.name, self.variables, self.noisy = "mine", ("x1", "x2"), noise > 0
-        self.lower, self.upper, self.noise = np.full(2, -bound), np.full(2, bound), noise
+        self.lower, self.upper, self.noise = np.full(2, -1.0), np.full(2, 1.0), noise
 
     def evaluate(self, x, rng=None):
         values = self.noiseless(x)
@@ -118,21 +118,6 @@ def test_a_list_among_the_options_is_as_new_in_every_trial(tmp_path):
     )  # fmt: skip
     run(study, tmp_path / "out", n_jobs=1)
     assert load_results(tmp_path / "out")["nfev"].tolist() == [1, 1, 1]
-
-
-@pytest.mark.parametrize(
-    ("bound", "said"),
-    [("-1.0", "are 1.0 and -1.0"), ("np.inf", "are -inf and inf"), ("np.nan", "are nan and nan"), ("0.0", "are -0.0")],
-)
-def test_bounds_that_are_no_box_are_refused_when_the_problem_is_loaded(bound, said, file, tmp_path):
-    text = CODE.replace("bound=1.0", f"bound={bound}")
-    (tmp_path / "mine.py").write_text(text)
-    with pytest.raises(BenchError, match=f"problem 'mine': every lower bound must be finite.*{said}") as refused:
-        run(
-            {"name": "s", "problems": [{"name": f"{file}:Honest"}], "optimizers": [{"name": "scatter"}]},
-            tmp_path / "out",
-        )
-    assert "\n" not in str(refused.value)
 
 
 def test_a_user_s_arrays_stay_writable():

@@ -4,9 +4,8 @@ from collections import Counter
 
 import pytest
 
-from bench import BenchError, Study, run
+from bench import BenchError, Study
 from bench.execution.plan import Plan, Shard
-from bench.execution.runner import plan
 from bench.storage.store import CellCounts
 
 
@@ -89,16 +88,3 @@ def test_the_time_goes_by_the_cell_then_the_optimizer_then_all():
     assert made.seconds() == pytest.approx(1 * 2 + 1 * 6 + 3 * 4 + 9 * 4)
     assert Plan(study(3), None, set()).seconds() is None
     assert Plan(study(3), None, set(), [cells[2]]).seconds() is None
-
-
-@pytest.mark.slow
-def test_a_plan_writes_nothing_and_sees_what_is_there(small_study, tmp_path):
-    made = plan(small_study, tmp_path / "out")
-    assert not (tmp_path / "out").exists()
-    assert len(list(made.missing())) == 18
-    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
-    made = plan(small_study, tmp_path / "out")
-    assert len(list(made.missing())) == 12
-    assert made.seconds() > 0
-    assert plan(small_study.override(trials=1), tmp_path / "out").study.trials == 1
-    assert len(list(plan(small_study.override(budget=61), tmp_path / "out").missing())) == 18

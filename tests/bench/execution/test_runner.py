@@ -114,11 +114,6 @@ def test_solve_by_name_and_stop_reasons():
     assert result.overhead_s > 0
 
 
-def test_no_results_are_said_so(tmp_path):
-    with pytest.raises(BenchError, match=r"holds no study\.toml"):
-        load_results(tmp_path)
-
-
 @pytest.mark.slow
 def test_a_store_whose_table_was_never_made_is_refused_where_trials_were_committed(small_study, tmp_path):
     """A kill between the file's creation and its table's leaves an empty store."""
@@ -132,11 +127,6 @@ def test_a_store_whose_table_was_never_made_is_refused_where_trials_were_committ
         run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     (tmp_path / "out" / "committed.json").unlink()
     assert run(small_study.override(trials=1), tmp_path / "out", n_jobs=1).made == 6
-
-
-def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
-    with pytest.raises(BenchError, match=rf"another run \(process {os.getpid()} on .*\) is writing"):
-        run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
 
 
 @pytest.mark.parametrize("file", ["verification.json", "checks.json", "study.toml"])
@@ -234,20 +224,6 @@ def test_targets_that_a_problem_has_are_accepted(tmp_path):
         "s", (Entry("signature-03", "p"),), (Entry("scatter", "o"),), trials=1, budget=60, targets="tolerance"
     )
     assert len([*plan(study, tmp_path / "s").missing()]) == 1
-
-
-@pytest.mark.parametrize(
-    ("settings", "sentence"),
-    [
-        ({"backend": "docal"}, r"^unknown backend 'docal'.*'local'"),
-        ({"backend": "dask"}, "^the dask backend needs --scheduler"),
-        ({"scheduler": "tcp://127.0.0.1:1"}, "no other backend takes one"),
-    ],
-)
-def test_backends_that_cannot_be_opened_are_refused(settings, sentence, small_study, tmp_path):
-    with pytest.raises(BenchError, match=sentence):
-        run(small_study, tmp_path / "out", **settings)
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(("other", "said"), [("missing", "to be reused does not exist"), ("out", "leave it out")])

@@ -1,14 +1,12 @@
 """Optimizers from a file that nobody installed: loaded by name, run beside others, and refused in one sentence."""
 
 import pickle
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from bench import BenchError, Results, Study, load_optimizer, load_problem, run, solve
-from bench.execution.runner import plan
+from bench import BenchError, Study, load_optimizer, load_problem, run, solve
 from bench.plugins import from_file
 
 CODE = '''
@@ -58,24 +56,11 @@ def demanding(objective, rng, must):
 number = 3
 '''
 
-STUDY = """
-name = "tiny"
-trials = 2
-budget = 40
-
-[[problems]]
-name = "sphere-2"
-
-[[optimizers]]
-name = "scatter"
-"""
-
 
 @pytest.fixture
 def mine(tmp_path):
     (tmp_path / "mine.py").write_text(CODE)
     (tmp_path / "spreads.py").write_text("SPREAD = 0.1")  # no other test has a module of this name
-    (tmp_path / "tiny.toml").write_text(STUDY)
     yield tmp_path / "mine.py"
     sys.path[:] = [entry for entry in sys.path if entry != str(tmp_path)]
     sys.modules.pop("spreads", None)
@@ -129,46 +114,6 @@ def test_what_is_wrong_with_a_file_is_one_sentence(mine, name, options, said):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.slow
-def test_a_run_takes_them_beside_the_study_s_own(bench, bench_here, mine):
-    done = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:walk", "--jobs", 2,
-                 "--no-report", "--output", "out", cwd=mine.parent)  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    frame = Results(mine.parent / "out").frame
-    assert frame.groupby("optimizer").size().to_dict() == {"Mine": 2, "scatter": 2, "walk": 2}
-    assert (frame["status"] == "ok").all()
-    again = bench_here(
-        "run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:Mine", cwd=mine.parent
-    )
-    assert again.returncode == 2
-    assert "'Mine' occurs twice among the optimizers" in again.stderr
-    unknown = bench_here("run", "tiny.toml", "--optimizer", "hillclimber", cwd=mine.parent)
-    assert unknown.returncode == 2
-    assert "did you mean 'hill-climber'?" in unknown.stderr
-
-
-@pytest.mark.slow
-def test_a_folder_does_not_mix_two_versions_of_a_file(mine, monkeypatch):
-    monkeypatch.chdir(mine.parent)
-    study = Study.load("tiny.toml").beside(["mine.py:Mine"])
-    run(study, "out", n_jobs=1)
-    run(study.override(trials=3), "out", n_jobs=1)
-    mine.write_text(CODE + "\n# edited")
-    run(study.override(trials=4), "out", n_jobs=1)
-    (mine.parent / "spreads.py").write_text("SPREAD = 0.2")
-    notes = plan(study.override(trials=4), "out").notes
-    assert any(note.startswith("Mine changed (spreads.py) and is version 2 now: ") for note in notes)
-
-
-def test_the_command_line_checks_and_solves_with_a_file(mine):
-    done = subprocess.run(
-        [sys.executable, "-m", "bench", "solve", "signature-12", "mine.py:walk", "--budget", "50", "--set", "step=0.3"],
-        cwd=mine.parent, capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "50 (stopped by: budget)" in done.stdout
-
-
 @pytest.mark.parametrize(
     ("code", "said"),
     [
@@ -213,24 +158,6 @@ def test_a_problem_of_a_file_takes_options_and_an_edited_file_is_another_one(tmp
     assert load_problem(f"{path}:Bowl").evaluate(np.ones((1, 2))) == [1]
 
 
-def test_a_study_runs_on_a_problem_of_a_file(tmp_path):
-    path = tmp_path / "mine.py"
-    path.write_text(PROBLEM, encoding="utf-8")
-    study = Study.from_dict(
-        {
-            "name": "s",
-            "trials": 1,
-            "budget": 20,
-            "problems": [{"name": f"{path}:Bowl"}],
-            "optimizers": [{"name": "scatter"}],
-        }
-    )
-    run(study, output=tmp_path / "out", n_jobs=1)
-    frame = Results(tmp_path / "out").frame
-    assert list(frame["problem"]) == ["Bowl"]
-    assert list(frame["status"]) == ["ok"]
-
-
 @pytest.mark.parametrize(
     ("code", "kind"),
     [
@@ -246,12 +173,6 @@ def test_a_study_runs_on_a_problem_of_a_file(tmp_path):
 def test_the_text_of_a_file_says_whether_it_holds_a_problem(tmp_path, code, kind):
     (tmp_path / "mine.py").write_text(code)
     assert from_file.is_problem(f"{tmp_path / 'mine.py'}:Mine") is kind
-
-
-def test_a_file_that_is_no_python_is_refused_in_a_sentence(tmp_path):
-    (tmp_path / "mine.py").write_text("def broken(:")
-    with pytest.raises(BenchError, match=r"mine\.py cannot be read as Python"):
-        from_file.is_problem(f"{tmp_path / 'mine.py'}:Mine")
 
 
 def test_two_files_that_import_other_modules_of_one_name_are_refused(tmp_path):

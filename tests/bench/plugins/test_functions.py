@@ -95,25 +95,6 @@ def test_optuna_is_one(sphere):
     assert solve(sphere, TPE, budget=30).nfev == 30
 
 
-def test_nevergrad_is_one(sphere):
-    nevergrad = pytest.importorskip("nevergrad")
-
-    class OnePlusOne:
-        def __init__(self, objective, rng):
-            box = nevergrad.p.Array(init=objective.initial(1)[0], lower=objective.lower, upper=objective.upper)
-            box.random_state.seed(int(rng.integers(2**31)))
-            self.search = nevergrad.optimizers.OnePlusOne(parametrization=box, budget=objective.budget)
-
-        def ask(self, n):
-            self.asked = self.search.ask()
-            return self.asked.value
-
-        def tell(self, x, f):
-            self.search.tell(self.asked, f[0])
-
-    assert solve(sphere, OnePlusOne, budget=30).nfev == 30
-
-
 def test_a_function_takes_its_keywords_as_parameters(sphere):
     def look(objective, rng, n=2, *, scale=1.0):
         objective(np.clip(scale * rng.standard_normal((n, 3)), objective.lower, objective.upper))

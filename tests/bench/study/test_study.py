@@ -1,12 +1,9 @@
 """Studies: reading, checking, planning, and what makes two of them the same."""
 
-import re
-
 import pytest
 
-from bench import BenchError, Study, run
+from bench import BenchError, Study
 from bench.contract.seeds import trial_seed
-from bench.study import Entry
 from bench.study.descriptions import repairing
 
 MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
@@ -87,23 +84,6 @@ def test_check_finds_a_budget_that_no_generation_fits():
 def test_an_unknown_key_names_the_nearest():
     with pytest.raises(BenchError, match=r"unknown key 'trails'; did you mean 'trials'\?"):
         study(trails=1)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"problems": ()}, "study 's' needs at least one of the problems"),
-        ({"optimizers": ()}, "study 's' needs at least one of the optimizers"),
-        ({"problems": (Entry("p", "p"), Entry("q", "p"))}, "study 's': 'p' occurs twice among the problems"),
-        ({"optimizers": (Entry("a", "a\nb"),)}, "study 's': a label of the optimizers holds a control character"),
-        ({"optimizers": (Entry("a", "=a()"),)}, "study 's': a spreadsheet would compute the label '=a()'"),
-    ],
-)
-def test_entries_and_values_that_do_not_fit_are_refused_before_a_run(changes, message, tmp_path):
-    values = {"name": "s", "problems": (Entry("p", "p"),), "optimizers": (Entry("a", "a"), Entry("b", "b"))}
-    with pytest.raises(BenchError, match=re.escape(message)):
-        run(Study(**values | changes), tmp_path / "s")
-    assert not list(tmp_path.iterdir())
 
 
 NAMED = {
