@@ -22,7 +22,7 @@ from bench.topics.trust import section as trust
 from bench.topics.trust.checks import checks
 from bench.trial.columns import packed
 from bench.trial.trial import Trial
-from tests.bench.formats.made import exported, make, record
+from tests.bench.formats.made import make, record
 
 ROWS = [
     "problem,optimizer,trial,evaluations,value",
@@ -116,13 +116,6 @@ class TestUnited:
         other = make(tmp_path / "other", {"sphere-2": 2}).paths[0]
         with pytest.raises(BenchError, match="other and archive have no problem in common, such as 'sphere-2' and"):
             Results(other, archive)
-
-    def test_studies_made_here_still_need_one_budget(self, tmp_path, mine, archive):
-        folder = Folder(tmp_path / "more")
-        folder.path.mkdir()
-        folder.claim(Study("more", (Entry("p", "p"),), (Entry("any", "any"),), budget=7))
-        with pytest.raises(BenchError, match="only runs of one budget can be compared"):
-            Results(mine, folder.path, archive)
 
     def test_seeds_keep_their_digits_beside_trials_without_one(self, tmp_path, archive):
         large, folder = 2**62 + 1, Folder(tmp_path / "one")
@@ -254,12 +247,3 @@ def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_pa
         verify(archive)
     call("merge", archive, "-o", tmp_path / "merged")
     assert Results(tmp_path / "merged").frame.equals(Results(archive).frame)
-
-
-def test_a_second_import_of_our_export_holds_the_same(archive, tmp_path):
-    """What was imported can be exported and imported again."""
-    import_results(exported(Results(archive), "csv", tmp_path / "out"), tmp_path / "again")
-    again, first = Results(tmp_path / "again"), Results(archive)
-    assert again.frame["fun"].tolist() == first.frame["fun"].tolist()
-    assert again.frame["seed"].isna().all()
-    assert all(np.array_equal(again.traces[key].values, trace.values) for key, trace in first.traces.items())

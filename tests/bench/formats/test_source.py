@@ -121,14 +121,6 @@ def test_a_tar_archive_that_grows_as_no_results_do_is_not_unpacked(tmp_path, mon
     assert not (tmp_path / "out").exists()
 
 
-def test_nor_is_such_a_zip_archive(tmp_path, monkeypatch):
-    monkeypatch.setattr(unpacking, "HARMLESS", 100_000)
-    with zipfile.ZipFile(tmp_path / "runs.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("runs.csv", bytes(1_000_000))
-    with pytest.raises(BenchError, match=r"unpacks to more than 200 times its size"):
-        import_results(tmp_path / "runs.zip", tmp_path / "out")
-
-
 def test_an_honest_archive_may_grow(tmp_path):
     file = tmp_path / "runs.tar.xz"
     with tarfile.open(file, "w:xz") as archive:

@@ -7,7 +7,7 @@ import matplotlib.figure
 import pytest
 
 from bench.plots import style
-from bench.report.drawing import Drawer, Drawing, draw
+from bench.report.drawing import Drawer, Drawing
 
 pytestmark = pytest.mark.usefixtures("draws")
 
@@ -28,17 +28,6 @@ def elsewhere():
     """A drawer with another process."""
     with Drawer(2) as drawer:
         yield drawer
-
-
-@pytest.mark.slow
-def test_another_process_draws_the_same_bytes(elsewhere):
-    figures, plain = [figure("one"), figure("two")], [draw(figure("one")), draw(figure("two"))]
-    elsewhere.begin(figures)
-    elsewhere.help()
-    assert [elsewhere.finish(each) for each in figures] == plain
-    with Drawer(1) as alone:
-        alone.begin(figures := [figure("one"), figure("two")])
-        assert [alone.finish(each) for each in figures] == plain
 
 
 def test_what_cannot_be_pickled_is_drawn_here(elsewhere):

@@ -1,17 +1,14 @@
 """The formats csv and parquet, read back with pandas and pyarrow."""
 
-import json
 import math
 import re
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-import bench
-from bench import BenchError, Results
+from bench import BenchError
 from bench.formats.exporting import export
 from bench.formats.tables import writer as tabular
 from tests.bench.formats.made import FAILED, exported, make, needs, some_fail
@@ -72,16 +69,6 @@ class TestTables:
         assert [str(field.type).removeprefix("large_") for field in improvements.schema] == [
             "string", "string", "int64", "int64", "double",
         ]  # fmt: skip
-
-    @pytest.mark.slow
-    def test_a_real_run(self, small_study, tmp_path):
-        bench.run(replace(small_study, trials=1), tmp_path / "s", n_jobs=1)
-        results = Results(tmp_path / "s")
-        folder = exported(results, "csv", tmp_path / "out")
-        texts = pd.read_csv(folder / "trials.csv", dtype=str)
-        for name in ("fun", "wall_s", "x_x1", "radius"):
-            assert [float(text) for text in texts[name]] == results.frame[name].tolist()
-        assert json.loads((folder / "environment.json").read_text())[0]["packages"]["backlash-bench"]
 
 
 def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
