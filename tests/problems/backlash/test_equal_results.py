@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 from bench import Study, solve
-from bench.analysis import compare
 from bench.plugins.loading import load_optimizer, load_problem
 
 RESULTS = Path(__file__).resolve().parents[3] / "results"
@@ -61,26 +60,6 @@ def test_the_readme_prints_the_table(trials, compared):
         assert int(lower) == (medians[f"cma-es {agents}"] < medians[swarm]).sum()
         for printed, value in zip(numbers, compared.loc[swarm, ["probability", "low", "high"]], strict=True):
             assert float(printed) == pytest.approx(value, abs=0.00501)
-
-
-def test_the_page_on_fair_comparisons_prints_the_chances(compared):
-    text = (RESULTS.parent / "docs" / "explanation" / "fair-comparison.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (GWO|ALO|DA|GOA) ((?:\| \.\d\d \[\.\d\d, \.\d\d\] )+)\|$", text, re.MULTILINE)
-    thesis = compare(pd.read_csv(RESULTS / "thesis" / "trials.csv"), "cma-es", before=False)
-    thesis = thesis.rename(columns={"chance": "probability"}).set_index("rival")
-    assert len(rows) == 4
-    for name, cells in rows:
-        own = (thesis.loc[name.lower()], *(compared.loc[f"{name.lower()} {agents}"] for agents in (300, 30)))
-        numbers = [row[column] for row in own for column in ("probability", "low", "high")]
-        assert [float(each) for each in re.findall(r"\.\d\d", cells)] == pytest.approx(numbers, abs=0.00501)
-
-
-def test_the_thesis_s_pages_say_the_same(compared):
-    for page in (RESULTS / "thesis" / "README.md", RESULTS.parent / "docs" / "explanation" / "thesis.md"):
-        assert "probability .64" in page.read_text(encoding="utf-8")
-    assert compared.loc["gwo 300", "probability"] == pytest.approx(0.64, abs=0.005)
-    assert compared.loc["gwo 30", "high"] < 0.5
-    assert compared.loc["alo 30", "high"] < 0.5
 
 
 @pytest.mark.parametrize("optimizer", ["gwo 100", "da 30"])
