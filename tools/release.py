@@ -7,8 +7,8 @@ The steps, in order; the first that fails ends the release with one sentence and
    from the sdist.
 3. ``twine check`` accepts both.
 4. In fresh environments of the oldest and the newest supported Python, with the lowest and the newest packages that
-   satisfy pyproject.toml, ``bench run quick`` makes all its trials and writes a report that can be read, and README's
-   first minute ends with an answer.
+   satisfy pyproject.toml, ``bench run quick --trials 3`` makes its trials and writes a report that can be read, and
+   README's first minute ends with an answer.
 5. Every package that is installed with it, extras included, has a licence that Apache-2.0 may be combined with.
 6. A software bill of materials (CycloneDX) lists the packages of a plain installation.
 
@@ -159,7 +159,7 @@ def try_out(place: Path, version: str, artefact: Path, resolution: str) -> str:
     if resolution == "lowest-direct" and version == versions()[0]:
         require_lowest(home)
     call(python(home).with_name("bench"), "--version", cwd=home)
-    call(python(home).with_name("bench"), "run", "quick", "--output", "out", "--jobs", "2", cwd=home)
+    call(python(home).with_name("bench"), "run", "quick", "--trials", "3", "--output", "out", cwd=home)
     trials = int(call(python(home), "-c", READ, cwd=home))
     (home / "minute.py").write_text(first_minute(), encoding="utf-8")
     answer = call(python(home), "minute.py", cwd=home).partition("\n")[0]
