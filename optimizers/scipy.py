@@ -20,7 +20,6 @@ from optimizers.common.base import works
 from optimizers.common.family import CEILING, Adapter, Family
 
 CEILED = f"values above {CEILING:g}, such as +inf, are {CEILING:g} to it: a difference of infinities is no slope"
-DETERMINISTIC = "deterministic: neither the seed nor the harness's start points change anything"
 
 
 @dataclass(frozen=True)
@@ -158,38 +157,6 @@ class DualAnnealing(ScipyOptimizer):
 
 
 @dataclass(frozen=True)
-class Shgo(ScipyOptimizer):
-    """Simplicial homology global optimization (Endres et al. 2018), with local searches by SLSQP.
-
-    Attributes:
-        n: the number of points sampled in an iteration; scipy takes 100 with ``"simplicial"`` for 2^d + 1.
-        iters: the number of iterations, each a refinement and the local searches from its new minima; None goes on
-            until the budget ends. scipy's own work grows with the square of the number of points.
-        sampling_method: how the points are chosen; with ``"halton"`` and ``"sobol"`` they are triangulated, which
-            takes long in more than five dimensions.
-    """
-
-    solver: ClassVar[str] = "shgo"
-    criterion: ClassVar[str] = "iters"
-    bibtex: ClassVar[str] = works("endres2018", "virtanen2020")
-    ceiling: ClassVar[float] = CEILING
-    unmapped: ClassVar[tuple[str, ...]] = (
-        CEILED,
-        DETERMINISTIC,
-        "scipy's default of one iteration leaves most of a budget unused (iters)",
-    )
-
-    n: int = parameter(100, minimum=1)
-    iters: int | None = parameter(1, minimum=1)
-    sampling_method: Literal["simplicial", "halton", "sobol"] = "simplicial"
-
-    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, object]:  # noqa: ARG002 - draws nothing
-        """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
-        iters = objective.budget if self.iters is None else self.iters
-        return self.passed() | {"bounds": box(objective), "iters": iters}
-
-
-@dataclass(frozen=True)
 class Direct(ScipyOptimizer):
     """DIRECT, dividing rectangles (Jones et al. 1993), locally biased by default (Gablonsky and Kelley 2001).
 
@@ -204,7 +171,9 @@ class Direct(ScipyOptimizer):
 
     solver: ClassVar[str] = "direct"
     bibtex: ClassVar[str] = works("jones1993", "gablonsky2001", "virtanen2020")
-    unmapped: ClassVar[tuple[str, ...]] = (DETERMINISTIC,)
+    unmapped: ClassVar[tuple[str, ...]] = (
+        "deterministic: neither the seed nor the harness's start points change anything",
+    )
 
     eps: float = parameter(1e-4, minimum=0)
     locally_biased: bool = True
@@ -298,11 +267,11 @@ def silence() -> Iterator[None]:
         root.removeHandler(handler)
 
 
-MEMBERS = {cls.solver: cls for cls in (BasinHopping, DifferentialEvolution, Direct, DualAnnealing, Shgo)}
+MEMBERS = {cls.solver: cls for cls in (BasinHopping, DifferentialEvolution, Direct, DualAnnealing)}
 
 
 class Scipy(Family):
-    """The family ``scipy:<function>``; ``brute``, a grid, is left out, as it cannot spend a given budget."""
+    """The family ``scipy:<function>``; ``brute`` and ``shgo``, on grids, are left out: they spend no given budget."""
 
     name = "scipy"
     module = "scipy.optimize"

@@ -39,7 +39,7 @@ MEMBERS = {
     ],
 }  # fmt: skip
 MODULES = {"minion": "minionpy"}  # where it is not the family's name
-SEED_FREE = {"scipy:direct", "scipy:shgo"}
+SEED_FREE = {"scipy:direct"}
 TIMID = {"pymoo:BRKGA", "mealpy:BaseGA"}  # they recombine what they have, and stay where the start was repaired to
 OWNS = {"scipy": "virtanen2020", "pymoo": "blank2020", "minion": "muzakka2025", "optuna": "akiba2019",
         "mealpy": "vanthieu2023", "nevergrad": "bennet2021"}  # fmt: skip
@@ -154,8 +154,8 @@ def test_it_travels_to_workers_and_is_cited(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["gwo", "cma-es", "scipy:shgo", "nevergrad:SQP", "pymoo:DE", "mealpy:OriginalGWO", "minion:LSHADE",
-             "minion:NLSHADE_RSP", "minion:CMAES", "optuna:TPESampler"]
+    "name", ["gwo", "cma-es", "scipy:dual_annealing", "nevergrad:SQP", "pymoo:DE", "mealpy:OriginalGWO",
+             "minion:LSHADE", "minion:NLSHADE_RSP", "minion:CMAES", "optuna:TPESampler"]
 )  # fmt: skip
 def test_an_error_of_the_problem_stays_itself(name):
     def broken(x):
