@@ -40,14 +40,13 @@ class Diagnosis:
 
 
 def diagnose_folder(
-    folder: Folder, n_jobs: int = -1, *, anew: bool = False, untrusted: bool = False, **settings: object
+    folder: Folder, n_jobs: int = -1, *, untrusted: bool = False, **settings: object
 ) -> Iterator[Diagnosis]:
     """Yield a diagnosis of every optimizer of a study, with its own options; each is noted in the folder for reports.
 
     Args:
         folder: the folder of a study.
         n_jobs: runs made at a time, -1 for one a core.
-        anew: whether to diagnose again what has not changed since it was diagnosed.
         untrusted: whether to load and run all of them in a sandbox alone; they are then diagnosed anew each time.
         settings: others of :func:`bench.check.runs.make_runs`.
     """
@@ -67,7 +66,7 @@ def diagnose_folder(
             noted.pop(entry.label, None)
             yield Diagnosis(entry.label, [], str(error))
             continue
-        kept = [] if anew or not code else _kept([dict(record) for record in noted.get(entry.label, [])], code)
+        kept = [] if not code else _kept([dict(record) for record in noted.get(entry.label, [])], code)
         if kept:
             yield Diagnosis(entry.label, kept, kept=True)
         else:

@@ -44,9 +44,6 @@ def command(
     ] = False,
     untrusted: Untrusted = False,
     jobs: Jobs = -1,
-    anew: Annotated[
-        bool, typer.Option("--anew", help="Check a folder's optimizers again that have not changed since their check.")
-    ] = False,
 ) -> None:
     """Check that an optimizer or a problem keeps its contract, and detect an optimizer's biases in the box.
 
@@ -59,7 +56,7 @@ def command(
     if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
             raise BenchError("--set is for a plug-in given by name; a study's optimizers have their own options")
-        sound = check_folder(Path(name), console, jobs, anew, untrusted)
+        sound = check_folder(Path(name), console, jobs, untrusted)
     elif (names := selection.members(name)) != [name] or is_problem(name):
         sound = check_problems(names, console, jobs, search=search, untrusted=untrusted, **pairs(option))
     else:
@@ -116,14 +113,14 @@ def _shown(name: str, console: Console, problems: int) -> Callable[[Verdict], No
     return show
 
 
-def check_folder(path: Path, console: Console, jobs: int, anew: bool = False, untrusted: bool = False) -> bool:
+def check_folder(path: Path, console: Console, jobs: int, untrusted: bool = False) -> bool:
     """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
     from bench.check.folder import diagnose_folder
     from bench.storage.folder import Folder
 
     sound, kept = True, []
     with console.status("checking the optimizers for biases"):
-        for diagnosis in diagnose_folder(Folder(path), jobs, anew=anew, untrusted=untrusted):
+        for diagnosis in diagnose_folder(Folder(path), jobs, untrusted=untrusted):
             for verdict in diagnosis.verdicts:
                 show_verdict(diagnosis.label, verdict, console, remedy=False)  # 'bench check NAME' prints it
             if diagnosis.failed:
@@ -132,7 +129,7 @@ def check_folder(path: Path, console: Console, jobs: int, anew: bool = False, un
             if diagnosis.kept:
                 kept.append(diagnosis.label)
     if kept:
-        print_line(f"not changed since their last check: {', '.join(kept)} (--anew repeats it)", console=console)
+        print_line(f"not changed since their last check: {', '.join(kept)}", console=console)
     return sound
 
 

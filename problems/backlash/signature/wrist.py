@@ -35,11 +35,6 @@ AXES = {
     5: WristJoint(load_joint(gear_ratio=60.0, speed_rps=30.0, payload_kg=8.0, lever_m=0.25), (0.000049, 0.00012), 0.1),
     6: WristJoint(load_joint(speed_rps=20.0), (0.000128, 0.002074), 0.1),
 }
-EXPECTED = {
-    (4, "healthy"): 0.07, (4, "tampered"): 0.17, (5, "healthy"): 0.05, (5, "tampered"): 0.1, (6, "healthy"): 0.1,
-    (6, "tampered"): 0.7,
-}  # fmt: skip
-"""A in rps as the thesis expected it (Figs. 8.3b, 8.4b and 8.5b)."""
 
 
 def parts(name: str) -> tuple[int, str]:

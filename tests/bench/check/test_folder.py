@@ -61,13 +61,6 @@ def test_an_unchanged_optimizer_is_not_diagnosed_again_when_trials_are_added(mad
     assert [each.verdicts for each in again] == [each.verdicts for each in first]
 
 
-def test_the_user_may_ask_for_a_diagnosis_anew(made):
-    folder = made({"name": "scatter"})
-    for anew in (False, True):
-        (found,) = diagnosed(folder, anew=anew)
-        assert not found.kept
-
-
 @pytest.mark.slow
 def test_a_changed_optimizer_alone_is_diagnosed_again(made, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
