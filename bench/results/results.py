@@ -31,7 +31,7 @@ from bench.results.union import differences, united
 from bench.sandbox.messages import describe_error
 from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.reading import Traces
-from bench.study.budget import Budget
+from bench.study import Study
 from bench.study.cell import Labels
 from bench.study.selection import Dimensions, Patterns, selected
 from bench.trial.columns import FEATURES, FRAME, PRECISION
@@ -82,6 +82,11 @@ class StoredResults:
         study: the study as frozen in the folder; for several folders, all their problems and optimizers; of a
             selection (:meth:`select`), those selected.
         whole: the study before any selection.
+        budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
+        planned: the trials that each cell of an optimizer should hold, by the label shown; 0 of imported runs, which
+            follow no plan that is known, and of earlier versions.
+        checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
+        descriptions: how the plug-ins described the optimizers when the study ran, by label, as it is noted.
         environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
         differences: sentences on how the folders differ where imported results are among them; else none.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
@@ -98,7 +103,7 @@ class StoredResults:
         self._sources = sources([Folder(folder) for folder in (path, *others)], versions)
         self.names = [source.name for source in self._sources]
         studies = [source.study for source in self._sources]
-        self.study = self.whole = united(studies, self.names, self._stored_dimension)
+        self.whole = united(studies, self.names, self._stored_dimension)
         self.differences = differences(studies, self.names)
         self.versions = {label: number for source in self._sources for label, number in source.versions.items()}
         self.environments = [
@@ -109,38 +114,24 @@ class StoredResults:
         self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self._load)
         self._facts = cache(self._look_up)
+        self._show(self.whole)
         if others:
             _ = self.data  # refuses what differs
 
-    @cached_property
-    def budgets(self) -> dict[str, Budget]:
-        """What a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent."""
-        return self._by_optimizer(lambda source: source.budgets)
-
-    @cached_property
-    def planned(self) -> dict[str, int]:
-        """The trials that each cell of an optimizer should hold, by the label shown.
-
-        There are 0 of imported runs, which follow no plan that is known, and of earlier versions.
-        """
-        return self._by_optimizer(lambda source: source.planned)
-
-    @cached_property
-    def checks(self) -> dict[str, list[dict[str, Any]]]:
-        """The verdicts of ``bench check`` by optimizer label; empty where it has not run."""
-        return self._by_optimizer(lambda source: source.by_label(source.folder.checks()))
-
-    @cached_property
-    def descriptions(self) -> dict[str, Any]:
-        """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
-        return self._by_optimizer(lambda source: source.by_label(source.folder.noted(DESCRIPTIONS)))
+    def _show(self, study: Study) -> None:
+        """Have these be the results of a study: the whole one, or a selection of it."""
+        self.study = study
+        self.budgets = self._by_optimizer(lambda source: source.budgets)
+        self.planned = self._by_optimizer(lambda source: source.planned)
+        self.checks = self._by_optimizer(lambda source: source.by_label(source.folder.checks()))
+        self.descriptions = self._by_optimizer(lambda source: source.by_label(source.folder.noted(DESCRIPTIONS)))
 
     def _by_optimizer(self, read: Callable[[StudyFolder], Mapping[str, T]]) -> dict[str, T]:
         """Return what the folders say of the study's optimizers, by label."""
-        _, optimizers = self._places
+        optimizers = {entry.label for entry in self.study.optimizers}
         return {label: found for each in self._sources for label, found in read(each).items() if label in optimizers}
 
-    @cached_property
+    @property
     def data(self) -> dict[str, dict[str, str]]:
         """The hash of each file of data that a problem's trials were made from, by the problem's label.
 
@@ -199,7 +190,7 @@ class StoredResults:
         """
         chosen = type(self)(*self.paths, versions=self._versions)
         chosen._problem, chosen._facts = self._problem, self._facts
-        chosen.study = selected(self.study, optimizers, problems, dimensions, self.dimension)
+        chosen._show(selected(self.study, optimizers, problems, dimensions, self.dimension))
         return chosen
 
     def __repr__(self) -> str:
