@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import sqlite3
-import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
@@ -206,7 +204,7 @@ class Store:
     def _open(self) -> Iterator[sqlite3.Connection]:
         """Yield a connection; raises BenchError for a store of another layout, or with other tables."""
         try:
-            with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
+            with closing(sqlite3.connect(_uri(self.path), timeout=30, uri=True)) as connection:
                 version = layout(connection)
                 if version not in (None, VERSION):
                     raise BenchError(
@@ -260,24 +258,14 @@ def _refusal(path: Path, error: Exception) -> BenchError:
     return BenchError(f"{sentence}; {RESTORE if damaged else 'what it holds is kept'}")
 
 
-@contextmanager
-def _uri(path: Path) -> Iterator[str]:
-    """Yield the URI with which SQLite opens a store, also in a folder that cannot be written.
+def _uri(path: Path) -> str:
+    """Return the URI with which SQLite opens a store, also in a folder that cannot be written.
 
     SQLite writes files beside a store even to read it. In a read-only folder it can use the index that a running or
-    killed run left there; without an index the URI must declare the store immutable. Rows in a write-ahead log without
-    an index, as in a copy made by hand, are found only by writing, so such a store is read from a temporary copy.
+    killed run left there; without a log the URI must declare the store immutable.
     """
     uri = path.resolve().as_uri()
     log, index = (path.with_name(f"{path.name}-{beside}") for beside in ("wal", "shm"))
     if not path.exists() or os.access(path.parent, os.W_OK):
-        yield uri
-    elif index.exists():
-        yield f"{uri}?mode=ro"
-    elif not log.exists() or not log.stat().st_size:
-        yield f"{uri}?immutable=1"
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            for file in (path, log):
-                shutil.copy(file, folder)
-            yield (Path(folder) / path.name).as_uri()
+        return uri
+    return f"{uri}?mode=ro" if index.exists() or (log.exists() and log.stat().st_size) else f"{uri}?immutable=1"

@@ -44,15 +44,9 @@ def noted(study: Study, note: JsonObject) -> Descriptions:
     """Return the descriptions in the note of a folder; built-in optimizers that it lacks are read in this process."""
     labels = [entry.label for entry in study.optimizers]
     described = read(note, labels)
-    lacking = any(loading.is_built_in(entry.name) for entry in study.optimizers if entry.label not in described)
-    return {label: Description() for label in labels} | (_here(study) if lacking else {}) | described
-
-
-def _here(study: Study) -> Descriptions:
-    """Return the descriptions of the optimizers that come with the harness, and empty ones of the others."""
     built_in = [entry.label for entry in study.optimizers if loading.is_built_in(entry.name)]
-    empty = {entry.label: Description() for entry in study.optimizers}
-    return empty | read(describe(study, built_in), built_in)
+    lacking = [label for label in built_in if label not in described]
+    return {label: Description() for label in labels} | read(describe(study, lacking), lacking) | described
 
 
 def describe(study: Study, labels: list[str]) -> JsonObject:
