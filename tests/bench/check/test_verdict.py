@@ -1,7 +1,5 @@
 """Verdicts, and how they are shown and stored."""
 
-import json
-
 import pytest
 
 from bench.check import Verdict
@@ -18,9 +16,3 @@ from bench.check import Verdict
 )
 def test_one_word_says_the_outcome(kind, passed, word):
     assert Verdict("box", kind, passed, "seen").outcome == word
-
-
-def test_a_verdict_comes_back_from_json():
-    for figure in (12.5, 3, None):
-        verdict = Verdict("centre bias", "bias", False, "worse off the centre", "report it", figure)
-        assert Verdict.from_dict(json.loads(json.dumps(verdict.as_dict()))) == verdict

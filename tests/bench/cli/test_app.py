@@ -6,8 +6,6 @@ import sys
 
 import pytest
 
-from bench import Results
-
 STUDY = """
 name = "tiny"
 trials = 2
@@ -45,13 +43,6 @@ def test_run_writes_a_report_and_status_knows_it(bench, bench_here, tiny, tmp_pa
     status = bench_here("status", tmp_path / "out")
     assert status.returncode == 0
     assert "scatter       4     0       4" in status.stdout
-
-
-def test_a_run_without_a_report_says_what_its_results_say(bench_here, tiny, tmp_path):
-    options = "--output", tmp_path / "out", "--jobs", 1, "--no-report"
-    for trials in (2, 5):
-        done = bench_here("run", tiny, *options, "--trials", trials)
-        assert Results(tmp_path / "out").answer["sentence"] in " ".join(done.stdout.split())
 
 
 def test_a_part_of_a_run_imports_nothing_that_only_a_report_needs(tiny, tmp_path):

@@ -101,12 +101,12 @@ def test_the_command_names_them_and_ends_with_1_and_status_repeats_them(file, tm
     assert "different: learns on sphere-2" in bench_here("status", tmp_path / "out").stdout
 
 
-@pytest.mark.parametrize("part", ["[]", '{"trials": "x"}', "[[1]]", '[["x", 3]]', "[[[1], {}]]", "[3]"])
-def test_a_note_by_a_stranger_raises_no_other_error(part, file, tmp_path):
+def test_a_note_by_a_stranger_raises_no_other_error(file, tmp_path):
     folder = Folder(tmp_path / "out")
     run(study(file, "honest"), folder.path, n_jobs=1, verify=False)
-    (folder.path / VERIFICATION).write_text(f'{{"at_ends": {part}}}')
-    assert "at_ends" not in folder.verification()
+    for part in ("[]", '{"trials": "x"}', "[[1]]", '[["x", 3]]', "[[[1], {}]]", "[3]"):
+        (folder.path / VERIFICATION).write_text(f'{{"at_ends": {part}}}')
+        assert "at_ends" not in folder.verification()
 
 
 def test_a_trial_that_a_limit_of_time_has_ended_is_not_made_again_and_the_plan_warns(file, tmp_path):

@@ -21,10 +21,15 @@ def same(a, b):
     pd.testing.assert_frame_equal(a.drop(columns=TIMES), b.drop(columns=TIMES), check_exact=True)
 
 
-def test_a_run_fills_the_frame(small_study, tmp_path):
-    outcome = run(small_study, tmp_path / "out", n_jobs=1)
-    assert (outcome.made, outcome.failed) == (18, 0)
-    frame = load_results(tmp_path / "out")
+@pytest.fixture(scope="module")
+def made(small_study, tmp_path_factory):
+    """What a run returns, whose folder no test changes."""
+    return run(small_study, tmp_path_factory.mktemp("made") / "out", n_jobs=1)
+
+
+def test_a_run_fills_the_frame(made):
+    assert (made.made, made.failed) == (18, 0)
+    frame = load_results(made.folder)
     assert len(frame) == 18
     assert frame["problem"].unique().tolist() == ["sphere-2", "sphere-3"]
     assert frame["optimizer"].unique().tolist() == ["hill-climber", "scatter", "early"]
@@ -41,9 +46,8 @@ def test_a_run_fills_the_frame(small_study, tmp_path):
     assert (frame["objective_s"] <= frame["wall_s"]).all()
 
 
-def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
-    run(small_study, tmp_path / "out", n_jobs=1)
-    results = Results(tmp_path / "out")
+def test_a_row_s_seed_repeats_its_trial(small_study, made):
+    results = Results(made.folder)
     row = results.frame[results.frame["optimizer"] == "scatter"].iloc[0]
     again = solve(results.problem(row["problem"]), small_study.optimizer("scatter"), budget=60, seed=int(row["seed"]))
     assert again.fun == row["fun"]
@@ -52,26 +56,24 @@ def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
     assert stored.evaluations.tolist() == again.trace.evaluations.tolist()
 
 
-def test_workers_and_other_optimizers_change_no_result(small_study, tmp_path):
-    run(small_study, tmp_path / "one", n_jobs=1)
+def test_workers_and_other_optimizers_change_no_result(small_study, made, tmp_path):
     run(small_study, tmp_path / "two", n_jobs=2)
-    same(load_results(tmp_path / "one"), load_results(tmp_path / "two"))
+    same(load_results(made.folder), load_results(tmp_path / "two"))
     alone = Study.from_dict(
         {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"name": "sphere-3"}],
          "optimizers": [{"name": "scatter", "agents": 7}]}
     )  # fmt: skip
     run(alone, tmp_path / "alone", n_jobs=1)
-    all_of_it = load_results(tmp_path / "one")
+    all_of_it = load_results(made.folder)
     part = all_of_it[(all_of_it["optimizer"] == "scatter") & (all_of_it["problem"] == "sphere-3")]
     same(part.reset_index(drop=True), load_results(tmp_path / "alone"))
 
 
-def test_a_rerun_makes_nothing_and_more_trials_extend(small_study, tmp_path):
+def test_a_rerun_makes_nothing_and_more_trials_extend(small_study, made, tmp_path):
     run(small_study.override(trials=2), tmp_path / "out", n_jobs=1)
     assert run(small_study.override(trials=2), tmp_path / "out", n_jobs=1).made == 0
     assert run(small_study, tmp_path / "out", n_jobs=1).made == 6
-    run(small_study, tmp_path / "whole", n_jobs=1)
-    same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
+    same(load_results(tmp_path / "out"), load_results(made.folder))
 
 
 def test_a_folder_that_no_run_wrote_is_refused(small_study, tmp_path):

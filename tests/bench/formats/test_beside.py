@@ -38,17 +38,18 @@ ROWS = [
 MINE = {f"box-f01-d{d}-i{i}": d for d in (2, 5) for i in (1, 2, 7)}
 
 
-@pytest.fixture
-def archive(tmp_path):
-    (tmp_path / "runs.csv").write_text("\n".join(ROWS))
-    import_results(tmp_path / "runs.csv", tmp_path / "archive")
-    return tmp_path / "archive"
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory):
+    place = tmp_path_factory.mktemp("archive")
+    (place / "runs.csv").write_text("\n".join(ROWS))
+    import_results(place / "runs.csv", place / "archive")
+    return place / "archive"
 
 
-@pytest.fixture
-def mine(tmp_path):
+@pytest.fixture(scope="module")
+def mine(tmp_path_factory):
     """A study whose budget is 120, on instances and dimensions of which the archive has a part."""
-    return make(tmp_path / "mine", MINE, ("own",), trials=3).paths[0]
+    return make(tmp_path_factory.mktemp("own") / "mine", MINE, ("own",), trials=3).paths[0]
 
 
 class TestUnited:
@@ -239,8 +240,8 @@ def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_pa
 
     assert "16 trials from runs.csv (csv, licence unknown)" in " ".join(call("status", archive).split())
     for kind in ("ioh", "coco", "csv"):
-        call("export", archive, "--format", kind)
-    head = json.loads((archive / "export/ioh/archived/IOHprofiler_f1_box-f01-d2-i1.json").read_text())
+        call("export", archive, "--format", kind, "--output", tmp_path / kind)
+    head = json.loads((tmp_path / "ioh/archived/IOHprofiler_f1_box-f01-d2-i1.json").read_text())
     assert head["scenarios"][0]["dimension"] == 2
     assert head["scenarios"][0]["runs"][0]["seed"] is None
     with pytest.raises(BenchError, match="holds imported trials, such as those of archived"):

@@ -100,18 +100,6 @@ def test_a_function_takes_its_keywords_as_parameters(sphere):
         objective(np.clip(scale * rng.standard_normal((n, 3)), objective.lower, objective.upper))
 
     assert solve(sphere, look, budget=9).nfev == 2
-    with pytest.raises(BenchError, match=r"'nothing' must take \(objective, rng\) first"):
-        solve(sphere, nothing, budget=9)
-    with pytest.raises(BenchError, match="parameter 'n' of 'needs' must be a keyword with a default"):
-        solve(sphere, needs, budget=9)
-
-
-def nothing():
-    """Take no argument."""
-
-
-def needs(objective, rng, n):
-    """Take one without a default."""
 
 
 class Called:

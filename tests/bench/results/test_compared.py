@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from bench import Results, analysis
+from bench import Results
 from bench.analysis.cells import labels
 from bench.topics.findings import Findings
 from tests.bench.formats.made import make
@@ -18,8 +18,3 @@ def test_instances_of_a_function_are_one_problem(tmp_path):
     pooled = make(tmp_path / "s", problems).pooled()
     assert labels(pooled, "problem") == ["classical-sphere-d2", "sphere-2"]
     assert {*pooled["instance"].dropna()} == {1, 2}
-
-
-def test_the_tests_of_the_analysis_take_it(filled):
-    pairs = analysis.pairwise_tests(Results(filled.path).pooled())
-    assert set(pairs["problem"].astype(str)) == {"sphere-2", "sphere-3"}

@@ -44,7 +44,7 @@ def damaged_copy(filled, folder, seed):
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(20), pytest.param(range(20, 200), marks=pytest.mark.slow)], ids=["few", "many"]
+    "seeds", [range(10), pytest.param(range(10, 200), marks=pytest.mark.slow)], ids=["few", "many"]
 )
 def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, filled, tmp_path):
     with closing(sqlite3.connect(filled.store.path)) as connection:
