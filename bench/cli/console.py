@@ -37,7 +37,7 @@ def interruptible() -> Iterator[None]:
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)  # once is enough
-        print_error("interrupted; every finished trial is kept: run the same command again to continue")
+        print_error("interrupted; finished trials and slow evaluations are kept: the same command goes on")
         sys.exit(130)
 
 

@@ -186,6 +186,7 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, memory: flo
     if objective.best_point is None:
         lazy = inspect.isgenerator(returned) or inspect.isawaitable(returned) or inspect.isasyncgen(returned)
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
+        hint = f"; it was stopped: {objective.stop_reason}" if objective.stop_reason else hint
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
     stop = "budget" if objective.nfev == objective.budget else objective.stop_reason
     clocked: Row = {"wall_s": wall, "cpu_s": cpu, "memory_mb": memory, "stop": "undeclared" if stop is None else stop}

@@ -228,7 +228,7 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
             time.sleep(chance.uniform(0, 0.2))
         code, said = run.end()
         assert code == 130, said
-        assert said == "bench: interrupted; every finished trial is kept: run the same command again to continue\n"
+        assert said == "bench: interrupted; finished trials and slow evaluations are kept: the same command goes on\n"
         now = committed(folder)
         assert seen.items() <= now.items()
         assert Folder(folder).running() is None

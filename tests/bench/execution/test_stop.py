@@ -89,6 +89,14 @@ def test_a_function_ends_its_run(parallel):
     assert result.fun == pytest.approx(1.8)
 
 
+def test_a_function_that_ends_its_run_at_once_says_why():
+    def function(x):
+        raise StopRun("no licence")
+
+    with pytest.raises(RuntimeError, match="without a single evaluation; it was stopped: no licence"):
+        solve(bench.FunctionProblem(function, [-2], [2], vectorized=False), walk, budget=30)
+
+
 def test_a_study_ends_its_trials_at_a_target_and_they_repeat(tmp_path):
     study = {
         "name": "goal", "trials": 2, "budget": 2000, "final_target": 1e-2,
