@@ -106,9 +106,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             sandbox_of(task)
         except BenchError as error:
             reason = str(error).removeprefix("--untrusted needs ").removeprefix("--untrusted ")
-            raise BenchError(
-                f"candidates are run in a sandbox: {reason}; or say sandbox=False to run them without one"
-            ) from error
+            raise BenchError(f"candidates run in a sandbox: {reason}; or say sandbox=False to go without") from error
         self._workers, self._n_jobs = Workers(task, n_jobs), n_jobs
         self._known = dict[tuple[Any, ...], pd.DataFrame]()  # trials of the baselines, by their problems and number
         self._judged: list[dict[str, Any]] = []
@@ -158,7 +156,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         return Final(compare(frame, LABEL, before=True), frame, judged, finals, candidate.reason)
 
     def log(self, path: str | PathLike[str]) -> None:
-        """Write a JSON line for each candidate judged so far: hash of its source, score, error bar and error."""
+        """Write a JSON line for each candidate judged so far: hash of its source, score and error."""
         with explained(f"{path} cannot be written"):
             Path(path).write_text("".join(f"{json.dumps(each)}\n" for each in self._judged), encoding="utf-8")
 
@@ -174,9 +172,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
     def evaluate(self, path: str | PathLike[str]) -> dict[str, Any]:
         """Judge the program of a file, as the ``evaluate`` of OpenEvolve does."""
         found = self(Path(path))
-        bar = 0.0 if np.isnan(found.error_bar) else found.error_bar
-        texts = {"feedback": found.feedback, "error": found.error}
-        return {"combined_score": found.score, "error_bar": bar, "artifacts": {k: v for k, v in texts.items() if v}}
+        return {"combined_score": found.score, "artifacts": {"feedback": found.feedback}}
 
     def _of_baselines(self, problems: Sequence[str], number: int) -> pd.DataFrame:
         """Return the trials of the baselines on these problems, which are made once."""
@@ -204,7 +200,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         planned = self._study.override(trials=number).plan()
         trials = [trial for trial in planned if trial.optimizer in optimizers and trial.problem in problems]
         trials.sort(key=lambda trial: (optimizers.index(trial.optimizer), trial.number, problems.index(trial.problem)))
-        rows = workers.rows((candidate, trial) for candidate in candidates for trial in trials)
+        rows = workers.rows(candidates, trials)
         return [self._frame(trials, islice(rows, len(trials))) for _ in candidates]
 
     def _frame(self, trials: Sequence[Trial], rows: Iterable[Row]) -> pd.DataFrame:
@@ -233,9 +229,8 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             used = frame["nfev"] / frame["problem"].map(self._budgets)
             feedback = words.feedback(score, bar, by_problem, float(used.mean()))
             notes = words.notes(frame, self._optima, self._assumed)
-        kept = {"hash": candidate.held[KEY].digest, "score": score, "error_bar": None if np.isnan(bar) else bar}
         with self._lock:
-            self._judged.append(kept | {"error": candidate.reason})
+            self._judged.append({"hash": candidate.held[KEY].digest, "score": score, "error": candidate.reason})
         return Found(score, bar, candidate.reason, feedback, frame, by_problem, notes)
 
 

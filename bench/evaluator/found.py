@@ -77,17 +77,16 @@ class Final:
 
 def feedback(score: float, bar: float, by_problem: pd.DataFrame, used: float) -> str:
     """Return the score, where it is strong and weak against the baselines, and the share of evaluations used."""
-    own, rivals = by_problem["candidate"], by_problem.drop(columns="candidate")
-    means = ", ".join(f"{label} {mean:.3f}" for label, mean in rivals.mean().items())
-    lead = own - rivals.max(axis=1)
+    rivals = by_problem.drop(columns="candidate")
+    lead = by_problem["candidate"] - rivals.max(axis=1)
     best, worst = str(lead.idxmax()), str(lead.idxmin())
+    means = ", ".join(f"{label} {mean:.3f}" for label, mean in rivals.mean().items())
     spread = "" if pd.isna(bar) else f" ± {bar:.3f}"
-    parts = [f"AOCC {score:.3f}{spread} (higher is better; {means})."]
-    parts += [f"Strongest against the baselines: {best} ({lead[best]:+.3f})."] if lead[best] > 0 else []
-    parts += [f"Weakest: {worst} ({lead[worst]:+.3f})."] if lead[worst] < 0 else []
-    parts.append(f"Better than all baselines on {int((lead > 0).sum())} of {len(lead)} problems.")
-    parts.append(f"Used {used:.0%} of the evaluations.")
-    return shortened(" ".join(parts))
+    return shortened(
+        f"AOCC {score:.3f}{spread} (higher is better; {means}). Against the best baseline of each problem, strongest "
+        f"on {best} ({lead[best]:+.3f}), weakest on {worst} ({lead[worst]:+.3f}), and ahead on {int((lead > 0).sum())} "
+        f"of {len(lead)}. Used {used:.0%} of the evaluations."
+    )
 
 
 def shortened(text: str) -> str:

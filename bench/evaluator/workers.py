@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 import re
 import warnings
-from collections.abc import Generator, Iterable
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import product
 from os import PathLike
 from pathlib import Path
 from threading import local
@@ -86,9 +87,9 @@ class Workers:
         self._task, self._local, self._supervisors = task, local(), list[Supervisor]()
         self._threads = ThreadPoolExecutor(effective_n_jobs(n_jobs), "evaluator", self._begin)
 
-    def rows(self, trials: Iterable[tuple[Candidate, Trial]]) -> Generator[Row]:
-        """Yield the rows of trials in their order; of a candidate that has failed, none is made any more."""
-        return self._threads.map(self._row, trials)  # type: ignore[return-value]
+    def rows(self, candidates: Sequence[Candidate], trials: Sequence[Trial]) -> Iterator[Row]:
+        """Yield the rows of the trials of each candidate; of one that has failed, none is made any more."""
+        return self._threads.map(self._row, *zip(*product(candidates, trials), strict=True))
 
     def close(self) -> None:
         """End all processes and threads."""
@@ -100,8 +101,7 @@ class Workers:
         self._local.supervisor = Supervisor(self._task)
         self._supervisors.append(self._local.supervisor)
 
-    def _row(self, task: tuple[Candidate, Trial]) -> Row:
-        candidate, trial = task
+    def _row(self, candidate: Candidate, trial: Trial) -> Row:
         if candidate.error:
             return failed("left out, as the candidate has failed")
         try:

@@ -71,6 +71,7 @@ def judge():
 
 @pytest.mark.parametrize("source", [CALLED, FUNCTION, ASKING, OPTIMIZER], ids=["called", "function", "asking", "class"])
 def test_every_shape_has_a_score_which_is_the_same_again(judge, source):
+    assert judge.map([]) == []
     found, again = judge.map([source, source])
     assert (found.error, found.notes) == ("", ())
     assert 0 < found.score == again.score < 1
