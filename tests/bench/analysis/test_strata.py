@@ -48,7 +48,8 @@ def test_the_gate_compares_within_instances(apart):
     assert noninferiority(apart, "a", "b").problems["n_old"].tolist() == [16]
 
 
-@pytest.mark.parametrize("variance", [0.0, 0.5, 0.8])
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("variance", [0.8, 0.5, 0.0])
 def test_a_difference_between_instances_is_no_difference_between_optimizers(frame_of, variance):
     rng, claims = np.random.default_rng(1), 0
     for _ in range(60):

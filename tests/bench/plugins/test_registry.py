@@ -55,6 +55,7 @@ def test_two_plugins_of_one_name_are_refused_by_name(install):
         registry.entries("optimizers")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["optimizers", "problems"])
 def test_a_foreign_module_of_a_generic_name_is_refused_at_start_up(tmp_path, name):
     (tmp_path / f"{name}.py").write_text("")
